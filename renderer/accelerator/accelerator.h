@@ -1,0 +1,33 @@
+// Finds what a ray hits. Immutable once built, shared by all threads.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "shape/geometry.h"
+#include "shape/interaction.h"
+#include "util/result.h"
+
+namespace tessera {
+
+struct AcceleratorStatistics {
+  double build_seconds = 0;
+  uint64_t nodes = 0;  // 0 if the structure does not tell
+  uint64_t bytes = 0;
+};
+
+class Accelerator {
+ public:
+  virtual ~Accelerator() = default;
+  // The nearest hit in (0, ray.t_max]; false if there is none. Alpha is taken into account.
+  virtual bool Intersect(const Ray& ray, Hit* hit) const = 0;
+  // Whether anything but `interface` surfaces lies in (0, ray.t_max).
+  virtual bool Occluded(const Ray& ray) const = 0;
+  virtual AcceleratorStatistics statistics() const = 0;
+};
+
+// `kind` is "embree" (others follow). `geometry` and `textures` must outlive the accelerator.
+Result<std::unique_ptr<Accelerator>> MakeAccelerator(std::string_view kind, const Geometry& geometry,
+                                                     const TextureTable& textures);
+
+}  // namespace tessera

@@ -1,0 +1,50 @@
+// What a frame is: size, samples, channels and the header of its file. Decided once, at submission.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "film/sample_range.h"
+#include "util/result.h"
+
+namespace tessera {
+
+constexpr int kResolutionMax = 1 << 16;  // pixels per axis: what OpenEXR readers commonly take
+constexpr int kTileSizeMax = 256;        // pixels: a unit's result stays far below the message limit
+constexpr int kTileSizeDefault = 32;     // pixels: small enough to share 192x108 over 8 threads
+constexpr int kChannelsMax = 256;
+
+// Pixels [x0, x1) x [y0, y1).
+struct PixelBounds {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  auto operator<=>(const PixelBounds&) const = default;
+  int width() const { return x1 - x0; }
+  int height() const { return y1 - y0; }
+  int64_t area() const { return static_cast<int64_t>(width()) * height(); }
+};
+
+enum class ExrType { kHalf, kFloat };
+
+// Immutable after Check. The sums of a pixel have the channels `channels`, of which the last is always the filter
+// weight "W": written values are the sums of the others divided by it.
+struct FrameSpec {
+  int width = 0, height = 0;         // of the whole picture: the display window
+  PixelBounds crop;                  // what is rendered: the data window
+  uint32_t samples_per_pixel = 0;
+  int tile_size = kTileSizeDefault;
+  std::vector<std::string> channels{"R", "G", "B", "W"};
+  ExrType exr_type = ExrType::kHalf;
+  std::map<std::string, std::string> attributes;  // of the EXR header; nothing that differs between runs
+
+  // Whether all is within the limits.
+  Result<void> Check() const;
+  int channel_count() const { return static_cast<int>(channels.size()); }
+  // Tiles cover the crop row by row; the last of a row or column may be smaller.
+  int TileCount() const;
+  PixelBounds TileBounds(int tile) const;
+};
+
+}  // namespace tessera

@@ -1,0 +1,33 @@
+// Pictures to and from files.
+#pragma once
+
+#include <string>
+
+#include "film/frame_spec.h"
+#include "film/merger.h"
+
+namespace tessera {
+
+// The bytes of an OpenEXR file: display window from the spec, data window from its crop, attributes from the spec.
+// Equal pictures give equal bytes.
+Result<std::string> EncodeExr(const FrameSpec& spec, const FramePicture& picture);
+
+// A decoded OpenEXR file: every channel as float.
+struct LoadedPicture {
+  int width = 0, height = 0;     // display window
+  PixelBounds bounds;            // data window
+  std::vector<std::string> channels;
+  std::vector<float> values;     // [(y * width + x) * channels + c] over the data window
+  std::map<std::string, std::string> attributes;  // string attributes
+};
+Result<LoadedPicture> LoadExr(const std::string& path);
+
+// How two pictures differ, over the channels both have. relMSE is the mean of (a - b)^2 / (b^2 + 0.01).
+struct PictureDifference {
+  double mse = 0, relmse = 0, psnr_db = 0, maxabs = 0;
+  bool identical = false;
+};
+// An error if the sizes or channels differ.
+Result<PictureDifference> Compare(const LoadedPicture& a, const LoadedPicture& b);
+
+}  // namespace tessera

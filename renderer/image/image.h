@@ -1,0 +1,63 @@
+// Pictures read from files: textures, environment maps, normal maps.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "language/file_source.h"
+#include "math/vec.h"
+#include "util/result.h"
+
+namespace tessera {
+
+enum class PixelFormat { kUint8, kHalf, kFloat };
+
+// How stored 8-bit values become linear ones.
+struct ColorEncoding {
+  enum class Kind { kLinear, kSrgb, kGamma };
+  Kind kind = Kind::kLinear;
+  float gamma = 1;
+  bool operator==(const ColorEncoding&) const = default;
+  float ToLinear(float value) const;  // value in [0, 1]
+};
+
+// A picture in memory, rows from top to bottom, channels interleaved. Immutable once read.
+struct Image {
+  int width = 0, height = 0, channels = 0;
+  PixelFormat format = PixelFormat::kFloat;
+  ColorEncoding encoding;                  // of kUint8 data
+  std::vector<std::string> channel_names;  // "R", "G", "B", "A", "Y", ... as the file names them
+  std::vector<uint8_t> bytes;              // width * height * channels values of `format`, machine byte order
+
+  // The linear value of a channel; x and y must be inside.
+  float Get(int x, int y, int channel) const;
+  // Index of the channel of this name, -1 if there is none.
+  int ChannelIndex(std::string_view name) const;
+  // Index of R, G and B; nothing if the picture lacks one of them.
+  std::optional<std::array<int, 3>> RgbChannels() const;
+};
+
+// Reads EXR, PNG, JPEG, TGA, HDR, TIFF, BMP, WebP, PFM and QOI, decided by content and checked against `name`'s
+// ending; sizes are bounded. `encoding` is for 8-bit data; nothing means sRGB for 8-bit files.
+Result<Image> DecodeImage(const std::string& bytes, const std::string& name, std::optional<ColorEncoding> encoding);
+
+// Images by file name and encoding, each read once. Thread safe.
+class ImageCache {
+ public:
+  explicit ImageCache(FileSource& files) : files_(files) {}
+  Result<std::shared_ptr<const Image>> Get(const std::string& name, std::optional<ColorEncoding> encoding);
+  size_t bytes() const;  // of all pictures held
+
+ private:
+  FileSource& files_;
+  mutable std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<const Image>> images_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,61 @@
+// How a surface scatters light at one point: BxDFs in the shading frame behind one value type.
+#pragma once
+
+#include <optional>
+
+#include "color/sampled_spectrum.h"
+#include "material/bxdf.h"
+#include "math/vec.h"
+
+namespace tessera {
+
+// A value and the density with which Sample would choose it.
+struct BsdfEvaluation {
+  SampledSpectrum f;  // per steradian, without the cosine
+  float pdf = 0;      // per solid angle
+};
+
+struct BsdfSample {
+  SampledSpectrum f;     // of a specular sample: divided by the cosine, as if the peak were 1
+  Vec3 wi;               // unit, rendering space
+  float pdf = 0;         // per solid angle; of a specular sample: the probability of the choice
+  BxdfFlags flags = BxdfFlags::kNone;
+  float eta = 1;         // relative index along the path if the sample is transmitted, else 1
+  bool IsSpecular() const { return HasFlag(flags, BxdfFlags::kSpecular); }
+  bool IsTransmission() const { return HasFlag(flags, BxdfFlags::kTransmission); }
+};
+
+// The BSDF at one point. Directions are unit vectors in rendering space that point away from the surface. Radiance
+// transport (not importance) is meant throughout. A value: no allocation, no ownership.
+class Bsdf {
+ public:
+  Bsdf() = default;
+  // shading_n and dpdu as in SurfaceInteraction::shading after bump mapping.
+  Bsdf(Normal3 shading_n, Vec3 dpdu, const Bxdf& bxdf) : frame_(Frame::FromXZ(dpdu, shading_n)), bxdf_(bxdf) {}
+
+  BxdfFlags flags() const { return bxdf_.flags(); }
+  bool HasNonSpecular() const {
+    return HasFlag(flags(), BxdfFlags::kDiffuse) || HasFlag(flags(), BxdfFlags::kGlossy);
+  }
+  // Both zero for specular components.
+  BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const {
+    const Vec3 wo_local = frame_.ToLocal(wo), wi_local = frame_.ToLocal(wi);
+    if (wo_local.z == 0) return {};
+    return bxdf_.Evaluate(wo_local, wi_local);
+  }
+  // uc chooses the component, u the direction. Nothing if the light is absorbed.
+  std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const {
+    const Vec3 wo_local = frame_.ToLocal(wo);
+    if (wo_local.z == 0) return std::nullopt;
+    std::optional<BsdfSample> sample = bxdf_.Sample(wo_local, uc, u);
+    if (!sample || sample->pdf <= 0 || !AnyNonZero(sample->f) || sample->wi.z == 0) return std::nullopt;
+    sample->wi = frame_.FromLocal(sample->wi);
+    return sample;
+  }
+
+ private:
+  Frame frame_;
+  Bxdf bxdf_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,44 @@
+// Materials: what a surface is made of, from textures to a Bsdf at one point.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "color/wavelengths.h"
+#include "language/file_source.h"
+#include "language/scene_description.h"
+#include "material/bsdf.h"
+#include "shape/interaction.h"
+#include "texture/texture_builder.h"
+
+namespace tessera {
+
+struct Material;  // material_kinds.h
+
+// All materials of a scene, by the index of SceneDescription::materials. Immutable.
+class MaterialTable {
+ public:
+  MaterialTable();
+  ~MaterialTable();
+  MaterialTable(MaterialTable&&) noexcept;
+  MaterialTable& operator=(MaterialTable&&) noexcept;
+
+  // Builds every material of the scene. Errors carry their place; kinds that are not supported are named.
+  static Result<MaterialTable> Build(const SceneDescription& scene, TextureBuilder& textures);
+
+  // Whether the material is `interface`: rays pass, only the medium changes.
+  bool IsInterface(int material) const;
+
+  // The Bsdf of `material` at a surface point. Chooses among mixed materials by a hash of the place, changes
+  // `interaction.shading` by bump or normal maps, and drops secondary wavelengths where the material disperses.
+  // `context` holds the texture footprint.
+  Bsdf Evaluate(int material, const TextureTable& textures, const TextureContext& context,
+                SurfaceInteraction& interaction, SampledWavelengths& wavelengths) const;
+
+  size_t size() const;
+
+ private:
+  std::vector<Material> materials_;
+};
+
+}  // namespace tessera

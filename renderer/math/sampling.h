@@ -1,0 +1,84 @@
+// Maps from the unit square to the shapes that path tracing samples, each beside its density and, where it has
+// one, its inverse. Every density says with respect to which measure.
+#pragma once
+
+#include <cmath>
+
+#include "math/vec.h"
+
+namespace tessera {
+
+// Uniform over the unit disk, with little distortion (Shirley and Chiu 1997). Density 1/pi per area.
+inline Point2 SampleUniformDiskConcentric(Point2 u) {
+  const Vec2 offset{2 * u.x - 1, 2 * u.y - 1};
+  if (offset.x == 0 && offset.y == 0) return {0, 0};
+  float r, theta;
+  if (std::abs(offset.x) > std::abs(offset.y)) {
+    r = offset.x;
+    theta = (kPi / 4) * (offset.y / offset.x);
+  } else {
+    r = offset.y;
+    theta = kPi / 2 - (kPi / 4) * (offset.x / offset.y);
+  }
+  return {r * std::cos(theta), r * std::sin(theta)};
+}
+
+// Directions about +z with density cos(theta)/pi per solid angle (Malley's method).
+inline Vec3 SampleCosineHemisphere(Point2 u) {
+  const Point2 d = SampleUniformDiskConcentric(u);
+  return {d.x, d.y, SafeSqrt(1 - d.x * d.x - d.y * d.y)};
+}
+inline float CosineHemispherePdf(float cos_theta) { return cos_theta * kInvPi; }
+
+// Directions with density 1/(4 pi) per solid angle.
+inline Vec3 SampleUniformSphere(Point2 u) {
+  const float z = 1 - 2 * u.x;
+  const float r = SafeSqrt(1 - z * z);
+  const float phi = 2 * kPi * u.y;
+  return {r * std::cos(phi), r * std::sin(phi), z};
+}
+constexpr float UniformSpherePdf() { return kInv4Pi; }
+
+// Directions about +z with density 1/(2 pi) per solid angle.
+inline Vec3 SampleUniformHemisphere(Point2 u) {
+  const float r = SafeSqrt(1 - u.x * u.x);
+  const float phi = 2 * kPi * u.y;
+  return {r * std::cos(phi), r * std::sin(phi), u.x};
+}
+constexpr float UniformHemispherePdf() { return kInv2Pi; }
+
+// Barycentric coordinates of a point uniform in a triangle, close to area-preserving (Heitz 2019). Density
+// 1/area per area.
+inline Vec3 SampleUniformTriangle(Point2 u) {
+  float b0, b1;
+  if (u.x < u.y) {
+    b0 = u.x / 2;
+    b1 = u.y - b0;
+  } else {
+    b1 = u.y / 2;
+    b0 = u.x - b1;
+  }
+  return {b0, b1, 1 - b0 - b1};
+}
+
+// x in [0, 1] with density proportional to the line from a at 0 to b at 1.
+inline float SampleLinear(float u, float a, float b) {
+  if (u == 0 && a == 0) return 0;
+  const float x = u * (a + b) / (a + std::sqrt(Lerp(u, a * a, b * b)));
+  return std::min(x, 0x1.fffffep-1f);
+}
+inline float LinearPdf(float x, float a, float b) {
+  if (x < 0 || x > 1) return 0;
+  return 2 * Lerp(x, a, b) / (a + b);
+}
+
+// Multiple importance sampling weight of a technique with density f_pdf against one with g_pdf, one sample each
+// (Veach 1997, power heuristic with exponent 2).
+inline float PowerHeuristic(float f_pdf, float g_pdf) {
+  if (std::isinf(f_pdf * f_pdf)) return 1;
+  const float f2 = f_pdf * f_pdf;
+  const float sum = f2 + g_pdf * g_pdf;
+  return sum > 0 ? f2 / sum : 0;
+}
+
+}  // namespace tessera

@@ -1,0 +1,75 @@
+// The renderer as the programs see it: a scene file in, radiance tiles out.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "film/frame_spec.h"
+#include "film/radiance_tile.h"
+#include "language/file_source.h"
+
+namespace tessera {
+
+// What the command line may override of a scene (DESIGN.md section 8).
+struct RenderOptions {
+  std::optional<uint32_t> samples_per_pixel;
+  std::optional<int> width, height;
+  std::optional<std::array<float, 4>> crop;  // x0, x1, y0, y1 as fractions
+  std::optional<uint64_t> seed;
+  std::string integrator;                    // empty: the scene's
+  std::string accelerator;                   // empty: "embree"
+  std::optional<int> max_depth;
+  int tile_size = kTileSizeDefault;
+  std::optional<ExrType> exr_type;
+
+  bool operator==(const RenderOptions&) const = default;
+};
+
+// One codec for jobs and journals: text of key=value lines, sorted.
+std::string EncodeRenderOptions(const RenderOptions& options);
+Result<RenderOptions> DecodeRenderOptions(const std::string& text);
+
+// What a scene holds, for `tessera info`.
+struct SceneSummary {
+  std::string camera, film, filter, sampler, integrator, accelerator;
+  uint64_t shapes = 0, triangles = 0, patches = 0, quadrics = 0, groups = 0, instances = 0;
+  uint64_t lights = 0, materials = 0, textures = 0, media = 0;
+  uint64_t geometry_bytes = 0, image_bytes = 0;
+  double load_seconds = 0, build_seconds = 0;
+  std::vector<std::string> warnings;  // what is done otherwise than the scene asks
+};
+
+// A scene ready to render. Immutable: any number of threads may render from it.
+class Scene {
+ public:
+  enum class Depth {
+    kCheck,   // read and check everything, build no acceleration structure: cannot render
+    kRender,
+  };
+  // Reads scene file `name` of `files` with all it refers to.
+  static Result<std::unique_ptr<Scene>> Load(FileSource& files, const std::string& name, const RenderOptions& options,
+                                             Depth depth);
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  // Of the scene and the options: the same on every machine. Its attributes hold settings, seed and software version;
+  // the scene digest is the caller's to add.
+  const FrameSpec& frame() const;
+  const SceneSummary& summary() const;
+
+  // Renders samples `range` of the pixels of `bounds` on the calling thread: a pure function of the scene and the
+  // unit. Nothing if `stop` became true first; stop may be null.
+  std::optional<RadianceTile> Render(PixelBounds bounds, SampleRange range, const std::atomic<bool>* stop) const;
+
+ private:
+  struct Data;
+  explicit Scene(std::unique_ptr<Data> data);
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,45 @@
+// Turns the Texture directives of a scene into a TextureTable, and the texture parameters of materials, lights and
+// shapes into inputs.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "color/spectrum_parameter.h"
+#include "image/image.h"
+#include "language/scene_description.h"
+#include "math/transform.h"
+#include "texture/texture.h"
+
+namespace tessera {
+
+class TextureBuilder {
+ public:
+  // `files` and `images` must outlive the builder. `render_from_world` is put before every texture's transform.
+  TextureBuilder(FileSource& files, ImageCache& images, const Transform& render_from_world);
+  ~TextureBuilder();
+
+  // Adds every texture of a scene, in order. Fails at the first that is wrong, missing or not supported.
+  Result<void> Add(const SceneDescription& scene);
+
+  // `float name`, or `texture name` of a float texture, or the default; errors are remembered by the reader.
+  FloatInput Float(ParameterReader& reader, std::string_view name, float otherwise);
+  std::optional<FloatInput> FindFloat(ParameterReader& reader, std::string_view name);
+  // `rgb`, `spectrum`, `blackbody` or `texture name` of a spectrum texture.
+  SpectrumInput SpectrumOf(ParameterReader& reader, std::string_view name, SpectrumUse use, const Spectrum& otherwise);
+  std::optional<SpectrumInput> FindSpectrum(ParameterReader& reader, std::string_view name, SpectrumUse use);
+
+  FileSource& files() { return files_; }
+  ImageCache& images() { return images_; }
+
+  // Call once, last: the builder is empty afterwards.
+  TextureTable Finish();
+
+ private:
+  struct State;
+  FileSource& files_;
+  ImageCache& images_;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,113 @@
+#include "util/file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace tessera {
+namespace {
+
+// Owns a file descriptor.
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int number) : number_(number) {}
+  ~FileDescriptor() { Close(); }
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+  int number() const { return number_; }
+  bool valid() const { return number_ >= 0; }
+  int Close() {
+    const int result = number_ >= 0 ? ::close(number_) : 0;
+    number_ = -1;
+    return result;
+  }
+
+ private:
+  int number_;
+};
+
+Error SystemError(const std::string& path, const char* what) {
+  return Failed(fmt::format("{}: {}: {}", path, what, std::strerror(errno)));
+}
+
+bool WriteAll(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes.remove_prefix(static_cast<size_t>(written));
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<std::string> ReadFile(const std::string& path, uint64_t size_max) {
+  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid()) return BadInput(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
+  struct stat status {};
+  if (::fstat(file.number(), &status) != 0) return SystemError(path, "cannot be examined");
+  if (!S_ISREG(status.st_mode)) return BadInput(fmt::format("{}: is not a regular file", path));
+  const uint64_t size = static_cast<uint64_t>(status.st_size);
+  if (size > size_max) {
+    return BadInput(fmt::format("{}: holds {} bytes, more than the limit of {}", path, size, size_max));
+  }
+  std::string bytes(size, '\0');
+  size_t filled = 0;
+  while (filled < bytes.size()) {
+    const ssize_t got = ::read(file.number(), bytes.data() + filled, bytes.size() - filled);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return SystemError(path, "cannot be read");
+    if (got == 0) break;
+    filled += static_cast<size_t>(got);
+  }
+  bytes.resize(filled);
+  return bytes;
+}
+
+Result<std::string> Gunzip(std::string_view compressed, const std::string& path, uint64_t size_max) {
+  z_stream stream{};
+  constexpr int kGzipOnly = 15 + 16;  // the largest window, with a gzip header
+  if (inflateInit2(&stream, kGzipOnly) != Z_OK) return Failed(path + ": cannot start to decompress");
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(compressed.data()));
+  stream.avail_in = static_cast<uInt>(compressed.size());
+  std::string bytes;
+  int status = Z_OK;
+  char piece[1 << 16];
+  while (status == Z_OK && bytes.size() <= size_max) {
+    stream.next_out = reinterpret_cast<Bytef*>(piece);
+    stream.avail_out = sizeof piece;
+    status = inflate(&stream, Z_NO_FLUSH);
+    bytes.append(piece, sizeof piece - stream.avail_out);
+  }
+  inflateEnd(&stream);
+  if (bytes.size() > size_max) {
+    return BadInput(fmt::format("{}: unpacks to more than the limit of {} bytes", path, size_max));
+  }
+  if (status != Z_STREAM_END) return BadInput(path + ": the compressed data is damaged or cut short");
+  return bytes;
+}
+
+Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes) {
+  const std::string beside = fmt::format("{}.{}.tmp", path, ::getpid());
+  FileDescriptor file(::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  if (!file.valid()) return SystemError(path, "cannot be created");
+  const bool written = WriteAll(file.number(), bytes) && ::fsync(file.number()) == 0 && file.Close() == 0;
+  if (!written || ::rename(beside.c_str(), path.c_str()) != 0) {
+    const Error error = SystemError(path, "cannot be written");
+    ::unlink(beside.c_str());
+    return error;
+  }
+  const size_t slash = path.rfind('/');
+  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+  FileDescriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (directory.valid()) ::fsync(directory.number());
+  return {};
+}
+
+}  // namespace tessera

@@ -1,0 +1,17 @@
+// Small helpers for messages to people.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace tessera {
+
+// The candidate with the smallest edit distance to `word`, if it is near enough to be a likely misspelling;
+// otherwise an empty string.
+std::string NearestWord(std::string_view word, std::span<const std::string_view> candidates);
+
+// " (did you mean \"x\"?)" for the nearest candidate, or "".
+std::string DidYouMean(std::string_view word, std::span<const std::string_view> candidates);
+
+}  // namespace tessera
