@@ -1,0 +1,78 @@
+// Sobol' points and the randomisations that are put on them.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "sampler/sobol_data.h"
+#include "util/hash.h"
+
+namespace tessera {
+
+// Generator matrices, one column per bit of the index. The first two dimensions reach 52 bits of index, for
+// sequences that run over all pixels; the others 32.
+struct SobolMatrices {
+  static constexpr int kColumnsWide = 52;
+  static constexpr int kColumns = 32;
+  uint32_t wide[2][kColumnsWide];
+  uint32_t narrow[kSobolDimensions][kColumns];
+};
+// Computed once from sobol_data.h.
+const SobolMatrices& Matrices();
+
+// Point `index` of a dimension below kSobolDimensions, as 32 bits of a fraction.
+inline uint32_t SobolBits(const SobolMatrices& matrices, uint32_t index, int dimension) {
+  uint32_t v = 0;
+  for (; index != 0; index &= index - 1) v ^= matrices.narrow[dimension][std::countr_zero(index)];
+  return v;
+}
+// The same for dimension 0 or 1 and indices of up to 52 bits.
+inline uint32_t SobolBitsWide(const SobolMatrices& matrices, uint64_t index, int dimension) {
+  uint32_t v = 0;
+  for (; index != 0; index &= index - 1) v ^= matrices.wide[dimension][std::countr_zero(index)];
+  return v;
+}
+
+// Reverses the 32 bits.
+inline uint32_t ReverseBits(uint32_t v) {
+  v = __builtin_bswap32(v);
+  v = ((v & 0x0f0f0f0fu) << 4) | ((v >> 4) & 0x0f0f0f0fu);
+  v = ((v & 0x33333333u) << 2) | ((v >> 2) & 0x33333333u);
+  return ((v & 0x55555555u) << 1) | ((v >> 1) & 0x55555555u);
+}
+
+// A random permutation in which every bit depends on the bits below it only (Laine and Karras 2011, constants
+// of N. Vegdahl 2021).
+inline uint32_t PermuteUpwards(uint32_t v, uint32_t seed) {
+  v ^= v * 0x3d20adeau;
+  v += seed;
+  v *= (seed >> 16) | 1;
+  v ^= v * 0x05526c56u;
+  v ^= v * 0x53a22864u;
+  return v;
+}
+
+// Owen's nested uniform scrambling of the bits of a fraction, approximated by a hash.
+inline uint32_t FastOwenScramble(uint32_t v, uint32_t seed) {
+  return ReverseBits(PermuteUpwards(ReverseBits(v), seed));
+}
+
+// Owen's scrambling as defined: the flip of each bit is a hash of all bits above it.
+uint32_t OwenScramble(uint32_t v, uint32_t seed);
+
+enum class Randomization { kNone, kPermuteDigits, kFastOwen, kOwen };
+
+inline uint32_t Randomize(Randomization randomization, uint32_t v, uint32_t seed) {
+  switch (randomization) {
+    case Randomization::kNone: return v;
+    case Randomization::kPermuteDigits: return v ^ seed;
+    case Randomization::kFastOwen: return FastOwenScramble(v, seed);
+    case Randomization::kOwen: return OwenScramble(v, seed);
+  }
+  return v;
+}
+
+// Element `i` of a random permutation of 0 ... count - 1 (Kensler 2013).
+uint32_t PermutationElement(uint32_t i, uint32_t count, uint32_t seed);
+
+}  // namespace tessera
