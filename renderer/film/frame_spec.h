@@ -16,6 +16,10 @@ constexpr int kResolutionMax = 1 << 16;  // pixels per axis: what OpenEXR reader
 constexpr int kTileSizeMax = 256;        // pixels: a unit's result stays far below the message limit
 constexpr int kTileSizeDefault = 32;     // pixels: small enough to share 192x108 over 8 threads
 constexpr int kChannelsMax = 256;
+constexpr int64_t kFramePixelsMax = int64_t{1} << 28;  // of one crop: 16k x 16k, a few GB of sums
+constexpr int64_t kTileCountMax = int64_t{1} << 22;    // bounds the bookkeeping of a frame
+constexpr size_t kAttributesMax = 64;
+constexpr size_t kAttributeSizeMax = 1 << 16;  // bytes of one name and its value
 
 // Pixels [x0, x1) x [y0, y1).
 struct PixelBounds {
@@ -28,11 +32,11 @@ struct PixelBounds {
 
 enum class ExrType { kHalf, kFloat };
 
-// Immutable after Check. The sums of a pixel have the channels `channels`, of which the last is always the filter
-// weight "W": written values are the sums of the others divided by it.
+// Immutable after Check. The sums of a pixel have the channels `channels`, of which the last is always the
+// filter weight "W": written values are the sums of the others divided by it.
 struct FrameSpec {
-  int width = 0, height = 0;         // of the whole picture: the display window
-  PixelBounds crop;                  // what is rendered: the data window
+  int width = 0, height = 0;  // of the whole picture: the display window
+  PixelBounds crop;           // what is rendered: the data window
   uint32_t samples_per_pixel = 0;
   int tile_size = kTileSizeDefault;
   std::vector<std::string> channels{"R", "G", "B", "W"};

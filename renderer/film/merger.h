@@ -1,4 +1,5 @@
-// Adds radiance tiles into a frame. The result depends on the set of tiles added, never on their order or copies.
+// Adds radiance tiles into a frame. The result depends on the set of tiles added, never on their order or
+// copies.
 #pragma once
 
 #include <map>
@@ -10,10 +11,10 @@ namespace tessera {
 
 // A finished or partly finished picture: values (sums divided by weights), channels without the weight "W".
 struct FramePicture {
-  PixelBounds bounds;                   // data window
+  PixelBounds bounds;  // data window
   std::vector<std::string> channels;
-  std::vector<float> values;            // [(y * width + x) * channels + c]
-  uint32_t samples_min = 0;             // of the tile that has the fewest
+  std::vector<float> values;  // [(y * width + x) * channels + c]
+  uint32_t samples_min = 0;   // of the tile that has the fewest
 };
 
 // Not thread safe: the owner calls it from one thread at a time.
@@ -24,8 +25,9 @@ class Merger {
   explicit Merger(FrameSpec spec);
 
   const FrameSpec& spec() const { return spec_; }
-  // Adds the node `result.range` of tile `tile`. kDuplicate if all its samples are there already. A node that covers
-  // nodes already there replaces them: it is their sum. Refuses bounds, range or channel count that are not the frame's.
+  // Adds the node `result.range` of tile `tile`. kDuplicate if all its samples are there already. A node that
+  // covers nodes already there replaces them: it is their sum. Refuses bounds, range or channel count that
+  // are not the frame's.
   Result<Outcome> Add(int tile, RadianceTile result);
   // Whether every sample of `range` of the tile is merged.
   bool Has(int tile, SampleRange range) const;
@@ -34,7 +36,8 @@ class Merger {
   uint64_t samples_merged() const { return samples_merged_; }  // pixel samples
   uint64_t samples_total() const;
   bool Complete() const { return samples_merged_ == samples_total(); }
-  // Of what is merged; a tile with a complete prefix [0, n) shows that, any other what it has; black where nothing.
+  // Of what is merged; a tile with a complete prefix [0, n) shows that, any other what it has; black where
+  // nothing.
   FramePicture Picture() const;
   // Nodes held, for the bound on memory.
   size_t node_count() const;

@@ -8,26 +8,27 @@
 
 namespace tessera {
 
-// The bytes of an OpenEXR file: display window from the spec, data window from its crop, attributes from the spec.
-// Equal pictures give equal bytes.
+// The bytes of an OpenEXR file: display window from the spec, data window from its crop, attributes from the
+// spec. Equal pictures give equal bytes.
 Result<std::string> EncodeExr(const FrameSpec& spec, const FramePicture& picture);
 
 // A decoded OpenEXR file: every channel as float.
 struct LoadedPicture {
-  int width = 0, height = 0;     // display window
-  PixelBounds bounds;            // data window
+  int width = 0, height = 0;  // display window
+  PixelBounds bounds;         // data window
   std::vector<std::string> channels;
-  std::vector<float> values;     // [(y * width + x) * channels + c] over the data window
+  std::vector<float> values;                      // [(y * width + x) * channels + c] over the data window
   std::map<std::string, std::string> attributes;  // string attributes
 };
 Result<LoadedPicture> LoadExr(const std::string& path);
 
-// How two pictures differ, over the channels both have. relMSE is the mean of (a - b)^2 / (b^2 + 0.01).
+// How two pictures differ, over the channels both have. relMSE is the mean of (a - b)^2 / (b^2 + 0.01), PSNR
+// that of a peak of 1. A value that is not finite, and is not the same in both, differs by infinity.
 struct PictureDifference {
   double mse = 0, relmse = 0, psnr_db = 0, maxabs = 0;
-  bool identical = false;
+  bool identical = false;  // same windows, same channels, same bits
 };
-// An error if the sizes or channels differ.
+// An error if the windows differ or there is no channel in common.
 Result<PictureDifference> Compare(const LoadedPicture& a, const LoadedPicture& b);
 
 }  // namespace tessera

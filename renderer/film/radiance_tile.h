@@ -10,8 +10,8 @@
 
 namespace tessera {
 
-// Sums over the samples of `range` of every channel of every pixel of `bounds`; sums[(y * width + x) * channels + c]
-// with x, y from the corner of the bounds. Each pixel's sum is the node `range` of its tree.
+// Sums over the samples of `range` of every channel of every pixel of `bounds`; sums[(y * width + x) *
+// channels + c] with x, y from the corner of the bounds. Each pixel's sum is the node `range` of its tree.
 struct RadianceTile {
   PixelBounds bounds;
   SampleRange range;
@@ -21,8 +21,8 @@ struct RadianceTile {
   bool operator==(const RadianceTile&) const = default;
 };
 
-// Bytes of a tile: "TSRT", version, bounds, range, channel count, then the sums, all little-endian, then the first 8
-// bytes of the SHA-256 of all before. One codec for the wire, the spool and the tests.
+// Bytes of a tile: "TSRT", version, bounds, range, channel count, then the sums, all little-endian, then the
+// first 8 bytes of the SHA-256 of all before. One codec for the wire, the spool and the tests.
 std::string EncodeRadianceTile(const RadianceTile& tile);
 // Refuses a wrong size, version, check sum, a range that is not dyadic, and sums that are not finite.
 Result<RadianceTile> DecodeRadianceTile(std::string_view bytes);

@@ -1,4 +1,5 @@
-// Dyadic ranges of sample indices: the nodes of the fixed binary tree over which every pixel's samples are summed.
+// Dyadic ranges of sample indices: the nodes of the fixed binary tree over which every pixel's samples are
+// summed.
 #pragma once
 
 #include <bit>
@@ -9,7 +10,8 @@
 
 namespace tessera {
 
-constexpr uint32_t kSamplesPerPixelMax = 1u << 20;  // of one frame: beyond any render, and indices stay in 32 bits
+constexpr uint32_t kSamplesPerPixelMax =
+    1u << 20;  // of one frame: beyond any render, and indices stay in 32 bits
 
 // Samples [begin, begin + size): size is a power of two and begin a multiple of it.
 struct SampleRange {

@@ -1,0 +1,109 @@
+#include "film/frame_spec.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "util/check.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kNameSizeMax = 255;  // of channels and attributes: what OpenEXR can write
+
+// Attributes that describe the file itself: the writer sets them.
+constexpr std::array<std::string_view, 15> kReservedAttributes{
+    "channels",   "compression", "dataWindow",        "displayWindow",      "lineOrder", "name",
+    "type",       "version",     "pixelAspectRatio",  "screenWindowCenter", "view",      "screenWindowWidth",
+    "chunkCount", "tiles",       "maxSamplesPerPixel"};
+
+bool IsName(const std::string& name) {
+  return !name.empty() && name.size() <= kNameSizeMax && name.find('\0') == std::string::npos;
+}
+
+Result<void> CheckChannels(const std::vector<std::string>& channels) {
+  if (channels.size() < 2 || channels.size() > kChannelsMax) {
+    return BadInput(fmt::format("a frame has 2 to {} channels, not {}", kChannelsMax, channels.size()));
+  }
+  if (channels.back() != "W") return BadInput("the last channel of a frame must be the filter weight W");
+  std::vector<std::string> sorted = channels;
+  std::sort(sorted.begin(), sorted.end());
+  if (!std::all_of(sorted.begin(), sorted.end(), IsName))
+    return BadInput("a channel's name is empty or too long");
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice != sorted.end())
+    return BadInput(fmt::format("channel \"{}\" appears twice in the frame", *twice));
+  return {};
+}
+
+Result<void> CheckAttributes(const std::map<std::string, std::string>& attributes) {
+  if (attributes.size() > kAttributesMax) {
+    return BadInput(
+        fmt::format("a picture has at most {} attributes, not {}", kAttributesMax, attributes.size()));
+  }
+  for (const auto& [name, value] : attributes) {
+    if (!IsName(name)) return BadInput("an attribute's name is empty or too long");
+    if (name.size() + value.size() > kAttributeSizeMax) {
+      return BadInput(fmt::format("attribute \"{}\" is longer than {} bytes", name, kAttributeSizeMax));
+    }
+    if (std::ranges::find(kReservedAttributes, name) != kReservedAttributes.end()) {
+      return BadInput(fmt::format("attribute \"{}\" is reserved by OpenEXR", name));
+    }
+  }
+  return {};
+}
+
+int64_t CeilDivide(int64_t a, int64_t b) {
+  return (a + b - 1) / b;
+}
+
+}  // namespace
+
+Result<void> FrameSpec::Check() const {
+  if (width < 1 || height < 1 || width > kResolutionMax || height > kResolutionMax) {
+    return BadInput(fmt::format("the resolution is {}x{}; each side must be 1 to {} pixels", width, height,
+                                kResolutionMax));
+  }
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > width || crop.y1 > height || crop.x0 >= crop.x1 ||
+      crop.y0 >= crop.y1) {
+    return BadInput(fmt::format("the crop [{},{}) x [{},{}) is empty or leaves the picture of {}x{} pixels",
+                                crop.x0, crop.x1, crop.y0, crop.y1, width, height));
+  }
+  if (crop.area() > kFramePixelsMax) {
+    return BadInput(
+        fmt::format("the crop holds {} pixels, more than the limit of {}", crop.area(), kFramePixelsMax));
+  }
+  if (samples_per_pixel < 1 || samples_per_pixel > kSamplesPerPixelMax) {
+    return BadInput(
+        fmt::format("{} samples per pixel; there must be 1 to {}", samples_per_pixel, kSamplesPerPixelMax));
+  }
+  if (tile_size < 1 || tile_size > kTileSizeMax) {
+    return BadInput(fmt::format("the tile size is {}; it must be 1 to {} pixels", tile_size, kTileSizeMax));
+  }
+  const int64_t tiles = CeilDivide(crop.width(), tile_size) * CeilDivide(crop.height(), tile_size);
+  if (tiles > kTileCountMax) {
+    return BadInput(fmt::format("tiles of {} pixels cut the frame into {}, more than the limit of {}",
+                                tile_size, tiles, kTileCountMax));
+  }
+  if (auto channels_ok = CheckChannels(channels); !channels_ok) return channels_ok;
+  return CheckAttributes(attributes);
+}
+
+int FrameSpec::TileCount() const {
+  return static_cast<int>(CeilDivide(crop.width(), tile_size) * CeilDivide(crop.height(), tile_size));
+}
+
+PixelBounds FrameSpec::TileBounds(int tile) const {
+  TESSERA_CHECK(tile >= 0 && tile < TileCount());
+  const int columns = static_cast<int>(CeilDivide(crop.width(), tile_size));
+  PixelBounds bounds;
+  bounds.x0 = crop.x0 + (tile % columns) * tile_size;
+  bounds.y0 = crop.y0 + (tile / columns) * tile_size;
+  bounds.x1 = std::min(bounds.x0 + tile_size, crop.x1);
+  bounds.y1 = std::min(bounds.y0 + tile_size, crop.y1);
+  return bounds;
+}
+
+}  // namespace tessera

@@ -1,0 +1,180 @@
+#include "film/picture_file.h"
+
+#include <ImathBox.h>
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <exception>
+
+namespace tessera {
+namespace {
+
+constexpr float kHalfMax = 65504.0f;  // the largest finite half
+constexpr int64_t kLoadedValuesMax = int64_t{1}
+                                     << 30;  // 4 GB of floats: a 16k x 16k picture of four channels
+
+// Collects what OpenEXR writes.
+class MemoryOutput : public Imf::OStream {
+ public:
+  MemoryOutput() : Imf::OStream("picture in memory") {}
+  void write(const char bytes[], int count) override {
+    const size_t end = position_ + static_cast<size_t>(count);
+    if (end > bytes_.size()) bytes_.resize(end);
+    std::memcpy(bytes_.data() + position_, bytes, static_cast<size_t>(count));
+    position_ = end;
+  }
+  uint64_t tellp() override { return position_; }
+  void seekp(uint64_t position) override { position_ = position; }
+  std::string Take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+  size_t position_ = 0;
+};
+
+Imath::Box2i ToBox(const PixelBounds& bounds) {
+  return {Imath::V2i(bounds.x0, bounds.y0), Imath::V2i(bounds.x1 - 1, bounds.y1 - 1)};
+}
+
+// Strides of interleaved values of which each is `size` bytes.
+Imf::Slice ValueSlice(Imf::PixelType type, char* first, size_t size, const PixelBounds& bounds,
+                      size_t channels) {
+  const size_t pixel = channels * size;
+  const size_t row = pixel * static_cast<size_t>(bounds.width());
+  // OpenEXR wants the address that pixel (0, 0) would have, which is before the first of ours; so it is
+  // computed as a number.
+  const auto origin = reinterpret_cast<intptr_t>(first) - bounds.x0 * static_cast<intptr_t>(pixel) -
+                      bounds.y0 * static_cast<intptr_t>(row);
+  return {type, reinterpret_cast<char*>(origin), pixel, row};
+}
+
+std::vector<half> ToHalf(const std::vector<float>& values) {
+  std::vector<half> halves(values.size());
+  for (size_t i = 0; i < values.size(); ++i) halves[i] = half(std::clamp(values[i], -kHalfMax, kHalfMax));
+  return halves;
+}
+
+Result<void> CheckPicture(const FrameSpec& spec, const FramePicture& picture) {
+  if (picture.bounds != spec.crop) return Failed("the picture is not of the frame's crop");
+  const size_t count = static_cast<size_t>(picture.bounds.area()) * picture.channels.size();
+  if (picture.channels.empty() || picture.values.size() != count) {
+    return Failed("the picture's values do not fill its window");
+  }
+  return spec.Check();
+}
+
+std::string EncodeChecked(const FrameSpec& spec, const FramePicture& picture) {
+  const Imath::Box2i display(Imath::V2i(0, 0), Imath::V2i(spec.width - 1, spec.height - 1));
+  Imf::Header header(display, ToBox(picture.bounds));
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const auto& [name, value] : spec.attributes) header.insert(name, Imf::StringAttribute(value));
+  const bool is_half = spec.exr_type == ExrType::kHalf;
+  std::vector<half> halves;
+  if (is_half) halves = ToHalf(picture.values);
+  const char* base = is_half ? reinterpret_cast<const char*>(halves.data())
+                             : reinterpret_cast<const char*>(picture.values.data());
+  const size_t size = is_half ? sizeof(half) : sizeof(float);
+  const Imf::PixelType type = is_half ? Imf::HALF : Imf::FLOAT;
+  Imf::FrameBuffer buffer;
+  const size_t channels = picture.channels.size();
+  for (size_t c = 0; c < channels; ++c) {
+    header.channels().insert(picture.channels[c], Imf::Channel(type));
+    char* first = const_cast<char*>(base) + c * size;  // OpenEXR only reads when it writes a file
+    buffer.insert(picture.channels[c], ValueSlice(type, first, size, picture.bounds, channels));
+  }
+  MemoryOutput output;
+  {
+    Imf::OutputFile file(output, header);
+    file.setFrameBuffer(buffer);
+    file.writePixels(picture.bounds.height());
+  }
+  return output.Take();
+}
+
+Result<void> CheckLoadable(const Imf::Header& header, const std::string& path) {
+  const auto check_window = [&](const Imath::Box2i& box, const char* name) -> Result<void> {
+    const int64_t width = int64_t{box.max.x} - box.min.x + 1;
+    const int64_t height = int64_t{box.max.y} - box.min.y + 1;
+    if (width < 1 || height < 1 || width > kResolutionMax || height > kResolutionMax) {
+      return BadInput(
+          fmt::format("{}: its {} of {}x{} pixels is beyond the limits", path, name, width, height));
+    }
+    return {};
+  };
+  if (auto ok = check_window(header.dataWindow(), "data window"); !ok) return ok;
+  if (auto ok = check_window(header.displayWindow(), "display window"); !ok) return ok;
+  int64_t channels = 0;
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it, ++channels) {
+    if (it.channel().xSampling != 1 || it.channel().ySampling != 1) {
+      return BadInput(fmt::format("{}: channel {} is subsampled, which is not supported", path, it.name()));
+    }
+  }
+  const Imath::Box2i& box = header.dataWindow();
+  const int64_t pixels = (int64_t{box.max.x} - box.min.x + 1) * (int64_t{box.max.y} - box.min.y + 1);
+  if (channels < 1 || channels > kChannelsMax || pixels * channels > kLoadedValuesMax) {
+    return BadInput(
+        fmt::format("{}: {} channels of {} pixels are beyond the limits", path, channels, pixels));
+  }
+  return {};
+}
+
+Result<LoadedPicture> LoadChecked(Imf::InputFile& file, const std::string& path) {
+  const Imf::Header& header = file.header();
+  if (auto ok = CheckLoadable(header, path); !ok) return ok.error();
+  LoadedPicture picture;
+  const Imath::Box2i& data = header.dataWindow();
+  const Imath::Box2i& display = header.displayWindow();
+  picture.width = display.max.x - display.min.x + 1;
+  picture.height = display.max.y - display.min.y + 1;
+  picture.bounds = {data.min.x, data.min.y, data.max.x + 1, data.max.y + 1};
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    picture.channels.emplace_back(it.name());
+  }
+  const size_t channels = picture.channels.size();
+  picture.values.resize(static_cast<size_t>(picture.bounds.area()) * channels);
+  Imf::FrameBuffer buffer;
+  for (size_t c = 0; c < channels; ++c) {
+    char* first = reinterpret_cast<char*>(picture.values.data() + c);
+    buffer.insert(picture.channels[c],
+                  ValueSlice(Imf::FLOAT, first, sizeof(float), picture.bounds, channels));
+  }
+  file.setFrameBuffer(buffer);
+  file.readPixels(data.min.y, data.max.y);
+  for (auto it = header.begin(); it != header.end(); ++it) {
+    const auto* text = dynamic_cast<const Imf::StringAttribute*>(&it.attribute());
+    if (text != nullptr) picture.attributes[it.name()] = text->value();
+  }
+  return picture;
+}
+
+}  // namespace
+
+Result<std::string> EncodeExr(const FrameSpec& spec, const FramePicture& picture) {
+  if (auto ok = CheckPicture(spec, picture); !ok) return ok.error();
+  try {
+    return EncodeChecked(spec, picture);
+  } catch (const std::exception& e) {
+    return Failed(fmt::format("the picture cannot be encoded as OpenEXR: {}", e.what()));
+  }
+}
+
+Result<LoadedPicture> LoadExr(const std::string& path) {
+  try {
+    Imf::InputFile file(path.c_str());
+    return LoadChecked(file, path);
+  } catch (const std::exception& e) {
+    std::string reason = e.what();
+    std::ranges::replace(reason, '\n', ' ');
+    return BadInput(fmt::format("{}: cannot be read as OpenEXR: {}", path, reason));
+  }
+}
+
+}  // namespace tessera
