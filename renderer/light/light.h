@@ -4,28 +4,30 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "color/wavelengths.h"
+#include "image/image.h"
 #include "language/scene_description.h"
 #include "shape/geometry.h"
 #include "shape/interaction.h"
 #include "shape/shape_sampling.h"
-#include "texture/texture_builder.h"
+#include "texture/texture.h"
 
 namespace tessera {
 
-struct Light;  // light_kinds.h
-
 // Light that arrives at a point from a sampled place.
 struct LightSample {
-  SampledSpectrum L;     // radiance (delta lights: radiance times the density they lack), unoccluded
-  Vec3 wi;               // unit, towards the light
-  float pdf = 0;         // per solid angle, without the probability of choosing this light; 1 for delta lights
-  Point3 p;              // on the light; for lights at infinity a point outside the scene's sphere
+  SampledSpectrum L;  // radiance (delta lights: radiance times the density they lack), unoccluded
+  Vec3 wi;            // unit, towards the light
+  float pdf =
+      0;     // per solid angle, without the probability of choosing this light; 1 for points and directions
+  Point3 p;  // on the light; for lights at infinity a point outside the scene's sphere
   Vec3 p_error;
-  Normal3 n;             // of an area light's surface; zero else
-  bool is_delta = false;
+  Normal3 n;  // of an area light's surface; zero else
+  bool is_delta =
+      false;  // no ray can hit it (also a surface of alpha 0): do not weight it against other techniques
 };
 
 struct ChosenLight {
@@ -33,7 +35,24 @@ struct ChosenLight {
   float pmf = 0;
 };
 
+// What a LightTable is built from.
+struct LightInputs {
+  const SceneDescription& scene;
+  // The description of each entry of Geometry::shapes.
+  std::span<const ShapeDescription* const> shape_sources;
+  const Transform& render_from_world;
+  std::string_view light_sampler;  // "uniform", "power" or "bvh"
+  FileSource& files;
+  ImageCache& images;
+  // For the alpha of emitters. Finished, and must outlive the table at this address.
+  const TextureTable& textures;
+};
+
 // All lights of a scene with the structure that chooses among them. Immutable.
+//
+// What Choose and Sample never take, because directions sampled from surfaces find it better, has probability
+// 0 everywhere: a constant light at infinity, and the part of an environment map that is darker than its mean
+// (Karlik et al. 2019, "MIS Compensation"). So an integrator must also follow rays that miss or hit emitters.
 class LightTable {
  public:
   LightTable();
@@ -42,27 +61,29 @@ class LightTable {
   LightTable& operator=(LightTable&&) noexcept;
 
   // Builds the LightSource directives, then one diffuse area light per primitive of every shape with an
-  // AreaLightSource, writing its SurfaceProperties::area_light. `geometry` holds the shapes of `scene.shapes` in the same
-  // order and must outlive the table. `light_sampler` is "uniform", "power" or "bvh".
-  static Result<LightTable> Build(const SceneDescription& scene, const Transform& render_from_world,
-                                  std::string_view light_sampler, TextureBuilder& textures, Geometry& geometry);
+  // AreaLightSource, writing its SurfaceProperties::area_light. The is_interface flag and alpha of all
+  // surfaces must be set already. The shapes of `geometry` must outlive the table and stay where they are.
+  // Adds to `warnings`.
+  static Result<LightTable> Build(const LightInputs& inputs, Geometry& geometry,
+                                  std::vector<std::string>* warnings);
 
   // Chooses a light for a reference point; nothing if none can contribute. u in [0, 1).
   std::optional<ChosenLight> Choose(const ReferencePoint& reference, float u) const;
   // The probability with which Choose takes `light`.
   float ChoosePmf(const ReferencePoint& reference, int light) const;
 
-  // Samples the light of index `light` from `reference`.
+  // Samples the light of index `light` from `reference`. Nothing if no light arrives.
   std::optional<LightSample> Sample(int light, const ReferencePoint& reference, Point2 u,
                                     const SampledWavelengths& wavelengths) const;
   // The density per solid angle with which Sample would find the hit emitter along wi.
-  float AreaLightPdf(int light, const ReferencePoint& reference, Vec3 wi, const SurfaceInteraction& on_light) const;
+  float AreaLightPdf(int light, const ReferencePoint& reference, Vec3 wi,
+                     const SurfaceInteraction& on_light) const;
   float InfiniteLightPdf(int light, Vec3 wi) const;
 
   // Radiance that the emitter at a hit sends along wo.
   SampledSpectrum EmittedRadiance(int light, const SurfaceInteraction& on_light, Vec3 wo,
                                   const SampledWavelengths& wavelengths) const;
-  // Radiance that arrives against direction d from a light at infinity.
+  // Radiance that arrives against unit direction d from a light at infinity.
   SampledSpectrum InfiniteRadiance(int light, Vec3 d, const SampledWavelengths& wavelengths) const;
   // Indices of the lights at infinity that rays can hit.
   std::span<const int> infinite_lights() const;
