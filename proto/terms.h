@@ -1,0 +1,178 @@
+// The plain values that client, coordinator and worker all name. No gRPC, no protobuf: those are in wire/.
+// Everything here has been checked when it came from outside (wire/convert.h), so its limits hold.
+#pragma once
+
+#include <chrono>
+#include <compare>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "film/frame_spec.h"
+#include "film/sample_range.h"
+#include "util/digest.h"
+
+namespace tessera {
+
+constexpr uint32_t kProtocolVersion = 1;           // counts changes that old programs would misread
+constexpr const char* kSoftwareVersion = "0.1.0";  // farms mix no versions: pictures are exact per release
+
+constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message
+constexpr int64_t kResultBytesMax = int64_t{16} << 20;  // of one unit's radiance tile
+constexpr int64_t kMessageBytesMax = int64_t{24}
+                                     << 20;  // of any message: one result of the largest size fits
+constexpr int64_t kResultsBatchBytes = int64_t{2} << 20;  // results returned in one call, beyond the first
+constexpr int kResultsPerCallMax = 256;
+constexpr int64_t kChunkBytesMax = int64_t{1}
+                                   << 20;  // of blobs and pictures: streams share a connection fairly
+constexpr int kDigestsPerCallMax = 10'000;
+constexpr uint64_t kBlobBytesMax = uint64_t{16} << 30;  // beyond any mesh or texture seen
+constexpr int kSlotsMax = 1024;  // of one worker process: more than any machine has threads
+constexpr int kLeasesPerWorkerMax = 32 * kSlotsMax;  // listed in one state
+constexpr int kScenesPerWorkerMax = 256;             // listed in one state
+constexpr size_t kNameBytesMax = 256;                // of a job, a worker, a version
+constexpr size_t kPathBytesMax = 4096;               // of a file in a package
+constexpr size_t kOptionsBytesMax = 64 << 10;        // of encoded render options
+constexpr size_t kReasonBytesMax = 4096;             // of words for people; longer ones are cut
+constexpr size_t kAttributesBytesMax = 1 << 20;      // of a frame's EXR header attributes together
+constexpr int kPriorityMax = 1'000'000;              // and its negative
+constexpr std::chrono::milliseconds kSynchronizeWaitMax{
+    10'000};  // that an answer waits: below any proxy's idle limit
+
+enum class JobId : uint64_t {};     // counts from 1 in the life of a data directory
+enum class WorkerId : uint64_t {};  // random, drawn by the worker process
+enum class LeaseId : uint64_t {};   // never used twice in the life of a data directory
+
+constexpr uint64_t Number(JobId id) {
+  return static_cast<uint64_t>(id);
+}
+constexpr uint64_t Number(WorkerId id) {
+  return static_cast<uint64_t>(id);
+}
+constexpr uint64_t Number(LeaseId id) {
+  return static_cast<uint64_t>(id);
+}
+
+// What a worker renders: samples `range` of tile `tile` of frame `frame` (an index) of a job.
+struct WorkUnit {
+  JobId job{};
+  uint32_t frame = 0;
+  uint32_t tile = 0;
+  SampleRange range;
+  auto operator<=>(const WorkUnit&) const = default;
+  std::string Text() const;  // "job 3 frame 0 tile 17 samples [64,128)"
+};
+
+// Leave to render a unit. The worker should render it within `duration` of being told, or say that it still
+// holds it.
+struct Lease {
+  LeaseId id{};
+  WorkUnit unit;
+  PixelBounds bounds;
+  Digest scene;  // SceneOrder::key
+  std::chrono::milliseconds duration{};
+};
+
+// A scene as loaded: package, scene file and options. Two jobs with the same three share it.
+struct SceneOrder {
+  Digest key;  // SceneKey(package, scene_file, options)
+  Digest package;
+  std::string scene_file;
+  std::string options;  // EncodeRenderOptions
+  FrameSpec frame;
+};
+Digest SceneKey(const Digest& package, const std::string& scene_file, const std::string& options);
+
+enum class LeaseStage { kWaiting, kRunning, kReturning };
+struct HeldLease {
+  LeaseId id{};
+  WorkUnit unit;
+  LeaseStage stage = LeaseStage::kWaiting;
+  std::chrono::milliseconds stage_duration{};
+};
+
+struct HeldScene {
+  Digest key;
+  bool ready = false;  // or still loading
+};
+
+// What a worker is and does, as it says itself.
+struct WorkerState {
+  uint32_t protocol = kProtocolVersion;
+  WorkerId worker{};
+  uint64_t sequence = 0;  // of Synchronize calls
+  std::string name;
+  int slots = 1;
+  std::string software_version = kSoftwareVersion;
+  std::string build_digest;  // raw bytes; may be empty
+  std::string probe_digest;  // raw bytes; may be empty
+  std::vector<HeldScene> scenes;
+  std::vector<HeldLease> leases;
+  std::vector<LeaseId> returned_leases;
+  bool draining = false;
+  bool leaving = false;
+  std::chrono::milliseconds wait{};
+};
+
+// What a worker should have and do: see proto/work.proto for the rules.
+struct WorkerDirective {
+  std::vector<SceneOrder> scenes;
+  std::vector<Lease> leases;
+  std::vector<LeaseId> drop;
+  std::chrono::milliseconds call_again{};
+  std::string notice;
+};
+
+// What became of a returned result.
+enum class Verdict { kAccepted, kDuplicate, kObsolete, kRefused };
+
+struct FrameOrder {
+  std::string scene_file;
+  std::string options;  // EncodeRenderOptions
+  FrameSpec spec;
+  int32_t number = 0;
+};
+
+// What a client submits. Immutable once accepted.
+struct JobSpec {
+  uint64_t submission = 0;
+  std::string name;
+  int32_t priority = 0;
+  Digest package;
+  std::vector<FrameOrder> frames;
+};
+
+enum class JobState { kWaiting, kRunning, kPaused, kFinished, kFailed, kCancelled };
+const char* JobStateName(JobState state);  // "waiting", "running", ...
+constexpr bool HasEnded(JobState state) {
+  return state == JobState::kFinished || state == JobState::kFailed || state == JobState::kCancelled;
+}
+
+struct JobStatus {
+  JobId job{};
+  std::string name;
+  int32_t priority = 0;
+  JobState state = JobState::kWaiting;
+  std::string reason;  // of kPaused and kFailed
+  uint64_t samples_done = 0, samples_total = 0;
+  double samples_per_second = 0;
+  uint32_t workers = 0;
+  std::chrono::milliseconds elapsed{};
+  std::chrono::milliseconds left{-1};  // negative: not known
+  uint32_t frames_total = 0, frames_finished = 0;
+};
+
+struct WorkerStatus {
+  WorkerId worker{};
+  std::string name;
+  int slots = 0;
+  std::string software_version;
+  uint32_t leases = 0;
+  uint64_t units_finished = 0, units_failed = 0;
+  double speed = 1;  // relative to the average
+  std::chrono::milliseconds silent{};
+  bool draining = false, quarantined = false;
+  std::string reason;
+};
+
+}  // namespace tessera

@@ -1,0 +1,93 @@
+#include "wire/channel.h"
+
+#include <fmt/format.h>
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/server_builder.h>
+#include <grpcpp/support/channel_arguments.h>
+
+#include "terms/terms.h"
+
+namespace tessera {
+namespace {
+
+// Keepalive finds connections whose other end has vanished without a word (a pulled cable): TCP alone takes
+// minutes.
+constexpr int kKeepaliveTime_ms = 10'000;
+constexpr int kKeepaliveTimeout_ms = 10'000;
+constexpr int kPingIntervalMin_ms =
+    5'000;  // the server's tolerance: below the clients' interval, or it says GOAWAY
+// Back-off between attempts to connect: quick enough that a restarted coordinator has its farm within
+// seconds.
+constexpr int kReconnectFirst_ms = 100;
+constexpr int kReconnectMax_ms = 3'000;
+
+}  // namespace
+
+std::shared_ptr<grpc::Channel> OpenChannel(const Address& address) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(static_cast<int>(kMessageBytesMax));
+  arguments.SetMaxSendMessageSize(static_cast<int>(kMessageBytesMax));
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kReconnectFirst_ms);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kReconnectFirst_ms);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kReconnectMax_ms);
+  // A farm's machines talk to each other directly; a proxy for the web is not meant for them.
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  // Two channels of one process are two connections: a worker's bulk data does not hold up its state.
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  return grpc::CreateCustomChannel(address.Target(), grpc::InsecureChannelCredentials(), arguments);
+}
+
+void ConfigureServer(grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(static_cast<int>(kMessageBytesMax));
+  builder.SetMaxSendMessageSize(static_cast<int>(kMessageBytesMax));
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kPingIntervalMin_ms);
+  // Two coordinators must not share a port: the second is to fail.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+}
+
+bool WaitForConnection(grpc::Channel& channel, std::chrono::milliseconds patience) {
+  return channel.WaitForConnected(std::chrono::system_clock::now() + patience);
+}
+
+void SetDeadline(grpc::ClientContext& context, std::chrono::milliseconds duration) {
+  context.set_deadline(std::chrono::system_clock::now() + duration);
+}
+
+grpc::Status ToStatus(const Error& error) {
+  switch (error.kind) {
+    case ErrorKind::kBadInput: return {grpc::StatusCode::INVALID_ARGUMENT, error.message};
+    case ErrorKind::kInterrupted: return {grpc::StatusCode::CANCELLED, error.message};
+    case ErrorKind::kFailed: break;
+  }
+  return {grpc::StatusCode::FAILED_PRECONDITION, error.message};
+}
+
+Error ToError(const grpc::Status& status, const std::string& what) {
+  TESSERA_CHECK(!status.ok());
+  const std::string message = fmt::format("cannot {}: {}", what, status.error_message());
+  switch (status.error_code()) {
+    case grpc::StatusCode::INVALID_ARGUMENT:
+    case grpc::StatusCode::NOT_FOUND: return BadInput(message);
+    case grpc::StatusCode::CANCELLED: return {ErrorKind::kInterrupted, message};
+    case grpc::StatusCode::UNAVAILABLE:
+      return Failed(
+          fmt::format("cannot {}: no answer from the coordinator ({})", what, status.error_message()));
+    case grpc::StatusCode::DEADLINE_EXCEEDED:
+      return Failed(fmt::format("cannot {}: the coordinator did not answer in time", what));
+    default: return Failed(message);
+  }
+}
+
+bool IsTransient(const grpc::Status& status) {
+  return status.error_code() == grpc::StatusCode::UNAVAILABLE ||
+         status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
+}
+
+}  // namespace tessera

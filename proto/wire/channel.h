@@ -1,0 +1,42 @@
+// The settings of connections, the same at both ends.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "util/result.h"
+#include "wire/address.h"
+
+namespace grpc {
+class Channel;
+class ClientContext;
+class ServerBuilder;
+class Status;
+}  // namespace grpc
+
+namespace tessera {
+
+// A connection that is made when first used and made again, with back-off, whenever it breaks. Never fails:
+// calls on it answer UNAVAILABLE while there is no coordinator. Thread safe.
+std::shared_ptr<grpc::Channel> OpenChannel(const Address& address);
+
+// Message limits and keepalive of a server whose clients use OpenChannel.
+void ConfigureServer(grpc::ServerBuilder& builder);
+
+// Waits until the coordinator is reached; whether it was within `patience`.
+bool WaitForConnection(grpc::Channel& channel, std::chrono::milliseconds patience);
+
+// Sets the call's deadline.
+void SetDeadline(grpc::ClientContext& context, std::chrono::milliseconds duration);
+
+// How an error travels: kBadInput as INVALID_ARGUMENT, kFailed as FAILED_PRECONDITION, kInterrupted as
+// CANCELLED.
+grpc::Status ToStatus(const Error& error);
+// The error of a failed call. `what` names what was tried, as "submit the job". INVALID_ARGUMENT and
+// NOT_FOUND become kBadInput, CANCELLED kInterrupted, everything else kFailed.
+Error ToError(const grpc::Status& status, const std::string& what);
+// Whether the same call may succeed later: the coordinator is away or did not answer in time.
+bool IsTransient(const grpc::Status& status);
+
+}  // namespace tessera

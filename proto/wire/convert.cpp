@@ -1,0 +1,173 @@
+#include "wire/convert.h"
+
+#include "proto/terms.pb.h"
+#include "proto/work.pb.h"
+#include "wire/fields.h"
+
+namespace tessera {
+
+Result<Digest> ReadDigest(const std::string& bytes, const char* field) {
+  Digest digest;
+  if (bytes.size() != digest.bytes.size()) return BadField(field, "is not a digest of 32 bytes");
+  std::copy(bytes.begin(), bytes.end(), digest.bytes.begin());
+  return digest;
+}
+
+std::string WriteDigest(const Digest& digest) {
+  return std::string(digest.bytes.begin(), digest.bytes.end());
+}
+
+std::string ReadReason(const std::string& text) {
+  std::string reason = text.substr(0, kReasonBytesMax);
+  for (char& c : reason) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  return reason;
+}
+
+Result<PixelBounds> ReadPixelBounds(const proto::PixelBounds& message) {
+  const PixelBounds bounds{message.x0(), message.y0(), message.x1(), message.y1()};
+  const bool ordered = bounds.x0 >= 0 && bounds.y0 >= 0 && bounds.x0 < bounds.x1 && bounds.y0 < bounds.y1;
+  if (!ordered || bounds.x1 > kResolutionMax || bounds.y1 > kResolutionMax)
+    return BadField("bounds", "are not pixels");
+  return bounds;
+}
+
+void Write(const PixelBounds& value, proto::PixelBounds& message) {
+  message.set_x0(value.x0);
+  message.set_y0(value.y0);
+  message.set_x1(value.x1);
+  message.set_y1(value.y1);
+}
+
+Result<SampleRange> ReadSampleRange(const proto::SampleRange& message) {
+  const SampleRange range{message.begin(), message.size()};
+  if (!range.IsDyadic()) return BadField("range", "is not dyadic");
+  return range;
+}
+
+void Write(SampleRange value, proto::SampleRange& message) {
+  message.set_begin(value.begin);
+  message.set_size(value.size);
+}
+
+namespace {
+
+Result<void> ReadChannels(const proto::FrameSpec& message, FrameSpec& spec) {
+  if (message.channels_size() > kChannelsMax) return BadField("channels", "are too many");
+  spec.channels.clear();
+  for (const std::string& channel : message.channels()) {
+    if (!IsText(channel, kNameBytesMax) || channel.empty()) return BadField("channel", "is not a name");
+    spec.channels.push_back(channel);
+  }
+  return {};
+}
+
+Result<void> ReadAttributes(const proto::FrameSpec& message, FrameSpec& spec) {
+  size_t bytes = 0;
+  for (const auto& [name, value] : message.attributes()) {
+    bytes += name.size() + value.size();
+    if (!IsText(name, kNameBytesMax) || name.empty()) return BadField("attribute", "has no proper name");
+    if (bytes > kAttributesBytesMax) return BadField("attributes", "are too long");
+    spec.attributes[name] = value;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message) {
+  FrameSpec spec;
+  spec.width = message.width();
+  spec.height = message.height();
+  const auto crop = ReadPixelBounds(message.crop());
+  if (!crop) return crop.error();
+  spec.crop = *crop;
+  spec.samples_per_pixel = message.samples_per_pixel();
+  spec.tile_size = message.tile_size();
+  if (const auto read = ReadChannels(message, spec); !read) return read.error();
+  if (const auto read = ReadAttributes(message, spec); !read) return read.error();
+  if (message.exr_type() != proto::EXR_TYPE_HALF && message.exr_type() != proto::EXR_TYPE_FLOAT) {
+    return BadField("exr_type", "is unknown");
+  }
+  spec.exr_type = message.exr_type() == proto::EXR_TYPE_FLOAT ? ExrType::kFloat : ExrType::kHalf;
+  if (const auto checked = spec.Check(); !checked) return checked.error();
+  const int64_t sums = int64_t{spec.tile_size} * spec.tile_size * spec.channel_count();
+  if (sums * static_cast<int64_t>(sizeof(float)) > kResultBytesMax) {
+    return BadField("tile_size", "times the number of channels is more than one message may hold");
+  }
+  return spec;
+}
+
+void Write(const FrameSpec& value, proto::FrameSpec& message) {
+  message.set_width(value.width);
+  message.set_height(value.height);
+  Write(value.crop, *message.mutable_crop());
+  message.set_samples_per_pixel(value.samples_per_pixel);
+  message.set_tile_size(value.tile_size);
+  for (const std::string& channel : value.channels) message.add_channels(channel);
+  message.set_exr_type(value.exr_type == ExrType::kFloat ? proto::EXR_TYPE_FLOAT : proto::EXR_TYPE_HALF);
+  for (const auto& [name, text] : value.attributes) (*message.mutable_attributes())[name] = text;
+}
+
+Result<WorkUnit> ReadWorkUnit(const proto::WorkUnit& message) {
+  const auto range = ReadSampleRange(message.range());
+  if (!range) return range.error();
+  if (message.job() == 0) return BadField("job", "is missing");
+  if (message.frame() >= static_cast<uint32_t>(kFramesPerJobMax))
+    return BadField("frame", "is beyond the limit");
+  return WorkUnit{JobId{message.job()}, message.frame(), message.tile(), *range};
+}
+
+void Write(const WorkUnit& value, proto::WorkUnit& message) {
+  message.set_job(Number(value.job));
+  message.set_frame(value.frame);
+  message.set_tile(value.tile);
+  Write(value.range, *message.mutable_range());
+}
+
+Result<Lease> ReadLease(const proto::Lease& message) {
+  const auto unit = ReadWorkUnit(message.unit());
+  if (!unit) return unit.error();
+  const auto bounds = ReadPixelBounds(message.bounds());
+  if (!bounds) return bounds.error();
+  if (bounds->width() > kTileSizeMax || bounds->height() > kTileSizeMax)
+    return BadField("bounds", "are too large");
+  const auto scene = ReadDigest(message.scene(), "scene");
+  if (!scene) return scene.error();
+  return Lease{LeaseId{message.lease()}, *unit, *bounds, *scene,
+               std::chrono::milliseconds(message.duration_ms())};
+}
+
+void Write(const Lease& value, proto::Lease& message) {
+  message.set_lease(Number(value.id));
+  Write(value.unit, *message.mutable_unit());
+  Write(value.bounds, *message.mutable_bounds());
+  message.set_scene(WriteDigest(value.scene));
+  message.set_duration_ms(static_cast<uint32_t>(value.duration.count()));
+}
+
+Result<SceneOrder> ReadSceneOrder(const proto::SceneOrder& message) {
+  const auto key = ReadDigest(message.scene(), "scene");
+  if (!key) return key.error();
+  const auto package = ReadDigest(message.package(), "package");
+  if (!package) return package.error();
+  if (!IsPackagePath(message.scene_file())) return BadField("scene_file", "is not a path in a package");
+  if (message.options().size() > kOptionsBytesMax) return BadField("options", "are too long");
+  auto frame = ReadFrameSpec(message.frame());
+  if (!frame) return frame.error();
+  SceneOrder order{*key, *package, message.scene_file(), message.options(), std::move(*frame)};
+  if (order.key != SceneKey(order.package, order.scene_file, order.options))
+    return BadField("scene", "is not its key");
+  return order;
+}
+
+void Write(const SceneOrder& value, proto::SceneOrder& message) {
+  message.set_scene(WriteDigest(value.key));
+  message.set_package(WriteDigest(value.package));
+  message.set_scene_file(value.scene_file);
+  message.set_options(value.options);
+  Write(value.frame, *message.mutable_frame());
+}
+
+}  // namespace tessera

@@ -1,0 +1,55 @@
+// Between messages and the plain values of terms.h. Read... checks every limit and is the only way in: a
+// value that it returned can be believed. An error (kBadInput) names the field. Write... never fails.
+#pragma once
+
+#include "terms/terms.h"
+#include "util/result.h"
+
+namespace tessera {
+
+namespace proto {
+class FrameSpec;
+class HealthAnswer;
+class JobSpec;
+class JobStatus;
+class Lease;
+class PixelBounds;
+class SampleRange;
+class SceneOrder;
+class WorkUnit;
+class WorkerDirective;
+class WorkerState;
+class WorkerStatus;
+}  // namespace proto
+
+Result<Digest> ReadDigest(const std::string& bytes, const char* field);
+std::string WriteDigest(const Digest& digest);
+
+// For the repeated forms of answers: the field is named in the error.
+Result<PixelBounds> ReadPixelBounds(const proto::PixelBounds& message);
+Result<SampleRange> ReadSampleRange(const proto::SampleRange& message);
+Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message);
+Result<WorkUnit> ReadWorkUnit(const proto::WorkUnit& message);
+Result<Lease> ReadLease(const proto::Lease& message);
+Result<SceneOrder> ReadSceneOrder(const proto::SceneOrder& message);
+Result<WorkerState> ReadWorkerState(const proto::WorkerState& message);
+Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& message);
+Result<JobSpec> ReadJobSpec(const proto::JobSpec& message);
+Result<JobStatus> ReadJobStatus(const proto::JobStatus& message);
+Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message);
+// Words for people: control characters become spaces, longer than kReasonBytesMax is cut.
+std::string ReadReason(const std::string& text);
+
+void Write(const PixelBounds& value, proto::PixelBounds& message);
+void Write(SampleRange value, proto::SampleRange& message);
+void Write(const FrameSpec& value, proto::FrameSpec& message);
+void Write(const WorkUnit& value, proto::WorkUnit& message);
+void Write(const Lease& value, proto::Lease& message);
+void Write(const SceneOrder& value, proto::SceneOrder& message);
+void Write(const WorkerState& value, proto::WorkerState& message);
+void Write(const WorkerDirective& value, proto::WorkerDirective& message);
+void Write(const JobSpec& value, proto::JobSpec& message);
+void Write(const JobStatus& value, proto::JobStatus& message);
+void Write(const WorkerStatus& value, proto::WorkerStatus& message);
+
+}  // namespace tessera

@@ -1,0 +1,143 @@
+// Conversions of the conversation with clients.
+#include "proto/jobs.pb.h"
+#include "wire/convert.h"
+#include "wire/fields.h"
+
+namespace tessera {
+namespace {
+
+Result<FrameOrder> ReadFrameOrder(const proto::FrameOrder& message) {
+  if (!IsPackagePath(message.scene_file())) return BadField("scene_file", "is not a path in a package");
+  if (message.options().size() > kOptionsBytesMax) return BadField("options", "are too long");
+  auto spec = ReadFrameSpec(message.spec());
+  if (!spec) return spec.error();
+  return FrameOrder{message.scene_file(), message.options(), std::move(*spec), message.number()};
+}
+
+std::chrono::milliseconds ReadDuration(uint64_t ms) {
+  constexpr uint64_t kLongest_ms = uint64_t{1}
+                                   << 52;  // beyond the age of anything; keeps arithmetic in range
+  return std::chrono::milliseconds(static_cast<int64_t>(std::min(ms, kLongest_ms)));
+}
+
+// A rate or ratio for people: nothing negative or not finite gets in.
+double ReadMeasure(double value) {
+  return value >= 0 && value < 1e300 ? value : 0;
+}
+
+}  // namespace
+
+Result<JobSpec> ReadJobSpec(const proto::JobSpec& message) {
+  JobSpec spec;
+  spec.submission = message.submission();
+  if (spec.submission == 0) return BadField("submission", "is missing");
+  spec.name = message.name();
+  if (!IsText(spec.name, kNameBytesMax))
+    return BadField("name", "is not one line of text of at most 256 bytes");
+  spec.priority = message.priority();
+  if (spec.priority < -kPriorityMax || spec.priority > kPriorityMax)
+    return BadField("priority", "is beyond a million");
+  const auto package = ReadDigest(message.package(), "package");
+  if (!package) return package.error();
+  spec.package = *package;
+  if (message.frames_size() < 1) return BadField("frames", "are missing");
+  if (message.frames_size() > kFramesPerJobMax) return BadField("frames", "are too many for one job");
+  for (const auto& frame : message.frames()) {
+    auto order = ReadFrameOrder(frame);
+    if (!order) return order.error();
+    spec.frames.push_back(std::move(*order));
+  }
+  return spec;
+}
+
+void Write(const JobSpec& value, proto::JobSpec& message) {
+  message.set_submission(value.submission);
+  message.set_name(value.name);
+  message.set_priority(value.priority);
+  message.set_package(WriteDigest(value.package));
+  for (const FrameOrder& frame : value.frames) {
+    auto& written = *message.add_frames();
+    written.set_scene_file(frame.scene_file);
+    written.set_options(frame.options);
+    Write(frame.spec, *written.mutable_spec());
+    written.set_number(frame.number);
+  }
+}
+
+Result<JobStatus> ReadJobStatus(const proto::JobStatus& message) {
+  if (!proto::JobState_IsValid(message.state())) return BadField("state", "is unknown");
+  JobStatus status;
+  status.job = JobId{message.job()};
+  status.name = ReadReason(message.name());
+  status.priority = message.priority();
+  status.state = static_cast<JobState>(message.state());
+  status.reason = ReadReason(message.reason());
+  status.samples_done = message.samples_done();
+  status.samples_total = message.samples_total();
+  status.samples_per_second = ReadMeasure(message.samples_per_second());
+  status.workers = message.workers();
+  status.elapsed = ReadDuration(message.elapsed_ms());
+  const int64_t left_ms = message.left_ms();
+  status.left = left_ms < 0 ? std::chrono::milliseconds(-1) : ReadDuration(static_cast<uint64_t>(left_ms));
+  status.frames_total = message.frames_total();
+  status.frames_finished = message.frames_finished();
+  return status;
+}
+
+static_assert(static_cast<int>(JobState::kWaiting) == proto::JOB_STATE_WAITING);
+static_assert(static_cast<int>(JobState::kRunning) == proto::JOB_STATE_RUNNING);
+static_assert(static_cast<int>(JobState::kPaused) == proto::JOB_STATE_PAUSED);
+static_assert(static_cast<int>(JobState::kFinished) == proto::JOB_STATE_FINISHED);
+static_assert(static_cast<int>(JobState::kFailed) == proto::JOB_STATE_FAILED);
+static_assert(static_cast<int>(JobState::kCancelled) == proto::JOB_STATE_CANCELLED);
+
+void Write(const JobStatus& value, proto::JobStatus& message) {
+  message.set_job(Number(value.job));
+  message.set_name(value.name);
+  message.set_priority(value.priority);
+  message.set_state(static_cast<proto::JobState>(value.state));
+  message.set_reason(value.reason);
+  message.set_samples_done(value.samples_done);
+  message.set_samples_total(value.samples_total);
+  message.set_samples_per_second(value.samples_per_second);
+  message.set_workers(value.workers);
+  message.set_elapsed_ms(static_cast<uint64_t>(value.elapsed.count()));
+  message.set_left_ms(value.left.count());
+  message.set_frames_total(value.frames_total);
+  message.set_frames_finished(value.frames_finished);
+}
+
+Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message) {
+  if (message.slots() > static_cast<uint32_t>(kSlotsMax)) return BadField("slots", "is beyond the limit");
+  WorkerStatus status;
+  status.worker = WorkerId{message.worker()};
+  status.name = ReadReason(message.name());
+  status.slots = static_cast<int>(message.slots());
+  status.software_version = ReadReason(message.software_version());
+  status.leases = message.leases();
+  status.units_finished = message.units_finished();
+  status.units_failed = message.units_failed();
+  status.speed = ReadMeasure(message.speed());
+  status.silent = ReadDuration(message.silent_ms());
+  status.draining = message.draining();
+  status.quarantined = message.quarantined();
+  status.reason = ReadReason(message.reason());
+  return status;
+}
+
+void Write(const WorkerStatus& value, proto::WorkerStatus& message) {
+  message.set_worker(Number(value.worker));
+  message.set_name(value.name);
+  message.set_slots(static_cast<uint32_t>(value.slots));
+  message.set_software_version(value.software_version);
+  message.set_leases(value.leases);
+  message.set_units_finished(value.units_finished);
+  message.set_units_failed(value.units_failed);
+  message.set_speed(value.speed);
+  message.set_silent_ms(static_cast<uint64_t>(value.silent.count()));
+  message.set_draining(value.draining);
+  message.set_quarantined(value.quarantined);
+  message.set_reason(value.reason);
+}
+
+}  // namespace tessera

@@ -1,0 +1,134 @@
+// Conversions of the conversation with workers.
+#include "proto/work.pb.h"
+#include "wire/convert.h"
+#include "wire/fields.h"
+
+namespace tessera {
+namespace {
+
+Result<HeldLease> ReadHeldLease(const proto::HeldLease& message) {
+  const auto unit = ReadWorkUnit(message.unit());
+  if (!unit) return unit.error();
+  HeldLease held{LeaseId{message.lease()}, *unit, LeaseStage::kWaiting,
+                 std::chrono::milliseconds(message.stage_ms())};
+  switch (message.stage()) {
+    case proto::HeldLease::WAITING: held.stage = LeaseStage::kWaiting; break;
+    case proto::HeldLease::RUNNING: held.stage = LeaseStage::kRunning; break;
+    case proto::HeldLease::RETURNING: held.stage = LeaseStage::kReturning; break;
+    default: return BadField("stage", "is unknown");
+  }
+  return held;
+}
+
+proto::HeldLease::Stage WriteStage(LeaseStage stage) {
+  switch (stage) {
+    case LeaseStage::kWaiting: return proto::HeldLease::WAITING;
+    case LeaseStage::kRunning: return proto::HeldLease::RUNNING;
+    case LeaseStage::kReturning: return proto::HeldLease::RETURNING;
+  }
+  TESSERA_CHECK(false);
+}
+
+Result<void> CheckIdentity(const proto::WorkerState& message) {
+  if (message.worker() == 0) return BadField("worker", "is missing");
+  if (!IsText(message.name(), kNameBytesMax)) return BadField("name", "is not one line of text");
+  if (message.slots() < 1 || message.slots() > static_cast<uint32_t>(kSlotsMax)) {
+    return BadField("slots", "is not a number of render threads");
+  }
+  if (!IsText(message.software_version(), kNameBytesMax))
+    return BadField("software_version", "is not one line of text");
+  if (message.build_digest().size() > kNameBytesMax) return BadField("build_digest", "is too long");
+  if (message.probe_digest().size() > kNameBytesMax) return BadField("probe_digest", "is too long");
+  if (message.scenes_size() > kScenesPerWorkerMax) return BadField("scenes", "are too many");
+  if (message.leases_size() > kLeasesPerWorkerMax) return BadField("leases", "are too many");
+  if (message.returned_leases_size() > kLeasesPerWorkerMax)
+    return BadField("returned_leases", "are too many");
+  return {};
+}
+
+}  // namespace
+
+Result<WorkerState> ReadWorkerState(const proto::WorkerState& message) {
+  if (const auto checked = CheckIdentity(message); !checked) return checked.error();
+  WorkerState state;
+  state.protocol = message.protocol();
+  state.worker = WorkerId{message.worker()};
+  state.sequence = message.sequence();
+  state.name = message.name();
+  state.slots = static_cast<int>(message.slots());
+  state.software_version = message.software_version();
+  state.build_digest = message.build_digest();
+  state.probe_digest = message.probe_digest();
+  for (const auto& scene : message.scenes()) {
+    const auto key = ReadDigest(scene.scene(), "scene");
+    if (!key) return key.error();
+    state.scenes.push_back({*key, scene.state() == proto::HeldScene::READY});
+  }
+  for (const auto& lease : message.leases()) {
+    const auto held = ReadHeldLease(lease);
+    if (!held) return held.error();
+    state.leases.push_back(*held);
+  }
+  for (const uint64_t lease : message.returned_leases()) state.returned_leases.push_back(LeaseId{lease});
+  state.draining = message.draining();
+  state.leaving = message.leaving();
+  state.wait = std::min(std::chrono::milliseconds(message.wait_ms()), kSynchronizeWaitMax);
+  return state;
+}
+
+void Write(const WorkerState& value, proto::WorkerState& message) {
+  message.set_protocol(value.protocol);
+  message.set_worker(Number(value.worker));
+  message.set_sequence(value.sequence);
+  message.set_name(value.name);
+  message.set_slots(static_cast<uint32_t>(value.slots));
+  message.set_software_version(value.software_version);
+  message.set_build_digest(value.build_digest);
+  message.set_probe_digest(value.probe_digest);
+  for (const HeldScene& scene : value.scenes) {
+    auto& written = *message.add_scenes();
+    written.set_scene(WriteDigest(scene.key));
+    written.set_state(scene.ready ? proto::HeldScene::READY : proto::HeldScene::LOADING);
+  }
+  for (const HeldLease& lease : value.leases) {
+    auto& written = *message.add_leases();
+    written.set_lease(Number(lease.id));
+    Write(lease.unit, *written.mutable_unit());
+    written.set_stage(WriteStage(lease.stage));
+    written.set_stage_ms(static_cast<uint32_t>(lease.stage_duration.count()));
+  }
+  for (const LeaseId lease : value.returned_leases) message.add_returned_leases(Number(lease));
+  message.set_draining(value.draining);
+  message.set_leaving(value.leaving);
+  message.set_wait_ms(static_cast<uint32_t>(value.wait.count()));
+}
+
+Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& message) {
+  WorkerDirective directive;
+  if (message.scenes_size() > kScenesPerWorkerMax) return BadField("scenes", "are too many");
+  for (const auto& scene : message.scenes()) {
+    auto order = ReadSceneOrder(scene);
+    if (!order) return order.error();
+    directive.scenes.push_back(std::move(*order));
+  }
+  if (message.leases_size() > kLeasesPerWorkerMax) return BadField("leases", "are too many");
+  for (const auto& lease : message.leases()) {
+    const auto read = ReadLease(lease);
+    if (!read) return read.error();
+    directive.leases.push_back(*read);
+  }
+  for (const uint64_t lease : message.drop()) directive.drop.push_back(LeaseId{lease});
+  directive.call_again = std::chrono::milliseconds(message.call_again_ms());
+  directive.notice = ReadReason(message.notice());
+  return directive;
+}
+
+void Write(const WorkerDirective& value, proto::WorkerDirective& message) {
+  for (const SceneOrder& scene : value.scenes) Write(scene, *message.add_scenes());
+  for (const Lease& lease : value.leases) Write(lease, *message.add_leases());
+  for (const LeaseId lease : value.drop) message.add_drop(Number(lease));
+  message.set_call_again_ms(static_cast<uint32_t>(value.call_again.count()));
+  message.set_notice(value.notice);
+}
+
+}  // namespace tessera
