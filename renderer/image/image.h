@@ -43,9 +43,10 @@ struct Image {
   std::optional<std::array<int, 3>> RgbChannels() const;
 };
 
-// Reads EXR, PNG, JPEG, TGA, HDR, TIFF, BMP, WebP, PFM and QOI, decided by content and checked against `name`'s
-// ending; sizes are bounded. `encoding` is for 8-bit data; nothing means sRGB for 8-bit files.
-Result<Image> DecodeImage(const std::string& bytes, const std::string& name, std::optional<ColorEncoding> encoding);
+// Reads EXR, PNG, JPEG, TGA, HDR, TIFF, BMP, WebP, PFM and QOI, decided by content and checked against
+// `name`'s ending; sizes are bounded. `encoding` is for 8-bit data; nothing means sRGB for 8-bit files.
+Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
+                          std::optional<ColorEncoding> encoding);
 
 // Images by file name and encoding, each read once. Thread safe.
 class ImageCache {

@@ -1,0 +1,13 @@
+// Tables for whole pictures of 8-bit values.
+#pragma once
+
+#include <array>
+
+#include "image/image.h"
+
+namespace tessera {
+
+// The linear value of each 8-bit one.
+std::array<float, 256> DecodingTable(const ColorEncoding& encoding);
+
+}  // namespace tessera

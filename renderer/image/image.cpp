@@ -1,0 +1,134 @@
+#include "image/image.h"
+
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <immintrin.h>
+
+#include "image/color_encoding.h"
+#include "image/image_format.h"
+#include "image/library_formats.h"
+#include "image/pfm.h"
+#include "image/qoi.h"
+
+namespace tessera {
+
+float ColorEncoding::ToLinear(float value) const {
+  switch (kind) {
+    case Kind::kLinear: return value;
+    case Kind::kGamma: return std::pow(value, gamma);
+    case Kind::kSrgb: break;
+  }
+  if (value <= 0.04045f) return value * (1 / 12.92f);
+  return std::pow((value + 0.055f) * (1 / 1.055f), 2.4f);
+}
+
+std::array<float, 256> DecodingTable(const ColorEncoding& encoding) {
+  std::array<float, 256> table;
+  for (int i = 0; i < 256; ++i) table[i] = encoding.ToLinear(static_cast<float>(i) / 255.0f);
+  return table;
+}
+
+float Image::Get(int x, int y, int channel) const {
+  const size_t index = (static_cast<size_t>(y) * width + x) * channels + channel;
+  switch (format) {
+    case PixelFormat::kUint8: {
+      static const std::array<float, 256> srgb = DecodingTable({ColorEncoding::Kind::kSrgb, 1});
+      const uint8_t value = bytes[index];
+      return encoding.kind == ColorEncoding::Kind::kSrgb ? srgb[value] : encoding.ToLinear(value / 255.0f);
+    }
+    case PixelFormat::kHalf: {
+      uint16_t half;
+      std::memcpy(&half, &bytes[index * 2], sizeof half);
+      return _cvtsh_ss(half);
+    }
+    case PixelFormat::kFloat: break;
+  }
+  float value;
+  std::memcpy(&value, &bytes[index * 4], sizeof value);
+  return value;
+}
+
+int Image::ChannelIndex(std::string_view name) const {
+  for (size_t i = 0; i < channel_names.size(); ++i) {
+    if (channel_names[i] == name) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+std::optional<std::array<int, 3>> Image::RgbChannels() const {
+  const std::array<int, 3> rgb{ChannelIndex("R"), ChannelIndex("G"), ChannelIndex("B")};
+  if (rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0) return std::nullopt;
+  return rgb;
+}
+
+namespace {
+
+// pbrt chooses a reader of these by the name's ending alone, so a file of another format is a mistake; any
+// other ending it leaves to the content.
+bool EndingDecides(ImageFormat format) {
+  return format == ImageFormat::kExr || format == ImageFormat::kPng || format == ImageFormat::kPfm ||
+         format == ImageFormat::kHdr || format == ImageFormat::kQoi;
+}
+
+Result<ImageFormat> RecogniseFormat(const std::string& bytes, const std::string& name) {
+  const ImageFormat content = FormatOfContent(bytes, name);
+  const ImageFormat ending = FormatOfEnding(name);
+  if (bytes.empty()) return BadInput(fmt::format("{}: the file is empty, expected a picture", name));
+  if (content == ImageFormat::kUnknown && ending == ImageFormat::kUnknown) {
+    return BadInput(fmt::format(
+        "{}: not a picture of a known format, expected EXR, PNG, JPEG, TGA, HDR, TIFF, BMP, WebP, PFM or QOI",
+        name));
+  }
+  if (content == ImageFormat::kUnknown) {
+    return BadInput(
+        fmt::format("{}: damaged picture: it does not begin as a {} file does", name, FormatName(ending)));
+  }
+  if (content != ending && EndingDecides(ending)) {
+    return BadInput(fmt::format("{}: holds a {} picture, but its name says {}", name, FormatName(content),
+                                FormatName(ending)));
+  }
+  return content;
+}
+
+std::string CacheKey(const std::string& name, const std::optional<ColorEncoding>& encoding) {
+  if (!encoding) return name;
+  return fmt::format("{}\n{} {}", name, static_cast<int>(encoding->kind), encoding->gamma);
+}
+
+}  // namespace
+
+Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
+                          std::optional<ColorEncoding> encoding) {
+  const Result<ImageFormat> format = RecogniseFormat(bytes, name);
+  if (!format) return format.error();
+  switch (*format) {
+    case ImageFormat::kPfm: return DecodePfm(bytes, name);
+    case ImageFormat::kQoi: return DecodeQoi(bytes, name, encoding);
+    default: return DecodeWithLibrary(*format, bytes, name, encoding);
+  }
+}
+
+Result<std::shared_ptr<const Image>> ImageCache::Get(const std::string& name,
+                                                     std::optional<ColorEncoding> encoding) {
+  const std::string key = CacheKey(name, encoding);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (const auto found = images_.find(key); found != images_.end()) return found->second;
+  const Result<std::string> bytes = files_.Read(name);
+  if (!bytes) return bytes.error();
+  Result<Image> image = DecodeImage(*bytes, name, encoding);
+  if (!image) return image.error();
+  auto shared = std::make_shared<const Image>(std::move(image).value());
+  images_.emplace(key, shared);
+  return shared;
+}
+
+size_t ImageCache::bytes() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  size_t sum = 0;
+  for (const auto& [key, image] : images_) sum += image->bytes.size();
+  return sum;
+}
+
+}  // namespace tessera

@@ -1,0 +1,15 @@
+// The formats that OpenImageIO reads for us.
+#pragma once
+
+#include "image/image.h"
+#include "image/image_format.h"
+
+namespace tessera {
+
+// `format` is one of EXR, PNG, JPEG, TGA, HDR, TIFF, BMP, WebP. 8-bit values stay 8-bit; 16-bit integers are
+// decoded to half; half and float stay. Alpha is not multiplied into the colours. As in pbrt, TGA and BMP
+// lose their alpha.
+Result<Image> DecodeWithLibrary(ImageFormat format, const std::string& bytes, const std::string& name,
+                                std::optional<ColorEncoding> encoding);
+
+}  // namespace tessera
