@@ -1,5 +1,7 @@
 #include "sampler/sampler_settings.h"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <cmath>
 

@@ -20,8 +20,8 @@ struct RenderOptions {
   std::optional<int> width, height;
   std::optional<std::array<float, 4>> crop;  // x0, x1, y0, y1 as fractions
   std::optional<uint64_t> seed;
-  std::string integrator;                    // empty: the scene's
-  std::string accelerator;                   // empty: "embree"
+  std::string integrator;   // empty: the scene's
+  std::string accelerator;  // empty: "embree"
   std::optional<int> max_depth;
   int tile_size = kTileSizeDefault;
   std::optional<ExrType> exr_type;
@@ -43,31 +43,41 @@ struct SceneSummary {
   std::vector<std::string> warnings;  // what is done otherwise than the scene asks
 };
 
+// What rendering some units took.
+struct RenderStatistics {
+  uint64_t camera_rays = 0, bounce_rays = 0, shadow_rays = 0;
+  uint64_t discarded_samples = 0;  // not finite: counted as black
+
+  uint64_t rays() const { return camera_rays + bounce_rays + shadow_rays; }
+};
+
 // A scene ready to render. Immutable: any number of threads may render from it.
 class Scene {
  public:
   enum class Depth {
-    kCheck,   // read and check everything, build no acceleration structure: cannot render
+    kCheck,  // read and check everything, build no acceleration structure: cannot render
     kRender,
   };
   // Reads scene file `name` of `files` with all it refers to.
-  static Result<std::unique_ptr<Scene>> Load(FileSource& files, const std::string& name, const RenderOptions& options,
-                                             Depth depth);
+  static Result<std::unique_ptr<Scene>> Load(FileSource& files, const std::string& name,
+                                             const RenderOptions& options, Depth depth);
   ~Scene();
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
-  // Of the scene and the options: the same on every machine. Its attributes hold settings, seed and software version;
-  // the scene digest is the caller's to add.
+  // Of the scene and the options: the same on every machine. Its attributes hold settings, seed and software
+  // version; the scene digest is the caller's to add.
   const FrameSpec& frame() const;
   const SceneSummary& summary() const;
 
-  // Renders samples `range` of the pixels of `bounds` on the calling thread: a pure function of the scene and the
-  // unit. Nothing if `stop` became true first; stop may be null.
-  std::optional<RadianceTile> Render(PixelBounds bounds, SampleRange range, const std::atomic<bool>* stop) const;
+  // Renders samples `range` of the pixels of `bounds` on the calling thread: a pure function of the scene and
+  // the unit. Nothing if `stop` became true first; stop may be null. Adds to `statistics` unless it is null.
+  std::optional<RadianceTile> Render(PixelBounds bounds, SampleRange range, const std::atomic<bool>* stop,
+                                     RenderStatistics* statistics = nullptr) const;
+
+  struct Data;  // scene_data.h
 
  private:
-  struct Data;
   explicit Scene(std::unique_ptr<Data> data);
   std::unique_ptr<Data> data_;
 };

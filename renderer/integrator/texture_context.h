@@ -1,0 +1,13 @@
+// The footprint of a pixel at a surface point, for texture filtering.
+#pragma once
+
+#include "camera/camera.h"
+#include "shape/interaction.h"
+#include "texture/texture.h"
+
+namespace tessera {
+
+// `scale` shrinks the footprint for pixels that take many samples.
+TextureContext MakeTextureContext(const SurfaceInteraction& interaction, const Camera& camera, float scale);
+
+}  // namespace tessera

@@ -1,0 +1,31 @@
+// Everything a path can meet.
+#pragma once
+
+#include <memory>
+
+#include "accelerator/accelerator.h"
+#include "camera/camera.h"
+#include "light/light.h"
+#include "material/material.h"
+#include "shape/geometry.h"
+#include "texture/texture.h"
+
+namespace tessera {
+
+// Immutable once built, shared by all threads. The accelerator refers to `geometry` and `textures`, the
+// lights to `geometry`: a World does not move.
+struct World {
+  Camera camera;
+  Geometry geometry;
+  TextureTable textures;
+  MaterialTable materials;
+  LightTable lights;
+  std::unique_ptr<Accelerator> accelerator;  // null if the scene was only checked
+};
+
+// Rays traced, by kind.
+struct RayCounts {
+  uint64_t camera = 0, bounce = 0, shadow = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,39 @@
+// From radiance at four wavelengths to the linear RGB of the output.
+#pragma once
+
+#include <limits>
+
+#include "color/color_space.h"
+#include "color/named_spectra.h"
+#include "color/wavelengths.h"
+
+namespace tessera {
+
+// The CIE 1931 observer as sensor (pbrt's "cie1931"), with exposure, white balance and clamp. Immutable.
+class FilmSensor {
+ public:
+  // `imaging_ratio` = exposure time x ISO / 100. `white_balance` in kelvin, 0 for none. `component_max`
+  // bounds a sample's largest sensor component. The colour space lives for the whole program.
+  FilmSensor(const ColorSpace& color_space, float imaging_ratio, float white_balance, float component_max);
+
+  // The output RGB of one sample of radiance, divided by the densities of its wavelengths here.
+  Rgb ToRgb(SampledSpectrum radiance, const SampledWavelengths& wavelengths) const {
+    const SampledSpectrum weighted = SafeDiv(radiance, wavelengths.pdf);
+    Vec3 xyz{Average(SampleTable(*x_, wavelengths) * weighted),
+             Average(SampleTable(*y_, wavelengths) * weighted),
+             Average(SampleTable(*z_, wavelengths) * weighted)};
+    xyz = xyz * imaging_ratio_;
+    const float largest = MaxComponent(xyz);
+    if (largest > component_max_) xyz = xyz * (component_max_ / largest);
+    return {output_[0][0] * xyz.x + output_[0][1] * xyz.y + output_[0][2] * xyz.z,
+            output_[1][0] * xyz.x + output_[1][1] * xyz.y + output_[1][2] * xyz.z,
+            output_[2][0] * xyz.x + output_[2][1] * xyz.y + output_[2][2] * xyz.z};
+  }
+
+ private:
+  const DenseTable *x_, *y_, *z_;
+  float imaging_ratio_, component_max_;
+  std::array<std::array<float, 3>, 3> output_;  // RGB from sensor XYZ
+};
+
+}  // namespace tessera

@@ -1,0 +1,21 @@
+// What the Film directive asks for, with the command line's overrides.
+#pragma once
+
+#include "film/frame_spec.h"
+#include "language/scene_description.h"
+#include "scene/scene.h"
+
+namespace tessera {
+
+struct FilmSettings {
+  int width = 1280, height = 720;
+  PixelBounds crop;
+  float iso = 100;
+  float white_balance = 0;  // kelvin; 0: none
+  float component_max = 0;  // largest sensor component of one sample; infinite if there is no clamp
+  ExrType exr_type = ExrType::kHalf;
+};
+
+Result<FilmSettings> ReadFilm(const Entity& entity, const RenderOptions& options);
+
+}  // namespace tessera

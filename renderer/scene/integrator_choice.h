@@ -1,0 +1,23 @@
+// Which integrator renders a scene, and how.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "language/scene_description.h"
+#include "scene/scene.h"
+
+namespace tessera {
+
+struct IntegratorChoice {
+  std::string name;   // "path" or "volpath": what is done
+  int max_depth = 5;  // scattering events
+  std::string light_sampler = "bvh";
+};
+
+// Reads the Integrator directive with the command line's overrides. Integrators that estimate the same
+// picture in another way are replaced by ours, with a warning.
+Result<IntegratorChoice> ChooseIntegrator(const SceneDescription& scene, const RenderOptions& options,
+                                          std::vector<std::string>* warnings);
+
+}  // namespace tessera

@@ -1,0 +1,168 @@
+#include "scene/scene.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "language/parser.h"
+#include "scene/film_settings.h"
+#include "scene/integrator_choice.h"
+#include "scene/scene_data.h"
+#include "scene/scene_options.h"
+#include "scene/summary.h"
+#include "scene/version.h"
+#include "scene/world_builder.h"
+
+namespace tessera {
+namespace {
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Result<void> CheckOptions(const RenderOptions& options) {
+  if (options.samples_per_pixel &&
+      (*options.samples_per_pixel < 1 || *options.samples_per_pixel > kSamplesPerPixelMax)) {
+    return BadInput("--spp: must lie between 1 and " + std::to_string(kSamplesPerPixelMax));
+  }
+  if (options.tile_size < 1 || options.tile_size > kTileSizeMax) {
+    return BadInput("--tile-size: must lie between 1 and " + std::to_string(kTileSizeMax));
+  }
+  return {};
+}
+
+// The header of the picture: what its values depend on, and nothing that differs between runs.
+std::map<std::string, std::string> HeaderAttributes(const Scene::Data& data,
+                                                    const IntegratorChoice& integrator) {
+  return {{"tessera:version", std::string(kVersion)},
+          {"tessera:seed", std::to_string(data.sampler.seed)},
+          {"tessera:samplesPerPixel", std::to_string(data.sampler.samples_per_pixel)},
+          {"tessera:sampler", data.summary.sampler},
+          {"tessera:integrator", integrator.name},
+          {"tessera:maxDepth", std::to_string(integrator.max_depth)},
+          {"tessera:camera", data.summary.camera},
+          {"tessera:filter", data.summary.filter}};
+}
+
+}  // namespace
+
+// Reads a scene step by step; each step uses what the ones before it made.
+class SceneLoader {
+ public:
+  SceneLoader(FileSource& files, const RenderOptions& options)
+      : files_(files), options_(options), images_(files) {}
+
+  Result<std::unique_ptr<Scene::Data>> Load(const std::string& name, Scene::Depth depth);
+
+ private:
+  Result<void> ReadSettings();
+  Result<void> DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator);
+  Result<void> BuildAccelerator();
+
+  FileSource& files_;
+  const RenderOptions& options_;
+  ImageCache images_;
+  SceneDescription scene_;
+  std::unique_ptr<Scene::Data> data_ = std::make_unique<Scene::Data>();
+};
+
+Result<void> SceneLoader::ReadSettings() {
+  Scene::Data& data = *data_;
+  std::vector<std::string>& warnings = data.summary.warnings;
+  const Result<SceneOptions> scene_options = ReadSceneOptions(scene_, &warnings);
+  if (!scene_options) return scene_options.error();
+  const Result<FilmSettings> film = ReadFilm(scene_.film, options_);
+  if (!film) return film.error();
+  Result<Camera> camera = Camera::Read(scene_.camera, scene_.camera_from_world, film->width, film->height);
+  if (!camera) return camera.error();
+  data.world.camera = *camera;
+  Result<Filter> filter = Filter::Read(scene_.filter);
+  if (!filter) return filter.error();
+  data.filter = std::move(*filter);
+  const Result<SamplerSettings> sampler =
+      ReadSampler(scene_.sampler, film->width, film->height, options_.samples_per_pixel, options_.seed,
+                  scene_options->seed, &warnings);
+  if (!sampler) return sampler.error();
+  data.sampler = *sampler;
+  const Result<IntegratorChoice> integrator = ChooseIntegrator(scene_, options_, &warnings);
+  if (!integrator) return integrator.error();
+  data.path.max_depth = integrator->max_depth;
+  const float spacing = 1 / std::sqrt(static_cast<float>(data.sampler.samples_per_pixel));
+  data.path.footprint_scale = std::max(0.125f, spacing);
+
+  if (Result<void> described = DescribeFrame(*film, *integrator); !described) return described;
+  const bool with_media = integrator->name == "volpath";
+  const WorldRequest request{scene_, files_, images_, integrator->light_sampler, with_media};
+  return BuildWorld(request, &data.world, &warnings);
+}
+
+Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator) {
+  Scene::Data& data = *data_;
+  const ColorSpace* color_space = ColorSpace::Named(scene_.film_color_space);
+  if (color_space == nullptr) return ErrorAt(scene_.film.location, "unknown colour space of the film");
+  data.sensor = FilmSensor(*color_space, data.world.camera.exposure_time() * film.iso / 100,
+                           film.white_balance, film.component_max);
+  data.frame.width = film.width;
+  data.frame.height = film.height;
+  data.frame.crop = film.crop;
+  data.frame.samples_per_pixel = data.sampler.samples_per_pixel;
+  data.frame.tile_size = options_.tile_size;
+  data.frame.exr_type = film.exr_type;
+  data.summary.camera = scene_.camera.kind;
+  data.summary.film = scene_.film.kind;
+  data.summary.filter = scene_.filter.kind;
+  data.summary.sampler = scene_.sampler.kind;
+  data.summary.integrator = integrator.name;
+  data.frame.attributes = HeaderAttributes(data, integrator);
+  return data.frame.Check();
+}
+
+Result<void> SceneLoader::BuildAccelerator() {
+  Scene::Data& data = *data_;
+  const auto start = std::chrono::steady_clock::now();
+  Result<std::unique_ptr<Accelerator>> accelerator =
+      MakeAccelerator(data.summary.accelerator, data.world.geometry, data.world.textures);
+  if (!accelerator) return accelerator.error();
+  data.world.accelerator = std::move(*accelerator);
+  data.summary.build_seconds = SecondsSince(start);
+  return {};
+}
+
+Result<std::unique_ptr<Scene::Data>> SceneLoader::Load(const std::string& name, Scene::Depth depth) {
+  const auto start = std::chrono::steady_clock::now();
+  if (Result<void> checked = CheckOptions(options_); !checked) return checked.error();
+  Result<SceneDescription> scene = ParseScene(files_, name);
+  if (!scene) return scene.error();
+  scene_ = std::move(*scene);
+  data_->summary.warnings = scene_.warnings;
+  if (Result<void> settings = ReadSettings(); !settings) return settings.error();
+  if (data_->world.lights.empty()) {
+    return BadInput(name + ": the scene has no light source: every pixel would be black");
+  }
+  const Result<std::string> accelerator = ChooseAccelerator(scene_.accelerator, options_.accelerator);
+  if (!accelerator) return accelerator.error();
+  data_->summary.accelerator = *accelerator;
+  Summarize(scene_, data_->world, images_, &data_->summary);
+  data_->summary.load_seconds = SecondsSince(start);
+  if (depth == Scene::Depth::kRender) {
+    if (Result<void> built = BuildAccelerator(); !built) return built.error();
+  }
+  return std::move(data_);
+}
+
+Scene::Scene(std::unique_ptr<Data> data) : data_(std::move(data)) {}
+Scene::~Scene() = default;
+const FrameSpec& Scene::frame() const {
+  return data_->frame;
+}
+const SceneSummary& Scene::summary() const {
+  return data_->summary;
+}
+
+Result<std::unique_ptr<Scene>> Scene::Load(FileSource& files, const std::string& name,
+                                           const RenderOptions& options, Depth depth) {
+  Result<std::unique_ptr<Data>> data = SceneLoader(files, options).Load(name, depth);
+  if (!data) return data.error();
+  return std::unique_ptr<Scene>(new Scene(std::move(*data)));
+}
+
+}  // namespace tessera

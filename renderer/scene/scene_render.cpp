@@ -1,0 +1,74 @@
+#include "film/dyadic_sum.h"
+#include "scene/scene.h"
+#include "scene/scene_data.h"
+
+namespace tessera {
+namespace {
+
+// Renders samples of single pixels on one thread.
+class PixelRenderer {
+ public:
+  PixelRenderer(const Scene::Data& data, RenderStatistics* statistics)
+      : data_(data), sampler_(data.sampler), statistics_(*statistics) {}
+
+  // The sums R G B W of samples `range` of pixel (x, y).
+  Float4 Render(int x, int y, SampleRange range) {
+    sum_.Clear();
+    for (uint32_t index = range.begin; index < range.end(); ++index) sum_.Add(Sample(x, y, index));
+    return sum_.Node();
+  }
+
+  void ReportRays() {
+    statistics_.camera_rays += rays_.camera;
+    statistics_.bounce_rays += rays_.bounce;
+    statistics_.shadow_rays += rays_.shadow;
+  }
+
+ private:
+  Float4 Sample(int x, int y, uint32_t index) {
+    sampler_.StartSample(x, y, index);
+    const FilterSample filter = data_.filter.Sample(sampler_.Get2D());
+    SampledWavelengths wavelengths = SampledWavelengths::SampleVisible(sampler_.Get1D());
+    const Camera& camera = data_.world.camera;
+    const Point2 u_lens = camera.has_lens() ? sampler_.Get2D() : Point2{0.5f, 0.5f};
+    const Point2 film{static_cast<float>(x) + 0.5f + filter.offset.x,
+                      static_cast<float>(y) + 0.5f + filter.offset.y};
+    const Ray ray = camera.GenerateRay(film, u_lens, 0.5f);
+    const SampledSpectrum radiance = PathRadiance(data_.world, data_.path, ray, wavelengths, sampler_, rays_);
+    const Rgb rgb = data_.sensor.ToRgb(radiance, wavelengths);
+    if (!IsFinite(rgb)) {
+      ++statistics_.discarded_samples;
+      return {0, 0, 0, filter.weight};
+    }
+    return Float4(rgb.x, rgb.y, rgb.z, 1) * filter.weight;
+  }
+
+  const Scene::Data& data_;
+  Sampler sampler_;
+  RayCounts rays_;
+  RenderStatistics& statistics_;
+  DyadicSum<Float4> sum_;
+};
+
+}  // namespace
+
+std::optional<RadianceTile> Scene::Render(PixelBounds bounds, SampleRange range,
+                                          const std::atomic<bool>* stop, RenderStatistics* statistics) const {
+  TESSERA_CHECK(data_->world.accelerator != nullptr);
+  TESSERA_CHECK(range.IsDyadic() && bounds.width() > 0 && bounds.height() > 0);
+  RenderStatistics own;
+  PixelRenderer pixels(*data_, statistics != nullptr ? statistics : &own);
+  RadianceTile tile{bounds, range, 4, {}};
+  tile.sums.resize(static_cast<size_t>(bounds.area()) * 4);
+  float* out = tile.sums.data();
+  for (int y = bounds.y0; y < bounds.y1; ++y) {
+    for (int x = bounds.x0; x < bounds.x1; ++x, out += 4) {
+      if (stop != nullptr && stop->load(std::memory_order_relaxed)) return std::nullopt;
+      _mm_storeu_ps(out, pixels.Render(x, y, range).v);
+    }
+  }
+  pixels.ReportRays();
+  return tile;
+}
+
+}  // namespace tessera

@@ -1,0 +1,27 @@
+// From a scene's description to the World that paths meet.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "image/image.h"
+#include "integrator/world.h"
+#include "language/scene_description.h"
+
+namespace tessera {
+
+struct WorldRequest {
+  const SceneDescription& scene;
+  FileSource& files;
+  ImageCache& images;
+  std::string_view light_sampler;
+  bool with_media = false;  // the integrator follows media: scenes that have some are refused for now
+};
+
+// Fills geometry, textures, materials and lights of `world`, whose camera is ready. The accelerator stays
+// null.
+Result<void> BuildWorld(const WorldRequest& request, World* world, std::vector<std::string>* warnings);
+
+}  // namespace tessera
