@@ -9,7 +9,6 @@ namespace tessera {
 
 namespace proto {
 class FrameSpec;
-class HealthAnswer;
 class JobSpec;
 class JobStatus;
 class Lease;
@@ -25,7 +24,6 @@ class WorkerStatus;
 Result<Digest> ReadDigest(const std::string& bytes, const char* field);
 std::string WriteDigest(const Digest& digest);
 
-// For the repeated forms of answers: the field is named in the error.
 Result<PixelBounds> ReadPixelBounds(const proto::PixelBounds& message);
 Result<SampleRange> ReadSampleRange(const proto::SampleRange& message);
 Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message);
