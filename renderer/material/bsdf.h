@@ -3,35 +3,19 @@
 
 #include <optional>
 
-#include "color/sampled_spectrum.h"
 #include "material/bxdf.h"
 #include "math/vec.h"
 
 namespace tessera {
 
-// A value and the density with which Sample would choose it.
-struct BsdfEvaluation {
-  SampledSpectrum f;  // per steradian, without the cosine
-  float pdf = 0;      // per solid angle
-};
-
-struct BsdfSample {
-  SampledSpectrum f;     // of a specular sample: divided by the cosine, as if the peak were 1
-  Vec3 wi;               // unit, rendering space
-  float pdf = 0;         // per solid angle; of a specular sample: the probability of the choice
-  BxdfFlags flags = BxdfFlags::kNone;
-  float eta = 1;         // relative index along the path if the sample is transmitted, else 1
-  bool IsSpecular() const { return HasFlag(flags, BxdfFlags::kSpecular); }
-  bool IsTransmission() const { return HasFlag(flags, BxdfFlags::kTransmission); }
-};
-
-// The BSDF at one point. Directions are unit vectors in rendering space that point away from the surface. Radiance
-// transport (not importance) is meant throughout. A value: no allocation, no ownership.
+// The BSDF at one point. Directions are unit vectors in rendering space that point away from the surface.
+// Radiance transport (not importance) is meant throughout. A value: no allocation, no ownership.
 class Bsdf {
  public:
   Bsdf() = default;
   // shading_n and dpdu as in SurfaceInteraction::shading after bump mapping.
-  Bsdf(Normal3 shading_n, Vec3 dpdu, const Bxdf& bxdf) : frame_(Frame::FromXZ(dpdu, shading_n)), bxdf_(bxdf) {}
+  Bsdf(Normal3 shading_n, Vec3 dpdu, const Bxdf& bxdf)
+      : frame_(Frame::FromXZ(dpdu, shading_n)), bxdf_(bxdf) {}
 
   BxdfFlags flags() const { return bxdf_.flags(); }
   bool HasNonSpecular() const {

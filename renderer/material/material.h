@@ -30,8 +30,8 @@ class MaterialTable {
   bool IsInterface(int material) const;
 
   // The Bsdf of `material` at a surface point. Chooses among mixed materials by a hash of the place, changes
-  // `interaction.shading` by bump or normal maps, and drops secondary wavelengths where the material disperses.
-  // `context` holds the texture footprint.
+  // `interaction.shading` by bump or normal maps, and drops secondary wavelengths where the material
+  // disperses. `context` holds the texture footprint.
   Bsdf Evaluate(int material, const TextureTable& textures, const TextureContext& context,
                 SurfaceInteraction& interaction, SampledWavelengths& wavelengths) const;
 

@@ -1,0 +1,52 @@
+// A Lambertian base under a clear coat, in closed form.
+//
+// Because the base forgets the direction light came from, pbrt-v4's random walk between the layers
+// (LayeredBxDF) sums to
+//   f = f_coat + T(wo) T(wi) (rho / (pi eta^2)) (1 + rho R + ... + (rho R)^(n-1)),
+// where T and R are the transmittance and the internal reflectance of the coat (coat_table.h), rho is the
+// reflectance of the base and n the number of times that the walk may meet it. (The sum over n is
+// Saunderson's, 1942.)
+#pragma once
+
+#include <optional>
+
+#include "material/bxdf_sample.h"
+#include "material/coat_table.h"
+#include "material/dielectric_bxdf.h"
+
+namespace tessera {
+
+class CoatedDiffuseBxdf {
+ public:
+  // `lookup` is the row of the coat's (isotropic) alpha, its eta and thickness; the table must outlive this.
+  // base_hits >= 0 is n above.
+  CoatedDiffuseBxdf(const DielectricBxdf& coat, const CoatLookup& lookup, SampledSpectrum reflectance,
+                    int base_hits);
+
+  // How often a walk of pbrt-v4's `maxdepth` interface events meets the base: every other time.
+  static int BaseHits(int depth_max) { return (depth_max + 1) / 2; }
+
+  BxdfFlags flags() const {
+    const BxdfFlags coat = coat_.IsSpecular() ? BxdfFlags::kSpecular : BxdfFlags::kGlossy;
+    return BxdfFlags::kReflection | BxdfFlags::kDiffuse | coat;
+  }
+  BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const;
+  std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const;
+
+ private:
+  // The coat at wo, and the probability that Sample chooses its reflection rather than the base.
+  struct Choice {
+    float transmittance;
+    float coat_probability;
+  };
+  Choice ChoiceAt(float cos_o) const;
+  BsdfEvaluation EvaluateAbove(Vec3 wo, Vec3 wi, const Choice& choice) const;
+  std::optional<BsdfSample> SampleAbove(Vec3 wo, float uc, Point2 u) const;
+
+  SampledSpectrum base_;  // f of the base without T(wo) T(wi)
+  DielectricBxdf coat_;
+  CoatLookup lookup_;
+  float base_albedo_;  // mean over wavelengths of the base's albedo divided by T(wo)
+};
+
+}  // namespace tessera

@@ -1,0 +1,34 @@
+// Lambert's law: the same radiance in every direction of one side.
+#pragma once
+
+#include <optional>
+
+#include "material/bxdf_sample.h"
+#include "math/sampling.h"
+
+namespace tessera {
+
+class DiffuseBxdf {
+ public:
+  DiffuseBxdf() = default;  // black
+  explicit DiffuseBxdf(SampledSpectrum reflectance) : f_(reflectance * kInvPi) {}
+
+  BxdfFlags flags() const {
+    return AnyNonZero(f_) ? BxdfFlags::kReflection | BxdfFlags::kDiffuse : BxdfFlags::kNone;
+  }
+  BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const {
+    if (!SameHemisphere(wo, wi)) return {};
+    return {f_, CosineHemispherePdf(AbsCosTheta(wi))};
+  }
+  std::optional<BsdfSample> Sample(Vec3 wo, Point2 u) const {
+    Vec3 wi = SampleCosineHemisphere(u);
+    if (wo.z < 0) wi.z = -wi.z;
+    return BsdfSample{f_, wi, CosineHemispherePdf(AbsCosTheta(wi)),
+                      BxdfFlags::kReflection | BxdfFlags::kDiffuse, 1};
+  }
+
+ private:
+  SampledSpectrum f_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,49 @@
+// A Lambertian base under a coat whose layer may scatter light, estimated by a random walk between the layers
+// (Guo, Hasan, Zhao 2018; pbrt-v4's LayeredBxDF). For the coats that coated_diffuse_bxdf.h has no closed form
+// for.
+#pragma once
+
+#include <optional>
+
+#include "material/bxdf_sample.h"
+#include "material/dielectric_bxdf.h"
+
+namespace tessera {
+
+// The layer between coat and base, as materials of the scene language give it.
+struct CoatLayer {
+  float thickness = 0.01f;  // in units of the mean free path, positive
+  SampledSpectrum albedo;   // single-scattering
+  float g = 0;              // of the Henyey-Greenstein phase function
+  int depth_max = 10;       // events of one walk
+  int sample_count = 1;     // walks per evaluation
+};
+
+class LayeredDiffuseBxdf {
+ public:
+  LayeredDiffuseBxdf(const DielectricBxdf& coat, SampledSpectrum reflectance, const CoatLayer& layer)
+      : reflectance_(reflectance), layer_(layer), coat_(coat) {}
+
+  BxdfFlags flags() const {
+    const BxdfFlags coat = coat_.IsSpecular() ? BxdfFlags::kSpecular : BxdfFlags::kGlossy;
+    return BxdfFlags::kReflection | BxdfFlags::kDiffuse | coat;
+  }
+  // f is an estimate without bias, the same one each time for the same two directions; pdf is exact.
+  BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const;
+  std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const;
+
+  // One walk from wo to wi (both above): all of f but the reflection of the coat. `seed` decides its random
+  // numbers.
+  SampledSpectrum EstimateWalk(Vec3 wo, Vec3 wi, uint64_t seed) const;
+
+ private:
+  BsdfEvaluation EvaluateAbove(Vec3 wo, Vec3 wi) const;
+  std::optional<BsdfSample> SampleAbove(Vec3 wo, float uc, Point2 u) const;
+  float CoatProbability(Vec3 wo) const;
+
+  SampledSpectrum reflectance_;
+  CoatLayer layer_;
+  DielectricBxdf coat_;
+};
+
+}  // namespace tessera
