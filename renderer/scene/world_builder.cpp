@@ -120,11 +120,12 @@ Result<void> WorldBuilder::Build() {
   if (Result<void> added = AddGroups(); !added) return added;
   if (Result<void> added = AddInstances(); !added) return added;
 
-  Result<LightTable> lights = LightTable::Build(scene_, render_from_world_, request_.light_sampler, textures_,
-                                                world_.geometry, sources, &warnings_);
+  world_.textures = textures_.Finish();
+  const LightInputs inputs{scene_, sources, render_from_world_, request_.light_sampler, request_.files, request_.images,
+                           world_.textures};
+  Result<LightTable> lights = LightTable::Build(inputs, world_.geometry, &warnings_);
   if (!lights) return lights.error();
   world_.lights = std::move(*lights);
-  world_.textures = textures_.Finish();
   return {};
 }
 
