@@ -43,6 +43,7 @@ struct FrameSpec {
   ExrType exr_type = ExrType::kHalf;
   std::map<std::string, std::string> attributes;  // of the EXR header; nothing that differs between runs
 
+  bool operator==(const FrameSpec&) const = default;
   // Whether all is within the limits.
   Result<void> Check() const;
   int channel_count() const { return static_cast<int>(channels.size()); }
