@@ -1,4 +1,5 @@
-// Where the files of a scene come from: the disk of the person who submits it, or a package of blobs on a worker.
+// Where the files of a scene come from: the disk of the person who submits it, or a package of blobs on a
+// worker.
 #pragma once
 
 #include <functional>
@@ -21,8 +22,9 @@ class FileSource {
   virtual Result<std::string> Read(const std::string& name) = 0;
 };
 
-// Files on disk. Names are relative to the folder of the top-level scene file; a name not found there is tried as
-// given. Remembers the digest and size of all that was read: what a worker will need to render the scene.
+// Files on disk. Names are relative to the folder of the top-level scene file; a name not found there is
+// tried as given. Remembers the digest and size of all that was read: what a worker will need to render the
+// scene.
 class DiskFileSource : public FileSource {
  public:
   struct File {

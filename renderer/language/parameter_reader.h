@@ -1,5 +1,6 @@
-// Reads the parameters of one Entity, each by exact type and name. Remembers the first error and which parameters
-// were read, so that a kind reads all it knows and then asks once, with Finish(), whether all was well.
+// Reads the parameters of one Entity, each by exact type and name. Remembers the first error and which
+// parameters were read, so that a kind reads all it knows and then asks once, with Finish(), whether all was
+// well.
 #pragma once
 
 #include <optional>
@@ -23,7 +24,7 @@ struct SpectrumValue {
   float kelvin = 0;                // of kBlackbody
   std::vector<float> wavelengths;  // of kSamples: nm, strictly rising
   std::vector<float> values;
-  std::string name;                // of kNamed: a named spectrum, or else a file of pairs
+  std::string name;  // of kNamed: a named spectrum, or else a file of pairs
   SourceLocation location;
 };
 
@@ -34,8 +35,8 @@ class ParameterReader {
 
   const Entity& entity() const { return *entity_; }
 
-  // Single values: the default where there is none; a wrong count or a bad value is remembered as an error and gives
-  // the default. Numbers are finite.
+  // Single values: the default where there is none; a wrong count or a bad value is remembered as an error
+  // and gives the default. Numbers are finite.
   float Float(std::string_view name, float otherwise);
   int Integer(std::string_view name, int otherwise);
   bool Bool(std::string_view name, bool otherwise);
@@ -47,7 +48,8 @@ class ParameterReader {
   std::optional<int> FindInteger(std::string_view name);
   std::optional<std::string> FindString(std::string_view name);
   // One of `allowed`; another value is an error that lists them and suggests the nearest.
-  std::string Choice(std::string_view name, std::string_view otherwise, std::span<const std::string_view> allowed);
+  std::string Choice(std::string_view name, std::string_view otherwise,
+                     std::span<const std::string_view> allowed);
   // The texture that `texture name` refers to.
   std::optional<std::string> FindTexture(std::string_view name);
   // An rgb, spectrum or blackbody parameter.
@@ -78,12 +80,35 @@ class ParameterReader {
   Result<void> Finish();
 
  private:
+  struct Asked {
+    std::string type, name;
+  };
+
   // The last parameter of this type and name, marked as read; explicit ones before Attribute defaults.
   const Parameter* Find(std::string_view type, std::string_view name);
+  // The same for several types, not marked.
+  const Parameter* FindAny(std::span<const std::string_view> types, std::string_view name) const;
+  void MarkUsed(const Parameter& parameter);
+
+  // The values of a parameter with exactly `count` numbers; null if there is none or it was wrong.
+  const float* FindNumbers(std::string_view type, std::string_view name, size_t count);
+  // A multiple of `size` numbers.
+  std::vector<float> FindTuples(std::string_view type, std::string_view name, size_t size);
+  std::optional<std::string> FindStringOf(std::string_view type, std::string_view name);
+  bool ReadRgb(const Parameter& p, SpectrumValue* value);
+  bool ReadBlackbody(const Parameter& p, SpectrumValue* value);
+  bool ReadNamed(const Parameter& p, SpectrumValue* value);
+  bool ReadSamples(const Parameter& p, SpectrumValue* value);
+
+  // Always false, to be returned.
+  bool FailCount(const Parameter& p, size_t found, const std::string& expected);
+  // Whether a parameter of the same type and name was read instead.
+  bool IsShadowed(const Parameter& unused) const;
+  Error UnknownParameter(const Parameter& p) const;
 
   const Entity* entity_;
   std::vector<bool> used_;
-  std::vector<std::string> asked_;  // names that the kind asked for, for suggestions
+  std::vector<Asked> asked_;  // what the kind asked for, for suggestions
   std::optional<Error> error_;
 };
 

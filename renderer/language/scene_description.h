@@ -1,5 +1,5 @@
-// A scene as its text describes it: every directive carried out (transforms, attributes, includes), nothing built.
-// A plain value: no file but the text has been read and no parameter has been interpreted.
+// A scene as its text describes it: every directive carried out (transforms, attributes, includes), nothing
+// built. A plain value: no file but the text has been read and no parameter has been interpreted.
 #pragma once
 
 #include <map>
@@ -18,12 +18,12 @@ struct Parameter {
   std::string type;  // "float", "rgb", ...: one of the type words of the language
   std::string name;
   SourceLocation location;
-  std::vector<float> floats;          // of all numeric types but integer
+  std::vector<float> floats;  // of all numeric types but integer
   std::vector<int> integers;
-  std::vector<std::string> strings;   // of string, texture and named spectra
+  std::vector<std::string> strings;  // of string, texture and named spectra
   std::vector<bool> bools;
-  std::string color_space = "srgb";   // of rgb: the one current where it was written
-  bool from_attribute = false;        // a default set by Attribute: may stay unused
+  std::string color_space = "srgb";  // of rgb: the one current where it was written
+  bool from_attribute = false;       // a default set by Attribute: may stay unused
 };
 
 // A directive with a kind and parameters: `Shape "sphere" "float radius" 2`.

@@ -3,8 +3,7 @@
 
 #include <memory>
 #include <string>
-
-#include <fmt/format.h>
+#include <string_view>
 
 #include "util/result.h"
 
@@ -15,12 +14,20 @@ struct SourceLocation {
   int line = 1;                             // from 1
   int column = 1;                           // from 1, in bytes
 
-  std::string Text() const { return fmt::format("{}:{}:{}", file ? *file : "<scene>", line, column); }
+  // "file:line:column"
+  std::string Text() const;
 };
 
-// "file:line:column: message", as bad input.
-inline Error ErrorAt(const SourceLocation& where, const std::string& message) {
-  return BadInput(where.Text() + ": " + message);
-}
+// "file:line:column: message", as bad input; one line of valid UTF-8 whatever the message quotes from a file.
+Error ErrorAt(const SourceLocation& where, const std::string& message);
+
+// Text from a file between quotes, for messages: shortened if long.
+std::string Quoted(std::string_view text);
+
+// `text` with control characters and bytes that are not UTF-8 replaced by '?'.
+std::string OneLine(std::string_view text);
+
+// Whether `text` is well-formed UTF-8.
+bool IsUtf8(std::string_view text);
 
 }  // namespace tessera
