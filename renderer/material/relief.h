@@ -1,0 +1,17 @@
+// Bump and normal mapping: changes the shading frame of a point as if the surface had relief (Blinn 1978).
+#pragma once
+
+#include "material/normal_map.h"
+#include "shape/interaction.h"
+#include "texture/texture.h"
+
+namespace tessera {
+
+// Displaces the surface along its normal by a texture; finite differences over about a pixel, as pbrt-v4.
+void ApplyBumpMap(const FloatInput& displacement, const TextureTable& textures, const TextureContext& context,
+                  SurfaceInteraction& interaction);
+
+// Turns the shading normal into that of the map.
+void ApplyNormalMap(const NormalMap& map, SurfaceInteraction& interaction);
+
+}  // namespace tessera
