@@ -92,9 +92,10 @@ class Sampler {
   float Fraction(uint32_t bits, uint32_t seed) const {
     return UniformFloat(Randomize(settings_.randomization, bits, seed));
   }
-  // A nested shuffle of the sample index: every power-of-two prefix stays a prefix of a Sobol' sequence.
+  // A nested shuffle of the sample index: aligned blocks of a power of two go to aligned blocks, so that
+  // every prefix is stratified as well as before.
   uint32_t Shuffled(uint64_t seed) const {
-    return ReverseBits(FastOwenScramble(ReverseBits(index_), static_cast<uint32_t>(seed >> 32)));
+    return FastOwenScramble(index_, static_cast<uint32_t>(seed >> 32));
   }
   float Sobol(int dimension) const;
   float Stratified1D();

@@ -1,0 +1,200 @@
+#include "sampler/sampler.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <vector>
+
+namespace tessera {
+namespace {
+
+constexpr SamplerKind kKinds[] = {SamplerKind::kIndependent, SamplerKind::kStratified, SamplerKind::kSobol,
+                                  SamplerKind::kPaddedSobol, SamplerKind::kZSobol};
+
+SamplerSettings Settings(SamplerKind kind, uint32_t samples = 64) {
+  SamplerSettings settings;
+  settings.kind = kind;
+  settings.samples_per_pixel = samples;
+  settings.strata_x = settings.strata_y = static_cast<uint32_t>(std::sqrt(static_cast<float>(samples)));
+  settings.log2_samples = std::bit_width(samples) - 1;
+  settings.base4_digits = 5 + (settings.log2_samples + 1) / 2;  // a picture of up to 32 x 32 pixels
+  return settings;
+}
+
+// The first 12 numbers of a sample.
+std::vector<float> Draw(Sampler& sampler, int x, int y, uint32_t index) {
+  sampler.StartSample(x, y, index);
+  std::vector<float> values;
+  for (int i = 0; i < 4; ++i) {
+    values.push_back(sampler.Get1D());
+    const Point2 p = sampler.Get2D();
+    values.insert(values.end(), {p.x, p.y});
+  }
+  return values;
+}
+
+TEST(Sampler, AnySampleCanBeDrawnInAnyOrder) {
+  for (SamplerKind kind : kKinds) {
+    Sampler forward(Settings(kind)), backward(Settings(kind));
+    std::vector<std::vector<float>> first;
+    for (uint32_t i = 0; i < 64; ++i) first.push_back(Draw(forward, 5, 7, i));
+    for (int i = 63; i >= 0; --i) {
+      Draw(backward, 1, 2, static_cast<uint32_t>(i));  // a visit elsewhere must leave no trace
+      EXPECT_EQ(Draw(backward, 5, 7, static_cast<uint32_t>(i)), first[i]);
+    }
+  }
+}
+
+TEST(Sampler, ValuesLieInTheUnitInterval) {
+  for (SamplerKind kind : kKinds) {
+    Sampler sampler(Settings(kind));
+    for (int pixel = 0; pixel < 50; ++pixel) {
+      for (uint32_t i = 0; i < 64; ++i) {
+        for (float v : Draw(sampler, pixel % 32, pixel / 32, i)) {
+          EXPECT_GE(v, 0.0f);
+          EXPECT_LT(v, 1.0f);
+        }
+      }
+    }
+  }
+}
+
+TEST(Sampler, EveryDimensionHasMeanOneHalfAndVarianceOneTwelfth) {
+  for (SamplerKind kind : kKinds) {
+    Sampler sampler(Settings(kind));
+    std::vector<double> sum(12), squares(12);
+    constexpr int kPixels = 400, kSamples = 64;
+    for (int pixel = 0; pixel < kPixels; ++pixel) {
+      for (uint32_t i = 0; i < kSamples; ++i) {
+        const std::vector<float> values = Draw(sampler, pixel % 20, pixel / 20, i);
+        for (int d = 0; d < 12; ++d) {
+          sum[d] += values[d];
+          squares[d] += values[d] * values[d];
+        }
+      }
+    }
+    constexpr double kCount = kPixels * kSamples;
+    for (int d = 0; d < 12; ++d) {
+      const double mean = sum[d] / kCount;
+      EXPECT_NEAR(mean, 0.5, 5 / std::sqrt(12 * kCount))
+          << "kind " << static_cast<int>(kind) << " dimension " << d;
+      EXPECT_NEAR(squares[d] / kCount - mean * mean, 1.0 / 12, 0.002);
+    }
+  }
+}
+
+TEST(Sampler, DifferentPixelsAndSeedsGetDifferentNumbers) {
+  for (SamplerKind kind : kKinds) {
+    SamplerSettings other = Settings(kind);
+    other.seed = 1;
+    Sampler a(Settings(kind)), b(other);
+    EXPECT_NE(Draw(a, 3, 4, 0), Draw(a, 4, 3, 0));
+    EXPECT_NE(Draw(a, 3, 4, 0), Draw(b, 3, 4, 0));
+  }
+}
+
+// Every elementary interval of volume 1/2^k holds exactly one of the first 2^k points: what makes a (0, k,
+// 2)-net.
+void ExpectNet(const std::vector<Point2>& points) {
+  const int log2_count = std::bit_width(points.size()) - 1;
+  for (int k = 0; k <= log2_count; ++k) {
+    const int columns = 1 << k, rows = 1 << (log2_count - k);
+    std::set<int> cells;
+    for (Point2 p : points) {
+      cells.insert(static_cast<int>(p.x * static_cast<float>(columns)) * rows +
+                   static_cast<int>(p.y * static_cast<float>(rows)));
+    }
+    EXPECT_EQ(cells.size(), points.size()) << columns << " x " << rows;
+  }
+}
+
+TEST(Sampler, SobolPrefixesOfPowersOfTwoAreNetsInEveryPixel) {
+  for (SamplerKind kind : {SamplerKind::kSobol, SamplerKind::kPaddedSobol}) {
+    for (Randomization randomization :
+         {Randomization::kFastOwen, Randomization::kOwen, Randomization::kPermuteDigits}) {
+      SamplerSettings settings = Settings(kind);
+      settings.randomization = randomization;
+      Sampler sampler(settings);
+      for (int pixel = 0; pixel < 8; ++pixel) {
+        for (uint32_t count : {1u, 2u, 16u, 64u, 256u}) {
+          std::vector<Point2> points;
+          for (uint32_t i = 0; i < count; ++i) {
+            sampler.StartSample(pixel, 3, i);
+            points.push_back(sampler.Get2D());
+          }
+          ExpectNet(points);
+        }
+      }
+    }
+  }
+}
+
+TEST(Sampler, ZSobolSamplesOfAPixelAreStratifiedInEveryPairOfDimensions) {
+  Sampler sampler(Settings(SamplerKind::kZSobol, 64));
+  for (int pixel = 0; pixel < 16; ++pixel) {
+    std::vector<Point2> first, second;
+    for (uint32_t i = 0; i < 64; ++i) {
+      sampler.StartSample(pixel, 9, i);
+      first.push_back(sampler.Get2D());
+      second.push_back(sampler.Get2D());
+    }
+    ExpectNet(first);
+    ExpectNet(second);
+  }
+}
+
+TEST(Sampler, StratifiedSamplesFillEveryStratumOnce) {
+  Sampler sampler(Settings(SamplerKind::kStratified, 64));
+  std::set<int> strata, line;
+  for (uint32_t i = 0; i < 64; ++i) {
+    sampler.StartSample(1, 1, i);
+    const Point2 p = sampler.Get2D();
+    strata.insert(static_cast<int>(p.x * 8) * 8 + static_cast<int>(p.y * 8));
+    line.insert(static_cast<int>(sampler.Get1D() * 64));
+  }
+  EXPECT_EQ(strata.size(), 64u);
+  EXPECT_EQ(line.size(), 64u);
+}
+
+TEST(Sampler, DimensionsBeyondTheTableStayStratified) {
+  Sampler sampler(Settings(SamplerKind::kSobol));
+  std::set<int> cells;
+  for (uint32_t i = 0; i < 64; ++i) {
+    sampler.StartSample(2, 2, i);
+    for (int d = 0; d < 3 * kSobolDimensions; ++d) sampler.Get1D();
+    cells.insert(static_cast<int>(sampler.Get1D() * 64));
+  }
+  EXPECT_EQ(cells.size(), 64u);
+}
+
+TEST(Sobol, FirstPointsAreThePublishedOnes) {
+  const SobolMatrices& m = Matrices();
+  // Joe and Kuo 2008, points 1 to 3 in dimensions 1 to 3, in natural (not Gray code) order.
+  const float expected[3][3] = {{0.5f, 0.5f, 0.5f}, {0.25f, 0.75f, 0.75f}, {0.75f, 0.25f, 0.25f}};
+  for (uint32_t i = 1; i <= 3; ++i) {
+    for (int d = 0; d < 3; ++d)
+      EXPECT_EQ(UniformFloat(SobolBits(m, i, d)), expected[i - 1][d]) << i << " " << d;
+  }
+}
+
+TEST(Sobol, WideMatricesContinueTheNarrowOnes) {
+  const SobolMatrices& m = Matrices();
+  for (uint32_t i : {0u, 1u, 77u, 123456u, 0xffffffffu}) {
+    for (int d = 0; d < 2; ++d) EXPECT_EQ(SobolBits(m, i, d), SobolBitsWide(m, i, d));
+  }
+  EXPECT_EQ(SobolBitsWide(m, uint64_t{1} << 40, 0), 0u);
+  EXPECT_NE(SobolBitsWide(m, uint64_t{1} << 40, 1), 0u);
+}
+
+TEST(Sobol, PermutationElementsAreAPermutation) {
+  for (uint32_t count : {1u, 2u, 7u, 64u, 1000u}) {
+    std::set<uint32_t> seen;
+    for (uint32_t i = 0; i < count; ++i) seen.insert(PermutationElement(i, count, 99));
+    EXPECT_EQ(seen.size(), count);
+    EXPECT_LT(*seen.rbegin(), count);
+  }
+}
+
+}  // namespace
+}  // namespace tessera
