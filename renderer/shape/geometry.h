@@ -1,5 +1,5 @@
-// Everything that can be hit, in rendering space: shapes with their surface properties, groups that are instanced,
-// instances. Immutable once built.
+// Everything that can be hit, in rendering space: shapes with their surface properties, groups that are
+// instanced, instances. Immutable once built.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct SurfaceProperties {
 struct TriangleMesh {
   std::vector<Point3> P;
   std::vector<Normal3> N;
-  std::vector<Vec3> S;          // tangents
+  std::vector<Vec3> S;  // tangents
   std::vector<Point2> uv;
   std::vector<uint32_t> indices;  // three per triangle
   bool flip_normals = false;      // reversed orientation exclusive-or a transform that swaps handedness
@@ -59,8 +59,12 @@ struct Quadric {
 struct Shape {
   SurfaceProperties surface;
   std::variant<TriangleMesh, BilinearMesh, Quadric> form;
+  // Its directive in SceneDescription::shapes (of a group: in ObjectDescription::shapes). A directive may
+  // yield two shapes, as a PLY file of triangles and quads does. The caller of BuildShape fills it.
+  int description = 0;
 
   uint32_t PrimitiveCount() const;
+  Bounds3 Bounds() const;
 };
 
 // Shapes of an object definition, in its own space.

@@ -11,29 +11,29 @@ namespace tessera {
 // What an accelerator finds: which primitive, where on it.
 struct Hit {
   static constexpr uint32_t kNoInstance = 0xffffffffu;
-  float t = 0;                 // in units of the ray's direction
-  float u = 0, v = 0;          // triangle: barycentrics of vertices 1 and 2; patch: its (u, v); quadric: unused
-  uint32_t shape = 0;          // index in Geometry::shapes, or in the group's shapes when instanced
-  uint32_t primitive = 0;      // triangle or patch of the mesh; 0 for quadrics
+  float t = 0;             // in units of the ray's direction
+  float u = 0, v = 0;      // triangle: barycentrics of vertices 1 and 2; patch: its (u, v); quadric: unused
+  uint32_t shape = 0;      // index in Geometry::shapes, or in the group's shapes when instanced
+  uint32_t primitive = 0;  // triangle or patch of the mesh; 0 for quadrics
   uint32_t instance = kNoInstance;
 };
 
 // The local geometry of a surface, in rendering space.
 struct SurfaceInteraction {
   Point3 p;
-  Vec3 p_error;       // half size of a box around p that holds the true point
-  Normal3 n;          // geometric, unit; on the side that the shape's orientation and reversal say
+  Vec3 p_error;  // half size of a box around p that holds the true point
+  Normal3 n;     // geometric, unit; on the side that the shape's orientation and reversal say
   Point2 uv;
   Vec3 dpdu, dpdv;
-  struct Shading {    // as interpolated from vertex normals and tangents
-    Normal3 n;        // unit, in the hemisphere of n
+  struct Shading {  // as interpolated from vertex normals and tangents
+    Normal3 n;      // unit, in the hemisphere of n
     Vec3 dpdu, dpdv;
     Vec3 dndu, dndv;
   } shading;
-  Vec3 wo;            // unit, against the ray
+  Vec3 wo;  // unit, against the ray
   float time = 0;
-  int material = 0;   // index into the scene's materials
-  int area_light = -1;  // index into the scene's lights, or -1
+  int material = 0;                             // index into the scene's materials
+  int area_light = -1;                          // index into the scene's lights, or -1
   int inside_medium = -1, outside_medium = -1;  // -1: vacuum
 
   // A ray that leaves this point along d without hitting the surface here again.
@@ -41,7 +41,8 @@ struct SurfaceInteraction {
 };
 
 // A ray of length just under 1 from one surface point to another, for shadow tests.
-inline Ray SpawnRayTo(Point3 from, Vec3 from_error, Normal3 from_n, Point3 to, Vec3 to_error, Normal3 to_n, float time) {
+inline Ray SpawnRayTo(Point3 from, Vec3 from_error, Normal3 from_n, Point3 to, Vec3 to_error, Normal3 to_n,
+                      float time) {
   constexpr float kShadowEpsilon = 0.0001f;
   const Point3 a = OffsetRayOrigin(from, from_error, from_n, to - from);
   const Point3 b = OffsetRayOrigin(to, to_error, to_n, a - to);

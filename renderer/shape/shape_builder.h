@@ -8,10 +8,13 @@
 
 namespace tessera {
 
-// The form and alpha of one Shape directive, its vertices taken to rendering space by `render_from_world` after its own
-// transform. Reads PLY files from `files`. The caller fills the rest of the surface properties.
-// Not supported kinds and motion are errors that name them.
-Result<Shape> BuildShape(const ShapeDescription& description, const Transform& render_from_world, FileSource& files,
-                         TextureBuilder& textures);
+// The shapes of one Shape directive with their forms and alpha, vertices taken to rendering space by
+// `render_from_world` after the directive's own transform. Never empty: a PLY file of triangles and quads
+// yields two. Reads PLY files from `files`. The caller fills the rest of the surface properties and
+// Shape::description. What is ignored for being wrong (a list of normals of another length than P) is added
+// to `warnings`, with its place. Not supported kinds and motion are errors that name them.
+Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, const Transform& render_from_world,
+                                      FileSource& files, TextureBuilder& textures,
+                                      std::vector<std::string>* warnings);
 
 }  // namespace tessera

@@ -6,7 +6,8 @@
 
 namespace tessera {
 
-// The interaction of `ray` (rendering space) with the surface that `hit` names. Also fills material, light and media.
+// The interaction of `ray` (rendering space) with the surface that `hit` names. Also fills material, light
+// and media.
 SurfaceInteraction MakeInteraction(const Geometry& geometry, const Hit& hit, const Ray& ray);
 
 // Position and texture coordinates alone: what an alpha test needs.

@@ -11,7 +11,7 @@ namespace tessera {
 struct ShapeSample {
   Point3 p;
   Vec3 p_error;
-  Normal3 n;   // geometric, unit, as SurfaceInteraction::n would be
+  Normal3 n;  // geometric, unit, as SurfaceInteraction::n would be
   Point2 uv;
   float pdf = 0;  // per solid angle from the reference point
 };
@@ -20,14 +20,17 @@ struct ShapeSample {
 struct ReferencePoint {
   Point3 p;
   Vec3 p_error;
-  Normal3 n;         // geometric
+  Normal3 n;  // geometric
   Normal3 shading_n;
 };
 
-// A point on primitive `primitive` of `shape`, u in [0,1)^2. Nothing if the primitive cannot be seen or has no area.
-std::optional<ShapeSample> SampleShape(const Shape& shape, uint32_t primitive, const ReferencePoint& reference, Point2 u);
+// A point on primitive `primitive` of `shape`, u in [0,1)^2. Nothing if the primitive cannot be seen or has
+// no area.
+std::optional<ShapeSample> SampleShape(const Shape& shape, uint32_t primitive,
+                                       const ReferencePoint& reference, Point2 u);
 
-// The density per solid angle with which SampleShape would have found the point `on_light`, seen along unit `wi`.
+// The density per solid angle with which SampleShape would have found the point `on_light`, seen along unit
+// `wi`.
 float ShapePdf(const Shape& shape, uint32_t primitive, const ReferencePoint& reference, Vec3 wi,
                const SurfaceInteraction& on_light);
 

@@ -1,0 +1,20 @@
+// The same bits for a hit, whoever found it. Ray tracing kernels divide by approximate reciprocals that
+// differ between makes of processors; what a picture sees of a hit is therefore computed here, from the
+// primitive that was found.
+#pragma once
+
+#include "shape/double3.h"
+#include "shape/geometry.h"
+#include "shape/interaction.h"
+
+namespace tessera {
+
+// `ray` in the space of the instance's group; unchanged without an instance.
+DoubleRay RayInShapeSpace(const Geometry& geometry, uint32_t instance, const Ray& ray);
+
+// Recomputes t, u and v of a hit on a triangle, or on a patch that is a parallelogram, in double precision;
+// other hits are left as they are. False if the true distance is not positive: then the ray starts on or
+// behind the surface, and the hit is only a rounding error of the kernel.
+bool RefineHit(const Geometry& geometry, const Ray& ray, Hit* hit);
+
+}  // namespace tessera

@@ -1,0 +1,41 @@
+// What the kinds of shapes share when they fill the shading part of an interaction.
+#pragma once
+
+#include "math/transform.h"
+#include "shape/double3.h"
+#include "shape/interaction.h"
+
+namespace tessera {
+
+// Takes `shading` over, whose normal decides on which side the geometric normal lies. Derivatives so long
+// that their squares would overflow are scaled down.
+inline void SetShading(const SurfaceInteraction::Shading& shading, SurfaceInteraction* interaction) {
+  constexpr float kLengthSquaredMax = 1e16f, kScale = 1e-8f;  // as pbrt's
+  interaction->shading = shading;
+  interaction->n = FaceForward(interaction->n, shading.n);
+  SurfaceInteraction::Shading& s = interaction->shading;
+  while (LengthSquared(s.dpdu) > kLengthSquaredMax || LengthSquared(s.dpdv) > kLengthSquaredMax) {
+    s.dpdu *= kScale;
+    s.dpdv *= kScale;
+  }
+}
+
+// Derivatives of the unit normal of a surface by its parameters, from the derivatives of position (Weingarten
+// equations; Pharr, Jakob, Humphreys 2023, section 6.2.4). Zero where the parametrisation is singular.
+struct NormalDerivatives {
+  Vec3 dndu, dndv;
+};
+NormalDerivatives DifferentiateNormal(Vec3 dpdu, Vec3 dpdv, Vec3 d2pduu, Vec3 d2pduv, Vec3 d2pdvv);
+
+// v turned by the smallest rotation that takes unit `from` to unit `to`.
+Vec3 RotateFromTo(Vec3 v, Vec3 from, Vec3 to);
+
+struct PointWithError {
+  Point3 p;
+  Vec3 error;
+};
+// Takes a point with a box of half size `error` around it through an affine transform. The new box also
+// covers the rounding of the transform, and that of taking a ray the other way by the inverse matrix.
+PointWithError TransformPointWithError(const Transform& transform, Double3 p, Vec3 error);
+
+}  // namespace tessera

@@ -1,0 +1,41 @@
+// From densities per area to densities per solid angle, and the cosine warp that spherical sampling shares.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "shape/shape_sampling.h"
+#include "shape/spherical_sampling.h"
+
+namespace tessera {
+
+// A density per area at point p with normal n, as a density per solid angle from `from`; 0 where it is not
+// finite.
+inline float PerSolidAngle(float pdf_per_area, Point3 from, Point3 p, Normal3 n) {
+  const Vec3 d = p - from;
+  const float distance_squared = LengthSquared(d);
+  const float cosine = AbsDot(n, d) / std::sqrt(distance_squared);
+  const float pdf = pdf_per_area * distance_squared / cosine;
+  return std::isfinite(pdf) ? pdf : 0;
+}
+
+// Turns `sample`, whose pdf is per area, to solid angle; nothing if it cannot be seen.
+inline std::optional<ShapeSample> SeenFrom(const ReferencePoint& reference, ShapeSample sample) {
+  sample.pdf = PerSolidAngle(sample.pdf, reference.p, sample.p, sample.n);
+  if (!(sample.pdf > 0)) return std::nullopt;
+  return sample;
+}
+
+// The weight of a corner: the cosine at the reference point's surface, at least kCosineMin so that no
+// direction is never chosen.
+inline float CornerWeight(const ReferencePoint& reference, Point3 corner) {
+  constexpr float kCosineMin = 0.01f;  // as pbrt's
+  return std::max(kCosineMin, AbsDot(reference.shading_n, Normalize(corner - reference.p)));
+}
+
+inline bool IsOnSurface(const ReferencePoint& reference) {
+  return !IsZero(reference.shading_n);
+}
+
+}  // namespace tessera

@@ -1,0 +1,85 @@
+#include "shape/triangle_sampling.h"
+
+#include "math/sampling.h"
+#include "shape/solid_angle_density.h"
+
+namespace tessera {
+namespace {
+
+// Solid angles in steradians outside which spherical sampling is not accurate.
+constexpr float kSphericalAreaMin = 3e-4f, kSphericalAreaMax = 6.22f;
+
+bool UseSphere(const SphericalTriangle& triangle) {
+  return triangle.area() >= kSphericalAreaMin && triangle.area() <= kSphericalAreaMax;
+}
+
+ShapeSample SampleAt(const TriangleMesh& mesh, uint32_t primitive, const TrianglePoints& triangle, float u,
+                     float v) {
+  ShapeSample sample;
+  sample.p = TrianglePoint(triangle, u, v);
+  sample.p_error = TrianglePointError(triangle, u, v);
+  sample.n = TriangleNormal(mesh, primitive, triangle, u, v);
+  sample.uv = TriangleTextureCoordinates(mesh, primitive, u, v);
+  return sample;
+}
+
+std::optional<ShapeSample> SampleByArea(const TriangleMesh& mesh, uint32_t primitive,
+                                        const TrianglePoints& triangle, const ReferencePoint& reference,
+                                        Point2 u) {
+  const Vec3 b = SampleUniformTriangle(u);
+  ShapeSample sample = SampleAt(mesh, primitive, triangle, b.y, b.z);
+  sample.pdf = 1 / TriangleArea(triangle);
+  return SeenFrom(reference, sample);
+}
+
+// How the warp weighs the unit square that spherical sampling starts from: its lower edge is corner 1, its
+// upper corners are 0 and 2.
+BilinearWeights Warp(const TrianglePoints& triangle, const ReferencePoint& reference) {
+  const float w1 = CornerWeight(reference, triangle.p1);
+  return {w1, w1, CornerWeight(reference, triangle.p0), CornerWeight(reference, triangle.p2)};
+}
+
+}  // namespace
+
+std::optional<ShapeSample> SampleTriangle(const TriangleMesh& mesh, uint32_t primitive,
+                                          const ReferencePoint& reference, Point2 u) {
+  const TrianglePoints triangle = TriangleAt(mesh, primitive);
+  const SphericalTriangle spherical(triangle, reference.p);
+  if (!UseSphere(spherical)) return SampleByArea(mesh, primitive, triangle, reference, u);
+  float pdf = 1 / spherical.area();
+  if (IsOnSurface(reference)) {
+    const BilinearWeights weights = Warp(triangle, reference);
+    u = SampleBilinear(u, weights);
+    pdf *= BilinearPdf(u, weights);
+  }
+  TriangleCrossing crossing;
+  if (!CrossTriangle(triangle, {Double3(reference.p), spherical.Sample(u)}, &crossing)) return std::nullopt;
+  const double b1 = std::clamp(crossing.u, 0.0, 1.0);
+  const double b2 = std::clamp(crossing.v, 0.0, 1 - b1);
+  ShapeSample sample = SampleAt(mesh, primitive, triangle, static_cast<float>(b1), static_cast<float>(b2));
+  sample.pdf = pdf;
+  return sample;
+}
+
+float TrianglePdf(const TriangleMesh& mesh, uint32_t primitive, const ReferencePoint& reference, Vec3 wi,
+                  const SurfaceInteraction& on_light) {
+  const TrianglePoints triangle = TriangleAt(mesh, primitive);
+  const SphericalTriangle spherical(triangle, reference.p);
+  if (!UseSphere(spherical))
+    return PerSolidAngle(1 / TriangleArea(triangle), reference.p, on_light.p, on_light.n);
+  const float pdf = 1 / spherical.area();
+  if (!IsOnSurface(reference)) return pdf;
+  return pdf * BilinearPdf(spherical.Invert(wi), Warp(triangle, reference));
+}
+
+float TriangleArea(const TrianglePoints& triangle) {
+  return 0.5f * Length(Cross(triangle.p1 - triangle.p0, triangle.p2 - triangle.p0));
+}
+
+NormalCone TriangleNormals(const TriangleMesh& mesh, uint32_t primitive) {
+  // Where the mesh has normals, the mean of the three says which side it is, as pbrt's.
+  constexpr float kThird = 1.0f / 3;
+  return {TriangleNormal(mesh, primitive, TriangleAt(mesh, primitive), kThird, kThird), 1};
+}
+
+}  // namespace tessera
