@@ -55,6 +55,8 @@ struct LightInputs {
 // (Karlik et al. 2019, "MIS Compensation"). So an integrator must also follow rays that miss or hit emitters.
 class LightTable {
  public:
+  struct Data;  // light_data.h
+
   LightTable();
   ~LightTable();
   LightTable(LightTable&&) noexcept;
@@ -91,7 +93,6 @@ class LightTable {
   bool empty() const { return size() == 0; }
 
  private:
-  struct Data;
   std::unique_ptr<Data> data_;
 };
 

@@ -1,0 +1,132 @@
+#include "light/area_lights.h"
+
+#include "light/emission.h"
+
+namespace tessera {
+namespace {
+
+// The luminance that `power` is measured against, relative to L.
+float MeanLuminance(const AreaEmitter& emitter) {
+  if (emitter.image.empty()) return 1;
+  return RelativeLuminance(emitter.image.color_space(), emitter.image.Mean());
+}
+
+// The strength of the mean radiance.
+float MeanStrength(const AreaEmitter& emitter) {
+  const float strength = Strength(emitter.L);
+  if (emitter.image.empty()) return strength;
+  const Rgb mean = emitter.image.Mean();
+  return strength * (mean.x + mean.y + mean.z) / 3;
+}
+
+AreaEmitter ReadEmitter(ParameterReader& reader, const Shape& shape, FileSource& files, ImageCache& images) {
+  AreaEmitter emitter;
+  emitter.shape = &shape;
+  emitter.two_sided = reader.Bool("twosided", false);
+  emitter.is_hidden = shape.surface.alpha.IsConstant() && shape.surface.alpha.constant <= 0;
+  emitter.has_alpha = shape.surface.HasAlpha() && !emitter.is_hidden;
+  if (reader.String("filename", "").empty()) {
+    emitter.L = ReadEmission(reader, "L", files);
+    return emitter;
+  }
+  if (reader.Has("L")) reader.FailAt("L", "an area light has either \"L\" or \"filename\"");
+  emitter.image = RgbImage::Read(reader, images);
+  emitter.image_scale = ReadImageScale(reader, ColorSpace::Srgb());
+  emitter.L = Spectrum::Table(ColorSpace::Srgb().illuminant(), emitter.image_scale);
+  return emitter;
+}
+
+// The least of Dot(axis, p) over the box.
+float SupportMin(const Bounds3& box, Vec3 axis) {
+  float sum = 0;
+  for (int i = 0; i < 3; ++i) sum += axis[i] * (axis[i] > 0 ? box.min[i] : box.max[i]);
+  return sum;
+}
+
+}  // namespace
+
+Result<void> AreaLights::Add(const Entity& entity, const Shape& shape, FileSource& files,
+                             ImageCache& images) {
+  if (entity.kind != "diffuse") {
+    return ErrorAt(entity.location, "unknown area light \"" + entity.kind + "\", expected \"diffuse\"");
+  }
+  ParameterReader reader(entity);
+  emitters_.push_back(ReadEmitter(reader, shape, files, images));
+  const AreaEmitter& emitter = emitters_.back();
+  if (reader.failed()) return reader.Finish();
+  const std::optional<float> power = ReadTotal(reader, "power");
+  const float unit_exitance = MeanLuminance(emitter) * kPi * (emitter.two_sided ? 2.0f : 1.0f);
+  if (power && !(unit_exitance > 0)) reader.FailAt("power", "a black picture emits no power");
+  if (const Result<void> finished = reader.Finish(); !finished) return finished.error();
+  const uint32_t count = shape.PrimitiveCount();
+  for (uint32_t i = 0; i < count; ++i) {
+    AreaLight light{static_cast<uint32_t>(emitters_.size() - 1), i, 1};
+    if (power) {
+      const float area = ShapeArea(shape, i);
+      light.scale = area > 0 ? *power / (unit_exitance * area) : 0;
+    }
+    lights_.push_back(light);
+  }
+  return {};
+}
+
+std::optional<LightSample> AreaLights::Sample(size_t light, const ReferencePoint& reference, Point2 u,
+                                              const SampledWavelengths& wavelengths,
+                                              const TextureTable& textures) const {
+  const AreaLight& area = lights_[light];
+  const AreaEmitter& emitter = emitters_[area.emitter];
+  const std::optional<ShapeSample> on_shape = SampleShape(*emitter.shape, area.primitive, reference, u);
+  if (!on_shape || !(on_shape->pdf > 0)) return std::nullopt;
+  const Vec3 to_light = on_shape->p - reference.p;
+  const float distance_squared = LengthSquared(to_light);
+  if (!(distance_squared > 0)) return std::nullopt;
+  const Vec3 wi = to_light / std::sqrt(distance_squared);
+  if (!emitter.two_sided && Dot(on_shape->n, wi) >= 0) return std::nullopt;
+  LightSample sample;
+  sample.L = Emission(emitter, area, on_shape->uv, wavelengths);
+  // Where alpha is below 1 only that share of rays would hit the emitter.
+  if (emitter.has_alpha) {
+    const TextureContext context{on_shape->p, on_shape->n, on_shape->uv, {}, {}, 0, 0, 0, 0};
+    sample.L *= std::clamp(textures.Evaluate(emitter.shape->surface.alpha, context), 0.0f, 1.0f);
+  }
+  if (!AnyNonZero(sample.L)) return std::nullopt;
+  sample.wi = wi;
+  sample.pdf = on_shape->pdf;
+  sample.p = on_shape->p;
+  sample.p_error = on_shape->p_error;
+  sample.n = on_shape->n;
+  sample.is_delta = emitter.is_hidden;
+  return sample;
+}
+
+SampledSpectrum AreaLights::ImageEmission(const AreaEmitter& emitter, Point2 uv,
+                                          const SampledWavelengths& wavelengths) {
+  const Rgb rgb = emitter.image.Bilinear({uv.x, 1 - uv.y});
+  const SampledSpectrum color =
+      emitter.image.color_space().SampleFast(rgb, SpectrumUse::kIlluminant, wavelengths);
+  return color * emitter.image_scale;
+}
+
+void AreaLights::AddProfiles(std::vector<LightProfile>* profiles) const {
+  uint32_t measured = UINT32_MAX;
+  float strength = 0;  // of emitter `measured`
+  for (const AreaLight& light : lights_) {
+    const AreaEmitter& emitter = emitters_[light.emitter];
+    if (light.emitter != measured) {
+      strength = MeanStrength(emitter);
+      measured = light.emitter;
+    }
+    LightBounds bounds;
+    bounds.box = ShapeBounds(*emitter.shape, light.primitive);
+    const NormalCone cone = ShapeNormals(*emitter.shape, light.primitive);
+    bounds.axis = cone.axis;
+    bounds.cos_theta_o = cone.cos_angle;
+    bounds.cos_theta_e = 0;
+    bounds.strength = strength * std::abs(light.scale) * ShapeArea(*emitter.shape, light.primitive);
+    bounds.two_sided = emitter.two_sided;
+    if (cone.cos_angle >= 1 && !emitter.two_sided) bounds.plane_min = SupportMin(bounds.box, cone.axis);
+    profiles->push_back({true, bounds.strength * kPi * (emitter.two_sided ? 2.0f : 1.0f), bounds});
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,72 @@
+// Surfaces that emit: one emitter for each shape, one light for each of its primitives.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "color/spectrum.h"
+#include "light/emission_image.h"
+#include "light/light.h"
+#include "light/light_chooser.h"
+
+namespace tessera {
+
+// What the primitives of one shape have in common.
+struct AreaEmitter {
+  const Shape* shape = nullptr;
+  Spectrum L;      // radiance; with a picture: of its white
+  RgbImage image;  // over (u, 1 - v); empty: L alone
+  float image_scale = 1;
+  bool two_sided = false;
+  bool has_alpha = false;  // an alpha that only lets a part of the light out
+  // Alpha 0 everywhere: rays pass, but it emits fully. Only light samples find it.
+  bool is_hidden = false;
+};
+
+// One primitive of an emitting shape.
+struct AreaLight {
+  uint32_t emitter = 0;
+  uint32_t primitive = 0;
+  float scale = 1;  // `power` is for each primitive, whose areas differ
+};
+
+class AreaLights {
+ public:
+  // Reads the AreaLightSource of `shape` and adds a light for each of its primitives.
+  Result<void> Add(const Entity& entity, const Shape& shape, FileSource& files, ImageCache& images);
+
+  size_t size() const { return lights_.size(); }
+  std::optional<LightSample> Sample(size_t light, const ReferencePoint& reference, Point2 u,
+                                    const SampledWavelengths& wavelengths,
+                                    const TextureTable& textures) const;
+  float Pdf(size_t light, const ReferencePoint& reference, Vec3 wi,
+            const SurfaceInteraction& on_light) const {
+    const AreaLight& area = lights_[light];
+    return ShapePdf(*emitters_[area.emitter].shape, area.primitive, reference, wi, on_light);
+  }
+  // Radiance along wo from a point that a ray hit.
+  SampledSpectrum Radiance(size_t light, const SurfaceInteraction& on_light, Vec3 wo,
+                           const SampledWavelengths& wavelengths) const {
+    const AreaLight& area = lights_[light];
+    const AreaEmitter& emitter = emitters_[area.emitter];
+    if (!emitter.two_sided && Dot(on_light.n, wo) < 0) return SampledSpectrum();
+    return Emission(emitter, area, on_light.uv, wavelengths);
+  }
+  // Of each light, in order.
+  void AddProfiles(std::vector<LightProfile>* profiles) const;
+
+ private:
+  static SampledSpectrum Emission(const AreaEmitter& emitter, const AreaLight& area, Point2 uv,
+                                  const SampledWavelengths& wavelengths) {
+    const SampledSpectrum L =
+        emitter.image.empty() ? emitter.L.Sample(wavelengths) : ImageEmission(emitter, uv, wavelengths);
+    return L * area.scale;
+  }
+  static SampledSpectrum ImageEmission(const AreaEmitter& emitter, Point2 uv,
+                                       const SampledWavelengths& wavelengths);
+
+  std::vector<AreaEmitter> emitters_;
+  std::vector<AreaLight> lights_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,155 @@
+#include "light/delta_lights.h"
+
+#include "light/emission.h"
+
+namespace tessera {
+namespace {
+
+float SmoothStep(float x, float a, float b) {
+  if (a == b) return x < a ? 0.0f : 1.0f;
+  const float t = std::clamp((x - a) / (b - a), 0.0f, 1.0f);
+  return t * t * (3 - 2 * t);
+}
+
+Bounds3 BoxOf(Point3 p) {
+  return {p, p};
+}
+
+// A transform whose z axis is the unit vector z, from the frame to its parent.
+Transform FrameTransform(const Frame& frame) {
+  Matrix4 m, inverse;
+  const Vec3 axes[3] = {frame.x, frame.y, frame.z};
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      m.m[row][column] = axes[column][row];
+      inverse.m[column][row] = axes[column][row];
+    }
+  }
+  return {m, inverse};
+}
+
+// The unit vector between two parameters that must differ.
+Vec3 ReadDirection(ParameterReader& reader, Point3* from) {
+  *from = reader.Point3Value("from", {0, 0, 0});
+  const Point3 to = reader.Point3Value("to", {0, 0, 1});
+  const Vec3 direction = to - *from;
+  if (Length(direction) > 0 && std::isfinite(Length(direction))) return Normalize(direction);
+  reader.FailAt("to", "\"from\" and \"to\" must be different points");
+  return {0, 0, 1};
+}
+
+}  // namespace
+
+std::optional<LightSample> SamplePoint(Point3 p, const ReferencePoint& reference) {
+  const Vec3 to_light = p - reference.p;
+  const float distance_squared = LengthSquared(to_light);
+  if (!(distance_squared > 0)) return std::nullopt;
+  LightSample sample;
+  sample.L = SampledSpectrum(1 / distance_squared);
+  sample.wi = to_light / std::sqrt(distance_squared);
+  sample.pdf = 1;
+  sample.p = p;
+  sample.is_delta = true;
+  return sample;
+}
+
+PointLight PointLight::Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files) {
+  PointLight light;
+  light.I = ReadEmission(reader, "I", files);
+  light.p = render_from_light.ToPoint(reader.Point3Value("from", {0, 0, 0}));
+  if (const auto power = ReadTotal(reader, "power")) light.I = light.I.Scaled(*power * kInv4Pi);
+  return light;
+}
+
+std::optional<LightSample> PointLight::Sample(const ReferencePoint& reference,
+                                              const SampledWavelengths& wavelengths) const {
+  std::optional<LightSample> sample = SamplePoint(p, reference);
+  if (sample) sample->L *= I.Sample(wavelengths);
+  return sample;
+}
+
+LightProfile PointLight::Profile() const {
+  const float strength = Strength(I);
+  LightBounds bounds;
+  bounds.box = BoxOf(p);
+  bounds.cos_theta_o = -1;
+  bounds.cos_theta_e = 0;
+  bounds.strength = strength;
+  return {true, 4 * kPi * strength, bounds};
+}
+
+SpotLight SpotLight::Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files) {
+  Point3 from;
+  const Vec3 direction = ReadDirection(reader, &from);
+  const Transform from_spot = render_from_light * Translate(from) * FrameTransform(Frame::FromZ(direction));
+  const float angle = reader.Float("coneangle", 30), delta = reader.Float("conedeltaangle", 5);
+  if (delta < 0) reader.FailAt("conedeltaangle", "must not be negative");
+  SpotLight light{LightPlace(from_spot), Normalize(from_spot.ToVector({0, 0, 1})),
+                  ReadEmission(reader, "I", files), std::cos(Radians(angle - delta)),
+                  std::cos(Radians(angle))};
+  if (const auto power = ReadTotal(reader, "power")) {
+    if (!(light.UnitPower() > 0))
+      reader.FailAt("power", "a cone of no angle emits no power");
+    else
+      light.I = light.I.Scaled(*power / light.UnitPower());
+  }
+  return light;
+}
+
+float SpotLight::Falloff(float cos_theta) const {
+  return SmoothStep(cos_theta, cos_falloff_end, cos_falloff_start);
+}
+
+float SpotLight::UnitPower() const {
+  return 2 * kPi * ((1 - cos_falloff_start) + (cos_falloff_start - cos_falloff_end) / 2);
+}
+
+std::optional<LightSample> SpotLight::Sample(const ReferencePoint& reference,
+                                             const SampledWavelengths& wavelengths) const {
+  std::optional<LightSample> sample = SamplePoint(place.p, reference);
+  if (!sample) return std::nullopt;
+  const float falloff = Falloff(place.Outgoing(sample->wi).z);
+  if (falloff == 0) return std::nullopt;
+  sample->L *= falloff * I.Sample(wavelengths);
+  return sample;
+}
+
+LightProfile SpotLight::Profile() const {
+  constexpr float kRimSlack = 1e-3f;  // against rounding at the rim, where only this light's samples find it
+  const float fade = std::acos(cos_falloff_end) - std::acos(cos_falloff_start);
+  LightBounds bounds;
+  bounds.box = BoxOf(place.p);
+  bounds.axis = axis;
+  bounds.cos_theta_o = cos_falloff_start;
+  bounds.cos_theta_e = std::cos(fade) - kRimSlack;
+  bounds.strength = Strength(I);
+  return {true, bounds.strength * UnitPower(), bounds};
+}
+
+DistantLight DistantLight::Read(ParameterReader& reader, const Transform& render_from_light,
+                                FileSource& files) {
+  Point3 from;
+  const Vec3 direction = ReadDirection(reader, &from);
+  DistantLight light;
+  light.wi = Normalize(render_from_light.ToVector(-direction));
+  light.L = ReadEmission(reader, "L", files);
+  if (const auto illuminance = ReadTotal(reader, "illuminance")) light.L = light.L.Scaled(*illuminance);
+  return light;
+}
+
+LightSample DistantLight::Sample(const ReferencePoint& reference, float scene_radius,
+                                 const SampledWavelengths& wavelengths) const {
+  LightSample sample;
+  sample.L = L.Sample(wavelengths);
+  sample.wi = wi;
+  sample.pdf = 1;
+  sample.p = reference.p + wi * (2 * scene_radius);
+  sample.is_delta = true;
+  return sample;
+}
+
+LightProfile DistantLight::Profile(float scene_radius) const {
+  return {true, Strength(L) * kPi * Sqr(scene_radius), std::nullopt};
+}
+
+}  // namespace tessera

@@ -1,0 +1,66 @@
+// Lights without extent: a point, a direction, or an intensity that varies with direction.
+#pragma once
+
+#include <optional>
+
+#include "color/spectrum.h"
+#include "language/parameter_reader.h"
+#include "light/light.h"
+#include "light/light_chooser.h"
+
+namespace tessera {
+
+// Where a light without extent is, and how it is turned.
+struct LightPlace {
+  Point3 p;
+  Transform light_from_render;
+
+  explicit LightPlace(const Transform& render_from_light)
+      : p(render_from_light.ToPoint({})), light_from_render(render_from_light.Inverse()) {}
+  // The unit direction, in the light's space, in which light leaves towards wi's origin.
+  Vec3 Outgoing(Vec3 wi) const { return Normalize(light_from_render.ToVector(-wi)); }
+};
+
+// The sample of a light at `p` towards `reference`, with L = 1 / distance^2. Nothing at the light itself.
+std::optional<LightSample> SamplePoint(Point3 p, const ReferencePoint& reference);
+
+// Emits alike in all directions.
+struct PointLight {
+  Point3 p;
+  Spectrum I;  // radiant intensity
+
+  static PointLight Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files);
+  std::optional<LightSample> Sample(const ReferencePoint& reference,
+                                    const SampledWavelengths& wavelengths) const;
+  LightProfile Profile() const;
+};
+
+// A cone about +z of its space, fading towards the rim.
+struct SpotLight {
+  LightPlace place;
+  Vec3 axis;   // in rendering space
+  Spectrum I;  // on the axis
+  float cos_falloff_start = 1, cos_falloff_end = 1;
+
+  static SpotLight Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files);
+  std::optional<LightSample> Sample(const ReferencePoint& reference,
+                                    const SampledWavelengths& wavelengths) const;
+  // The share of I at an angle to the axis.
+  float Falloff(float cos_theta) const;
+  // Total power of a light with I = 1.
+  float UnitPower() const;
+  LightProfile Profile() const;
+};
+
+// Arrives from one direction everywhere.
+struct DistantLight {
+  Vec3 wi;     // unit, towards the light
+  Spectrum L;  // irradiance on a plane that faces it
+
+  static DistantLight Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files);
+  LightSample Sample(const ReferencePoint& reference, float scene_radius,
+                     const SampledWavelengths& wavelengths) const;
+  LightProfile Profile(float scene_radius) const;
+};
+
+}  // namespace tessera

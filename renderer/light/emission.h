@@ -1,0 +1,32 @@
+// The spectra of lights: their normalisation and how strong they are.
+#pragma once
+
+#include <string_view>
+
+#include "color/color_space.h"
+#include "color/spectrum.h"
+#include "language/file_source.h"
+#include "language/parameter_reader.h"
+
+namespace tessera {
+
+// The factor that gives `spectrum` luminance 1: the magnitude of a `spectrum` or `blackbody` is lost, the
+// colour of an RGB triple is kept because only its white is measured. 0 for a black one.
+float UnitLuminanceScale(const Spectrum& spectrum);
+
+// The spectrum parameter `name`, or the white of the default colour space, with luminance 1 times parameter
+// `scale`.
+Spectrum ReadEmission(ParameterReader& reader, std::string_view name, FileSource& files);
+// Parameter `scale` for pictures, whose colours are multiplied by the white of their colour space.
+float ReadImageScale(ParameterReader& reader, const ColorSpace& color_space);
+// A parameter that asks for a total (`power`, `illuminance`); values up to 0 mean that it is off.
+std::optional<float> ReadTotal(ParameterReader& reader, std::string_view name);
+
+// The magnitude of a spectrum for choosing between lights: its mean, weighted by the sum of the three
+// matching functions, without its sign.
+float Strength(const Spectrum& spectrum);
+
+// Luminance of linear RGB relative to that of the white (1, 1, 1).
+float RelativeLuminance(const ColorSpace& color_space, Rgb rgb);
+
+}  // namespace tessera

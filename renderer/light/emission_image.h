@@ -1,0 +1,65 @@
+// Pictures that lights emit.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "color/color_space.h"
+#include "image/image.h"
+#include "language/parameter_reader.h"
+
+namespace tessera {
+
+// A picture with channels R, G and B, all finite.
+class RgbImage {
+ public:
+  RgbImage() = default;
+  // Reads the picture that parameter `filename` names. Errors are remembered by the reader; the image is then
+  // empty.
+  static RgbImage Read(ParameterReader& reader, ImageCache& images);
+
+  bool empty() const { return !image_; }
+  int width() const { return image_->width; }
+  int height() const { return image_->height; }
+  const ColorSpace& color_space() const { return ColorSpace::Srgb(); }
+  // Negative values are 0.
+  Rgb At(int x, int y) const;
+  // Bilinear interpolation; the edge goes on outside. uv is (0, 0) at the first value of the top row.
+  Rgb Bilinear(Point2 uv) const;
+  Rgb Mean() const;
+
+ private:
+  std::shared_ptr<const Image> image_;
+  std::array<int, 3> channels_{};
+};
+
+// Whether every value of the channel is finite.
+bool IsFinite(const Image& image, int channel);
+
+// A picture as emitted spectra, one a texel, made once: a lookup is one cache line.
+class EmissionMap {
+ public:
+  EmissionMap() = default;
+  // `scale` is part of the texels.
+  EmissionMap(const RgbImage& image, float scale);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  SampledSpectrum Sample(uint32_t x, uint32_t y, const SampledWavelengths& wavelengths) const;
+  // The texel at uv in [0, 1]^2.
+  SampledSpectrum SampleNearest(Point2 uv, const SampledWavelengths& wavelengths) const;
+  size_t bytes() const { return texels_.size() * sizeof(Texel); }
+
+ private:
+  struct alignas(16) Texel {
+    SigmoidPolynomial color;
+    float scale = 0;
+  };
+
+  std::vector<Texel> texels_;
+  std::shared_ptr<const DenseTable> white_;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace tessera

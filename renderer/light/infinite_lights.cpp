@@ -1,0 +1,110 @@
+#include "light/infinite_lights.h"
+
+#include "light/emission.h"
+#include "math/equal_area.h"
+
+namespace tessera {
+namespace {
+
+// What pbrt-v4 takes for the illuminance of the picture on a plane that faces +z: half of the true value.
+// Kept, so that scenes have the brightness that their authors saw.
+float UpwardIlluminance(const RgbImage& image) {
+  const float size = static_cast<float>(image.width());
+  double sum = 0;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      const Vec3 w = EqualAreaSquareToSphere(
+          {(static_cast<float>(x) + 0.5f) / size, (static_cast<float>(y) + 0.5f) / size});
+      if (w.z > 0) sum += static_cast<double>(RelativeLuminance(image.color_space(), image.At(x, y))) * w.z;
+    }
+  }
+  return static_cast<float>(sum) * (2 * kPi / (size * size));
+}
+
+// What each texel adds to the mean of R, G and B, above the mean of all.
+std::vector<float> ExcessOverMean(const RgbImage& image, float* mean) {
+  std::vector<float> values;
+  values.reserve(static_cast<size_t>(image.width()) * static_cast<size_t>(image.height()));
+  double sum = 0;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      const Rgb rgb = image.At(x, y);
+      values.push_back((rgb.x + rgb.y + rgb.z) / 3);
+      sum += values.back();
+    }
+  }
+  *mean = static_cast<float>(sum / static_cast<double>(values.size()));
+  for (float& value : values) value = std::max(value - *mean, 0.0f);
+  return values;
+}
+
+}  // namespace
+
+ConstantInfiniteLight ConstantInfiniteLight::Read(ParameterReader& reader, FileSource& files) {
+  ConstantInfiniteLight light{ReadEmission(reader, "L", files)};
+  if (const auto illuminance = ReadTotal(reader, "illuminance"))
+    light.L = light.L.Scaled(*illuminance * kInvPi);
+  return light;
+}
+
+ImageInfiniteLight ImageInfiniteLight::Read(ParameterReader& reader, const Transform& render_from_light,
+                                            ImageCache& images) {
+  ImageInfiniteLight light;
+  light.render_from_light = render_from_light;
+  light.light_from_render = render_from_light.Inverse();
+  float scale = ReadImageScale(reader, ColorSpace::Srgb());
+  const std::optional<float> illuminance = ReadTotal(reader, "illuminance");
+  const RgbImage image = RgbImage::Read(reader, images);
+  if (image.empty()) return light;
+  if (image.width() != image.height()) {
+    reader.FailAt(
+        "filename",
+        "the picture is not square: environment maps are equal-area octahedral (imgtool makeequiarea)");
+    return light;
+  }
+  if (illuminance) {
+    const float unit = UpwardIlluminance(image);
+    if (unit > 0)
+      scale *= *illuminance / unit;
+    else
+      reader.FailAt("illuminance", "the upper half of the picture is black");
+  }
+  light.map = EmissionMap(image, scale);
+  float mean = 0;
+  const std::vector<float> excess = ExcessOverMean(image, &mean);
+  light.brighter =
+      Distribution2D(excess, static_cast<uint32_t>(image.width()), static_cast<uint32_t>(image.height()));
+  light.mean_strength = mean * Strength(Spectrum::Table(image.color_space().illuminant(), scale));
+  return light;
+}
+
+Point2 ImageInfiniteLight::PlaceInMap(Vec3 d) const {
+  return EqualAreaSphereToSquare(Normalize(light_from_render.ToVector(d)));
+}
+
+SampledSpectrum ImageInfiniteLight::Radiance(Vec3 d, const SampledWavelengths& wavelengths) const {
+  return map.SampleNearest(PlaceInMap(d), wavelengths);
+}
+
+std::optional<LightSample> ImageInfiniteLight::Sample(const ReferencePoint& reference, Point2 u,
+                                                      float scene_radius,
+                                                      const SampledWavelengths& wavelengths) const {
+  const Distribution2D::Drawn drawn = brighter.Sample(u);
+  if (!(drawn.pdf > 0)) return std::nullopt;
+  LightSample sample;
+  sample.L = map.Sample(drawn.x, drawn.y, wavelengths);
+  sample.wi = Normalize(render_from_light.ToVector(EqualAreaSquareToSphere(drawn.p)));
+  sample.pdf = drawn.pdf * kInv4Pi;
+  sample.p = reference.p + sample.wi * (2 * scene_radius);
+  return sample;
+}
+
+float ImageInfiniteLight::Pdf(Vec3 wi) const {
+  return brighter.Pdf(PlaceInMap(wi)) * kInv4Pi;
+}
+
+LightProfile ImageInfiniteLight::Profile(float scene_radius) const {
+  return {true, 4 * kPi * kPi * Sqr(scene_radius) * mean_strength, std::nullopt};
+}
+
+}  // namespace tessera

@@ -1,0 +1,34 @@
+// Where a light or a group of lights is, and in which directions it emits (Conty Estevez and Kulla 2018,
+// "Importance Sampling of Many Lights with Adaptive Tree Splitting"; Pharr, Jakob, Humphreys 2023,
+// section 12.6.3).
+#pragma once
+
+#include <limits>
+
+#include "math/bounds.h"
+#include "shape/shape_sampling.h"
+
+namespace tessera {
+
+// Normals of the emitters lie within theta_o of the axis; each emits within theta_e of its normal.
+struct LightBounds {
+  Bounds3 box;
+  Vec3 axis{0, 0, 1};
+  float cos_theta_o = 1, cos_theta_e = 1;
+  // The irradiance that the lights would give at distance 1 on their axis, all at one place.
+  float strength = 0;
+  bool two_sided = false;
+  // If all emitters face the same way (theta_o = 0, one-sided): no point p with Dot(axis, p) below this sees
+  // any.
+  float plane_min = -std::numeric_limits<float>::infinity();
+};
+
+// The least cone we know to make that holds both.
+NormalCone Union(const NormalCone& a, const NormalCone& b);
+LightBounds Union(const LightBounds& a, const LightBounds& b);
+
+// What it costs to keep these lights as one node of a tree, without the factor for the split axis: strength
+// times the measure of their directions times the square of their size.
+float ClusterCost(const LightBounds& bounds);
+
+}  // namespace tessera

@@ -1,0 +1,31 @@
+// What a LightTable holds: the lights of each kind, and where in the list each is.
+#pragma once
+
+#include <variant>
+
+#include "light/area_lights.h"
+#include "light/delta_lights.h"
+#include "light/infinite_lights.h"
+#include "light/light.h"
+#include "light/light_chooser.h"
+#include "light/projector_lights.h"
+
+namespace tessera {
+
+// A LightSource directive.
+using SourceLight = std::variant<PointLight, SpotLight, DistantLight, GoniometricLight, ProjectionLight,
+                                 ConstantInfiniteLight, ImageInfiniteLight>;
+
+struct LightTable::Data {
+  std::vector<SourceLight> sources;  // lights 0, 1, ...
+  AreaLights areas;                  // the lights after them
+  std::vector<int> infinite;         // those among `sources` that rays can hit
+  LightChooser chooser;
+  const TextureTable* textures = nullptr;
+  float scene_radius = 0;  // of a sphere around all geometry
+
+  bool IsSource(int light) const { return static_cast<size_t>(light) < sources.size(); }
+  size_t AreaIndex(int light) const { return static_cast<size_t>(light) - sources.size(); }
+};
+
+}  // namespace tessera

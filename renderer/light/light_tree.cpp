@@ -1,0 +1,141 @@
+#include "light/light_tree.h"
+
+#include <bit>
+
+#include "light/light_tree_builder.h"
+
+namespace tessera {
+namespace {
+
+constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
+
+Float4 Select(__m128 mask, Float4 yes, Float4 no) {
+  return _mm_blendv_ps(no.v, yes.v, mask);
+}
+__m128 Greater(Float4 a, Float4 b) {
+  return _mm_cmpgt_ps(a.v, b.v);
+}
+Float4 Abs(Float4 a) {
+  return _mm_andnot_ps(_mm_set1_ps(-0.0f), a.v);
+}
+
+// cos(max(0, a - b)) for angles in [0, pi] given by cosine and sine.
+Float4 CosClampedDifference(Float4 cos_a, Float4 sin_a, Float4 cos_b, Float4 sin_b) {
+  return Select(Greater(cos_a, cos_b), Float4(1.0f), cos_a * cos_b + sin_a * sin_b);
+}
+Float4 SinClampedDifference(Float4 cos_a, Float4 sin_a, Float4 cos_b, Float4 sin_b) {
+  return Select(Greater(cos_a, cos_b), Float4(0.0f), sin_a * cos_b - cos_a * sin_b);
+}
+Float4 SinOf(Float4 cosine) {
+  return SafeSqrt(Float4(1.0f) - cosine * cosine);
+}
+
+}  // namespace
+
+void LightTreeNode::SetChild(int slot, const LightBounds& bounds, uint32_t value) {
+  const Point3 center = bounds.box.Center();
+  center_x.Set(slot, center.x);
+  center_y.Set(slot, center.y);
+  center_z.Set(slot, center.z);
+  radius_squared.Set(slot, LengthSquared(bounds.box.Diagonal()) / 4);
+  axis_x.Set(slot, bounds.axis.x);
+  axis_y.Set(slot, bounds.axis.y);
+  axis_z.Set(slot, bounds.axis.z);
+  cos_theta_o.Set(slot, bounds.cos_theta_o);
+  sin_theta_o.Set(slot, SafeSqrt(1 - Sqr(bounds.cos_theta_o)));
+  cos_theta_e.Set(slot, bounds.cos_theta_e);
+  strength.Set(slot, bounds.strength);
+  plane_min.Set(slot, bounds.plane_min);
+  two_sided.Set(slot, bounds.two_sided ? std::bit_cast<float>(0xffffffffu) : 0);
+  child[slot] = value;
+}
+
+Float4 LightTreeNode::Importance(Point3 p, Normal3 n) const {
+  const Float4 px(p.x), py(p.y), pz(p.z);
+  const Float4 dx = px - center_x, dy = py - center_y, dz = pz - center_z;
+  const Float4 distance_squared = dx * dx + dy * dy + dz * dz;
+  const Float4 inverse_distance = SafeDiv(Float4(1.0f), Sqrt(distance_squared));
+
+  // Angle b: half of what the bounding sphere covers as seen from p; everything from inside.
+  const __m128 inside = _mm_cmple_ps(distance_squared.v, radius_squared.v);
+  const Float4 sin2_b = Select(inside, Float4(0.0f), SafeDiv(radius_squared, distance_squared));
+  const Float4 sin_b = Sqrt(sin2_b);
+  const Float4 cos_b = Select(inside, Float4(-1.0f), SafeSqrt(Float4(1.0f) - sin2_b));
+
+  // Angle w: between the axis and the way to p. theta' = max(0, w - theta_o - b) is the least angle to a
+  // normal.
+  Float4 cos_w = (axis_x * dx + axis_y * dy + axis_z * dz) * inverse_distance;
+  cos_w = Select(two_sided.v, Abs(cos_w), cos_w);
+  const Float4 sin_w = SinOf(cos_w);
+  const Float4 cos_x = CosClampedDifference(cos_w, sin_w, cos_theta_o, sin_theta_o);
+  const Float4 sin_x = SinClampedDifference(cos_w, sin_w, cos_theta_o, sin_theta_o);
+  const Float4 cos_emitted = CosClampedDifference(cos_x, sin_x, cos_b, sin_b);
+
+  // Inside the sphere the estimate stops rising where that of a flat emitter would.
+  const Float4 bounded_distance_squared = Max(distance_squared, radius_squared * 0.5f);
+  Float4 importance = SafeDiv(strength * cos_emitted, bounded_distance_squared);
+  if (!IsZero(n)) {
+    const Float4 cos_i = Abs(dx * Float4(n.x) + dy * Float4(n.y) + dz * Float4(n.z)) * inverse_distance;
+    importance *= CosClampedDifference(cos_i, SinOf(cos_i), cos_b, sin_b);
+  }
+  const Float4 height = axis_x * px + axis_y * py + axis_z * pz;
+  const __m128 seen = _mm_and_ps(Greater(cos_emitted, cos_theta_e), _mm_cmpge_ps(height.v, plane_min.v));
+  return _mm_and_ps(Max(importance, Float4(0.0f)).v, seen);
+}
+
+LightTree::LightTree(std::span<const LightBounds> bounds, std::span<const uint32_t> lights,
+                     size_t light_count) {
+  BuiltLightTree built = BuildLightTree(bounds, lights);
+  nodes_ = std::move(built.nodes);
+  parents_.resize(nodes_.size(), 0);
+  places_.resize(light_count, kNowhere);
+  for (uint32_t node = 0; node < nodes_.size(); ++node) {
+    for (uint32_t slot = 0; slot < 4; ++slot) {
+      if (nodes_[node].strength[static_cast<int>(slot)] == 0) continue;
+      const uint32_t child = nodes_[node].child[slot];
+      if (child & LightTreeNode::kLeaf)
+        places_[child & ~LightTreeNode::kLeaf] = 4 * node + slot;
+      else
+        parents_[child] = 4 * node + slot;
+    }
+  }
+}
+
+std::optional<ChosenLight> LightTree::Choose(Point3 p, Normal3 n, float u) const {
+  if (nodes_.empty()) return std::nullopt;
+  uint32_t node = 0;
+  float pmf = 1;
+  while (true) {
+    alignas(16) float w[4];
+    _mm_store_ps(w, nodes_[node].Importance(p, n).v);
+    const float sum0 = w[0], sum1 = sum0 + w[1], sum2 = sum1 + w[2], total = sum2 + w[3];
+    if (!(total > 0) || !(total <= std::numeric_limits<float>::max())) return std::nullopt;
+    const float place = u * total;
+    int slot = (place >= sum0) + (place >= sum1) + (place >= sum2);
+    while (w[slot] == 0) --slot;  // u * total may be rounded up to total
+    const float before = slot == 0 ? 0 : slot == 1 ? sum0 : slot == 2 ? sum1 : sum2;
+    u = std::clamp((place - before) / w[slot], 0.0f, kOneMinusEpsilon);
+    pmf *= w[slot] / total;
+    const uint32_t child = nodes_[node].child[slot];
+    if (child & LightTreeNode::kLeaf)
+      return ChosenLight{static_cast<int>(child & ~LightTreeNode::kLeaf), pmf};
+    node = child;
+  }
+}
+
+float LightTree::Pmf(Point3 p, Normal3 n, int light) const {
+  float pmf = 1;
+  uint32_t place = places_[light];
+  while (true) {
+    const uint32_t node = place / 4;
+    alignas(16) float w[4];
+    _mm_store_ps(w, nodes_[node].Importance(p, n).v);
+    const float total = ((w[0] + w[1]) + w[2]) + w[3];
+    if (!(w[place % 4] > 0) || !(total <= std::numeric_limits<float>::max())) return 0;
+    pmf *= w[place % 4] / total;
+    if (node == 0) return pmf;
+    place = parents_[node];
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,56 @@
+// A tree over the lights that have a place, to choose one with a probability near its share of the light that
+// arrives at a point. Four children a node, weighed at once. Immutable, deterministic, no allocation when
+// used.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "light/light.h"
+#include "light/light_bounds.h"
+#include "math/float4.h"
+
+namespace tessera {
+
+// The bounds of four children, each element its own. Unused children have strength 0.
+struct alignas(16) LightTreeNode {
+  static constexpr uint32_t kLeaf = 0x80000000u;  // flag of a child that is a light
+
+  Float4 center_x, center_y, center_z, radius_squared;
+  Float4 axis_x, axis_y, axis_z;
+  Float4 cos_theta_o, sin_theta_o, cos_theta_e;
+  Float4 strength, plane_min;
+  Float4 two_sided;  // all bits set or none
+  uint32_t child[4] = {};
+
+  void SetChild(int slot, const LightBounds& bounds, uint32_t value);
+  // Upper estimates of the irradiance at p from each child; n is the shading normal, zero for a point in
+  // space.
+  Float4 Importance(Point3 p, Normal3 n) const;
+};
+
+class LightTree {
+ public:
+  LightTree() = default;
+  // One entry of `bounds` for each of `lights`, with indices below light_count. Lights of strength 0 are left
+  // out.
+  LightTree(std::span<const LightBounds> bounds, std::span<const uint32_t> lights, size_t light_count);
+
+  bool empty() const { return nodes_.empty(); }
+  bool Contains(int light) const { return !places_.empty() && places_[light] != kNowhere; }
+  std::optional<ChosenLight> Choose(Point3 p, Normal3 n, float u) const;
+  // The probability with which Choose takes `light`, which the tree contains.
+  float Pmf(Point3 p, Normal3 n, int light) const;
+  size_t bytes() const { return nodes_.size() * sizeof(LightTreeNode) + places_.size() * sizeof(uint32_t); }
+
+ private:
+  static constexpr uint32_t kNowhere = 0xffffffffu;
+
+  std::vector<LightTreeNode> nodes_;  // the first is the root
+  std::vector<uint32_t> parents_;     // of each node: 4 * parent + slot
+  std::vector<uint32_t> places_;      // of each light: 4 * node + slot
+};
+
+}  // namespace tessera

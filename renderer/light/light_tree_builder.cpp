@@ -1,0 +1,163 @@
+#include "light/light_tree_builder.h"
+
+#include <algorithm>
+#include <array>
+
+namespace tessera {
+namespace {
+
+constexpr int kBucketCount = 12;  // split places tried along each axis, plus one
+
+struct Item {
+  LightBounds bounds;
+  uint32_t light = 0;
+};
+
+// A node with two children, or a leaf.
+struct BinaryNode {
+  LightBounds bounds;
+  uint32_t light = 0;
+  int left = -1, right = -1;  // -1: a leaf
+};
+
+struct Split {
+  int axis = -1;  // -1: none found
+  int bucket = 0;
+  float cost = 0;
+};
+
+class Builder {
+ public:
+  BuiltLightTree Build(std::vector<Item> items);
+
+ private:
+  int BuildBinary(std::span<Item> items);
+  int AddLeaf(const Item& item);
+  void Fold(int binary, uint32_t node);
+  std::vector<int> FoldedChildren(int binary) const;
+
+  std::vector<BinaryNode> binary_;
+  BuiltLightTree result_;
+};
+
+int BucketOf(const Item& item, const Bounds3& centers, int axis) {
+  const float extent = centers.max[axis] - centers.min[axis];
+  const float offset = (item.bounds.box.Center()[axis] - centers.min[axis]) / extent;
+  return std::clamp(static_cast<int>(offset * kBucketCount), 0, kBucketCount - 1);
+}
+
+// Replaces `best` if a split across `axis` is cheaper.
+void TryAxis(std::span<const Item> items, const Bounds3& centers, float stretch, int axis, Split& best) {
+  std::array<LightBounds, kBucketCount> buckets;
+  for (const Item& item : items) {
+    LightBounds& bucket = buckets[BucketOf(item, centers, axis)];
+    bucket = Union(bucket, item.bounds);
+  }
+  std::array<float, kBucketCount> cost_above{};  // [i]: of buckets i, i + 1, ...
+  LightBounds above;
+  for (int i = kBucketCount - 1; i > 0; --i) {
+    above = Union(above, buckets[i]);
+    cost_above[i] = ClusterCost(above);
+  }
+  LightBounds below;
+  for (int i = 0; i + 1 < kBucketCount; ++i) {
+    below = Union(below, buckets[i]);
+    const float cost = (ClusterCost(below) + cost_above[i + 1]) * stretch;
+    if (best.axis < 0 || cost < best.cost) best = {axis, i, cost};
+  }
+}
+
+// How many of `items`, reordered, go to the left.
+size_t SplitItems(std::span<Item> items) {
+  Bounds3 centers, box;
+  for (const Item& item : items) {
+    centers.Add(item.bounds.box.Center());
+    box.Add(item.bounds.box);
+  }
+  Split best;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(centers.max[axis] > centers.min[axis])) continue;
+    // Long thin clusters are cut across first.
+    const float stretch = MaxComponent(box.Diagonal()) / box.Diagonal()[axis];
+    TryAxis(items, centers, stretch, axis, best);
+  }
+  if (best.axis < 0) return items.size() / 2;
+  const auto middle = std::stable_partition(items.begin(), items.end(), [&](const Item& item) {
+    return BucketOf(item, centers, best.axis) <= best.bucket;
+  });
+  const size_t left = static_cast<size_t>(middle - items.begin());
+  return left == 0 || left == items.size() ? items.size() / 2 : left;
+}
+
+int Builder::AddLeaf(const Item& item) {
+  binary_.push_back({item.bounds, item.light, -1, -1});
+  return static_cast<int>(binary_.size() - 1);
+}
+
+int Builder::BuildBinary(std::span<Item> items) {
+  if (items.size() == 1) return AddLeaf(items[0]);
+  const size_t middle = SplitItems(items);
+  const int left = BuildBinary(items.first(middle));
+  const int right = BuildBinary(items.subspan(middle));
+  binary_.push_back({Union(binary_[left].bounds, binary_[right].bounds), 0, left, right});
+  return static_cast<int>(binary_.size() - 1);
+}
+
+// Opens the costliest node below `binary` until there are four or only leaves are left.
+std::vector<int> Builder::FoldedChildren(int binary) const {
+  if (binary_[binary].left < 0) return {binary};
+  std::vector<int> children = {binary_[binary].left, binary_[binary].right};
+  while (children.size() < 4) {
+    int costliest = -1;
+    float cost_max = -1;
+    for (size_t i = 0; i < children.size(); ++i) {
+      const BinaryNode& child = binary_[children[i]];
+      const float cost = ClusterCost(child.bounds);
+      if (child.left >= 0 && cost > cost_max) {
+        costliest = static_cast<int>(i);
+        cost_max = cost;
+      }
+    }
+    if (costliest < 0) break;
+    const BinaryNode& opened = binary_[children[costliest]];
+    children[costliest] = opened.left;
+    children.insert(children.begin() + costliest + 1, opened.right);
+  }
+  return children;
+}
+
+void Builder::Fold(int binary, uint32_t node) {
+  const std::vector<int> children = FoldedChildren(binary);
+  for (size_t slot = 0; slot < children.size(); ++slot) {
+    const BinaryNode& child = binary_[children[slot]];
+    if (child.left < 0) {
+      result_.nodes[node].SetChild(static_cast<int>(slot), child.bounds, LightTreeNode::kLeaf | child.light);
+      continue;
+    }
+    const uint32_t index = static_cast<uint32_t>(result_.nodes.size());
+    result_.nodes.emplace_back();
+    result_.nodes[node].SetChild(static_cast<int>(slot), child.bounds, index);
+    Fold(children[slot], index);
+  }
+}
+
+BuiltLightTree Builder::Build(std::vector<Item> items) {
+  if (items.empty()) return {};
+  binary_.reserve(2 * items.size());
+  const int root = BuildBinary(items);
+  result_.nodes.emplace_back();
+  Fold(root, 0);
+  return std::move(result_);
+}
+
+}  // namespace
+
+BuiltLightTree BuildLightTree(std::span<const LightBounds> bounds, std::span<const uint32_t> lights) {
+  std::vector<Item> items;
+  for (size_t i = 0; i < bounds.size(); ++i) {
+    if (bounds[i].strength > 0) items.push_back({bounds[i], lights[i]});
+  }
+  return Builder().Build(std::move(items));
+}
+
+}  // namespace tessera

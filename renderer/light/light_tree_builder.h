@@ -1,0 +1,18 @@
+// Builds light trees: two children a node by a surface area and orientation heuristic, then folded to four.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "light/light_tree.h"
+
+namespace tessera {
+
+struct BuiltLightTree {
+  std::vector<LightTreeNode> nodes;  // parents before children; empty if no light has strength
+};
+
+BuiltLightTree BuildLightTree(std::span<const LightBounds> bounds, std::span<const uint32_t> lights);
+
+}  // namespace tessera

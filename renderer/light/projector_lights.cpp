@@ -1,0 +1,176 @@
+#include "light/projector_lights.h"
+
+#include "light/emission.h"
+#include "math/equal_area.h"
+
+namespace tessera {
+namespace {
+
+constexpr float kNearPlane = 1e-3f;  // directions flatter than this are behind the projector
+
+Transform SwapYAndZ() {
+  Matrix4 m;
+  m.m = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, 1, 0, 0}, {0, 0, 0, 1}}};
+  return {m, m};
+}
+
+// The channels that make up the intensity: Y, or R, G and B averaged. Empty after an error.
+std::vector<int> IntensityChannels(ParameterReader& reader, const Image& image, const std::string& name) {
+  const int y = image.ChannelIndex("Y");
+  const std::optional<std::array<int, 3>> rgb = image.RgbChannels();
+  if (rgb.has_value() == (y >= 0)) {
+    reader.FailAt("filename", "\"" + name + "\" must have either a Y channel or R, G and B channels");
+    return {};
+  }
+  if (rgb) return {rgb->begin(), rgb->end()};
+  return {y};
+}
+
+// The square map of parameter `filename` and its size.
+std::vector<float> ReadMap(ParameterReader& reader, ImageCache& images, int* size) {
+  const std::string name = reader.String("filename", "");
+  if (name.empty()) {
+    reader.Fail("a goniometric light needs a \"filename\"");
+    return {};
+  }
+  const Result<std::shared_ptr<const Image>> read = images.Get(name, std::nullopt);
+  if (!read) {
+    reader.FailAt("filename", read.error().message);
+    return {};
+  }
+  const Image& image = **read;
+  if (image.width != image.height) {
+    reader.FailAt("filename", "\"" + name + "\" is not square, which an equal-area octahedral map must be");
+    return {};
+  }
+  const std::vector<int> channels = IntensityChannels(reader, image, name);
+  for (const int channel : channels) {
+    if (IsFinite(image, channel)) continue;
+    reader.FailAt("filename", "\"" + name + "\" has infinite or not-a-number values and cannot be a light");
+    return {};
+  }
+  if (channels.empty()) return {};
+  *size = image.width;
+  std::vector<float> map;
+  map.reserve(static_cast<size_t>(image.width) * image.width);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      float sum = 0;
+      for (const int channel : channels) sum += image.Get(x, y, channel);
+      map.push_back(sum / static_cast<float>(channels.size()));
+    }
+  }
+  return map;
+}
+
+}  // namespace
+
+GoniometricLight GoniometricLight::Read(ParameterReader& reader, const Transform& render_from_light,
+                                        FileSource& files, ImageCache& images) {
+  GoniometricLight light{
+      LightPlace(render_from_light * SwapYAndZ()), ReadEmission(reader, "I", files), {}, 0, 0};
+  light.map = ReadMap(reader, images, &light.size);
+  double sum = 0;
+  for (const float value : light.map) sum += value;
+  if (!light.map.empty()) light.mean = static_cast<float>(sum / static_cast<double>(light.map.size()));
+  if (const auto power = ReadTotal(reader, "power")) {
+    if (light.mean > 0)
+      light.I = light.I.Scaled(*power * kInv4Pi / light.mean);
+    else
+      reader.FailAt("power", "a black picture emits no power");
+  }
+  return light;
+}
+
+std::optional<LightSample> GoniometricLight::Sample(const ReferencePoint& reference,
+                                                    const SampledWavelengths& wavelengths) const {
+  std::optional<LightSample> sample = SamplePoint(place.p, reference);
+  if (!sample) return std::nullopt;
+  const Point2 uv = EqualAreaSphereToSquare(place.Outgoing(sample->wi));
+  const int x = std::min(static_cast<int>(uv.x * static_cast<float>(size)), size - 1);
+  const int y = std::min(static_cast<int>(uv.y * static_cast<float>(size)), size - 1);
+  const float factor = map[static_cast<size_t>(y) * static_cast<size_t>(size) + static_cast<size_t>(x)];
+  if (factor == 0) return std::nullopt;
+  sample->L *= factor * I.Sample(wavelengths);
+  return sample;
+}
+
+LightProfile GoniometricLight::Profile() const {
+  LightBounds bounds;
+  bounds.box = {place.p, place.p};
+  bounds.cos_theta_o = -1;
+  bounds.cos_theta_e = 0;
+  bounds.strength = Strength(I) * std::abs(mean);
+  return {true, 4 * kPi * bounds.strength, bounds};
+}
+
+template <typename Value>
+float ProjectionLight::SolidAngleMean(int width_px, int height_px, const Value& value) const {
+  double sum = 0;
+  for (int y = 0; y < height_px; ++y) {
+    for (int x = 0; x < width_px; ++x) {
+      const float px = (2 * (static_cast<float>(x) + 0.5f) / static_cast<float>(width_px) - 1) * width;
+      const float py = (2 * (static_cast<float>(y) + 0.5f) / static_cast<float>(height_px) - 1) * height;
+      const float cosine = 1 / std::sqrt(1 + Sqr(tan_half_fov) * (px * px + py * py));
+      sum += static_cast<double>(value(x, y)) * (cosine * cosine * cosine);
+    }
+  }
+  return static_cast<float>(sum / (static_cast<double>(width_px) * height_px));
+}
+
+ProjectionLight ProjectionLight::Read(ParameterReader& reader, const Transform& render_from_light,
+                                      ImageCache& images) {
+  const Transform from_light = render_from_light * Scale(1, -1, 1);  // rows of pictures run downwards
+  ProjectionLight light{LightPlace(from_light), Normalize(from_light.ToVector({0, 0, 1})), {}};
+  const float fov = reader.Float("fov", 90);
+  if (!(fov > 0 && fov < 180)) reader.FailAt("fov", "must be between 0 and 180 degrees");
+  const std::optional<float> power = ReadTotal(reader, "power");
+  if (!reader.Has("filename")) reader.Fail("a projection light needs a \"filename\"");
+  if (reader.failed()) return light;
+  const RgbImage image = RgbImage::Read(reader, images);
+  float scale = ReadImageScale(reader, ColorSpace::Srgb());
+  if (image.empty()) return light;
+  const float aspect = static_cast<float>(image.width()) / static_cast<float>(image.height());
+  light.tan_half_fov = std::tan(Radians(fov) / 2);
+  light.width = std::max(aspect, 1.0f);
+  light.height = std::max(1 / aspect, 1.0f);
+  const float luminance = light.SolidAngleMean(image.width(), image.height(), [&](int x, int y) {
+    return RelativeLuminance(image.color_space(), image.At(x, y));
+  });
+  const float unit_power = light.PlaneArea() * luminance;
+  if (power && unit_power > 0) scale *= *power / unit_power;
+  if (power && !(unit_power > 0)) reader.FailAt("power", "a black picture emits no power");
+  light.map = EmissionMap(image, scale);
+  const float white = Strength(Spectrum::Table(image.color_space().illuminant(), scale));
+  light.power = white * unit_power;
+  const Rgb mean = image.Mean();
+  light.strength = white * (mean.x + mean.y + mean.z) / 3;
+  return light;
+}
+
+std::optional<LightSample> ProjectionLight::Sample(const ReferencePoint& reference,
+                                                   const SampledWavelengths& wavelengths) const {
+  std::optional<LightSample> sample = SamplePoint(place.p, reference);
+  if (!sample) return std::nullopt;
+  const Vec3 w = place.Outgoing(sample->wi);
+  if (w.z < kNearPlane) return std::nullopt;
+  const float x = w.x / (w.z * tan_half_fov), y = w.y / (w.z * tan_half_fov);
+  if (std::abs(x) > width || std::abs(y) > height) return std::nullopt;
+  const Point2 uv{(x / width + 1) / 2, (y / height + 1) / 2};
+  const SampledSpectrum I = map.SampleNearest(uv, wavelengths);
+  if (!AnyNonZero(I)) return std::nullopt;
+  sample->L *= I;
+  return sample;
+}
+
+LightProfile ProjectionLight::Profile() const {
+  constexpr float kRimSlack = 1e-3f;  // against rounding in the corners, which only this light's samples find
+  LightBounds bounds;
+  bounds.box = {place.p, place.p};
+  bounds.axis = axis;
+  bounds.cos_theta_e = 1 / std::sqrt(1 + Sqr(tan_half_fov) * (width * width + height * height)) - kRimSlack;
+  bounds.strength = strength;
+  return {true, power, bounds};
+}
+
+}  // namespace tessera

@@ -1,0 +1,49 @@
+// Points whose intensity over directions is given by a picture.
+#pragma once
+
+#include <vector>
+
+#include "light/delta_lights.h"
+#include "light/emission_image.h"
+
+namespace tessera {
+
+// Intensity from a square equal-area octahedral map of one channel (math/equal_area.h), y up.
+struct GoniometricLight {
+  LightPlace place;
+  Spectrum I;
+  std::vector<float> map;  // size x size factors of I
+  int size = 0;
+  float mean = 0;  // of the map
+
+  static GoniometricLight Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files,
+                               ImageCache& images);
+  std::optional<LightSample> Sample(const ReferencePoint& reference,
+                                    const SampledWavelengths& wavelengths) const;
+  LightProfile Profile() const;
+};
+
+// A slide projector that looks along +z of its space.
+struct ProjectionLight {
+  LightPlace place;
+  Vec3 axis;  // in rendering space
+  EmissionMap map;
+  float tan_half_fov = 1;         // of the shorter side
+  float width = 1, height = 1;    // half sizes of the picture, the shorter one is 1
+  float power = 0, strength = 0;  // for choosing between lights
+
+  static ProjectionLight Read(ParameterReader& reader, const Transform& render_from_light,
+                              ImageCache& images);
+  std::optional<LightSample> Sample(const ReferencePoint& reference,
+                                    const SampledWavelengths& wavelengths) const;
+  LightProfile Profile() const;
+
+ private:
+  // The mean over the picture of `value(x, y)` times cos^3: solid angle per area of the plane at distance 1.
+  template <typename Value>
+  float SolidAngleMean(int width_px, int height_px, const Value& value) const;
+  // Area of the picture on the plane at distance 1.
+  float PlaneArea() const { return 4 * Sqr(tan_half_fov) * width * height; }
+};
+
+}  // namespace tessera
