@@ -16,7 +16,8 @@ class RgbToSpectrum;  // rgb_to_spectrum.h
 // A linear RGB triple.
 using Rgb = Vec3;
 
-// Immutable; the four that exist live for the whole program (they are constants of nature, built on first use).
+// Immutable; the four that exist live for the whole program (they are constants of nature, built on first
+// use).
 class ColorSpace {
  public:
   static const ColorSpace& Srgb();
@@ -24,7 +25,7 @@ class ColorSpace {
   static const ColorSpace* Named(std::string_view name);
 
   std::string_view name() const { return name_; }
-  // The white point's spectrum, as dense table; Y of it is not normalised.
+  // The white point's spectrum, as dense table, with the luminance integral kCieYIntegral: its Y is 1.
   const std::shared_ptr<const DenseTable>& illuminant() const { return illuminant_; }
   Rgb FromXyz(Vec3 xyz) const;
   Vec3 ToXyz(Rgb rgb) const;
@@ -34,7 +35,9 @@ class ColorSpace {
   SigmoidPolynomial AlbedoPolynomial(Rgb rgb) const;
   // The same by interpolation in a table, fast enough for every texture lookup.
   SigmoidPolynomial AlbedoPolynomialFast(Rgb rgb) const;
-  // An RGB triple as a spectrum of the given use.
+  // An RGB triple as a spectrum of the given use; sRGB by the table, so that a constant and a texture of the
+  // same colour, and pbrt, agree; other spaces exactly, for a table of theirs is not built before a texture
+  // needs it.
   Spectrum ToSpectrum(Rgb rgb, SpectrumUse use) const;
   // The same for texture lookups, evaluated at once.
   SampledSpectrum SampleFast(Rgb rgb, SpectrumUse use, const SampledWavelengths& wavelengths) const;

@@ -1,4 +1,5 @@
-// Tables of colour science: matching functions, illuminants, metals and glasses, by the names pbrt gives them.
+// Tables of colour science: matching functions, illuminants, metals and glasses, by the names pbrt gives
+// them.
 #pragma once
 
 #include <memory>
@@ -18,14 +19,16 @@ const DenseTable& CieY();
 const DenseTable& CieZ();
 constexpr float kCieYIntegral = 106.856895f;  // of y-bar over the visible range, per nm
 
-// A spectrum of section 14 of pbrt's inventory ("metal-Cu-eta", "glass-BK7", "stdillum-D65", ...), linearly
-// interpolated and 0 outside its samples; nullptr for an unknown name. Lives for the whole program.
+// A spectrum that pbrt knows by name ("metal-Cu-eta", "glass-BK7", "stdillum-D65", ...), linearly
+// interpolated and, as pbrt does, constant beyond its samples; illuminants are scaled to a luminance integral
+// of kCieYIntegral. nullptr for an unknown name. Lives for the whole program.
 std::shared_ptr<const DenseTable> NamedSpectrum(std::string_view name);
 // All names, for suggestions.
 std::span<const std::string_view> NamedSpectrumNames();
 
 // Piecewise linear through (wavelength in nm, value) pairs with strictly rising wavelengths; 0 outside.
-std::shared_ptr<const DenseTable> TableFromSamples(std::span<const float> wavelengths, std::span<const float> values);
+std::shared_ptr<const DenseTable> TableFromSamples(std::span<const float> wavelengths,
+                                                   std::span<const float> values);
 // Planck's law at `kelvin`, scaled so that its maximum over all wavelengths is 1.
 std::shared_ptr<const DenseTable> Blackbody(float kelvin);
 // CIE D illuminant of a correlated colour temperature in kelvin, for white balance.

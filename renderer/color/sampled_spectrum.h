@@ -5,7 +5,8 @@
 
 namespace tessera {
 
-// Values at SampledWavelengths::lambda. Radiance, reflectance, throughput or density, as the name of the variable says.
+// Values at SampledWavelengths::lambda. Radiance, reflectance, throughput or density, as the name of the
+// variable says.
 using SampledSpectrum = Float4;
 
 }  // namespace tessera

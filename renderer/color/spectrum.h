@@ -1,4 +1,5 @@
-// Spectra as scenes describe them, in the few compact forms that can be evaluated at four wavelengths quickly.
+// Spectra as scenes describe them, in the few compact forms that can be evaluated at four wavelengths
+// quickly.
 #pragma once
 
 #include <array>
@@ -19,8 +20,8 @@ inline SampledSpectrum SampleTable(const DenseTable& table, const SampledWavelen
   return {table[index[0]], table[index[1]], table[index[2]], table[index[3]]};
 }
 
-// s(c0 lambda^2 + c1 lambda + c2) with s(x) = 1/2 + x / (2 sqrt(1 + x^2)): a smooth spectrum in [0, 1] that stands for
-// an RGB colour (Jakob and Hanika 2019). lambda in nm.
+// s(c0 lambda^2 + c1 lambda + c2) with s(x) = 1/2 + x / (2 sqrt(1 + x^2)): a smooth spectrum in [0, 1] that
+// stands for an RGB colour (Jakob and Hanika 2019). lambda in nm.
 struct SigmoidPolynomial {
   float c0 = 0, c1 = 0, c2 = 0;
 
@@ -46,7 +47,8 @@ class Spectrum {
   static Spectrum Constant(float value);
   static Spectrum Sigmoid(SigmoidPolynomial polynomial, float scale);
   static Spectrum Table(std::shared_ptr<const DenseTable> table, float scale = 1);
-  static Spectrum SigmoidTimesTable(SigmoidPolynomial polynomial, std::shared_ptr<const DenseTable> table, float scale);
+  static Spectrum SigmoidTimesTable(SigmoidPolynomial polynomial, std::shared_ptr<const DenseTable> table,
+                                    float scale);
 
   SampledSpectrum Sample(const SampledWavelengths& wavelengths) const {
     SampledSpectrum value(scale_);
@@ -71,8 +73,8 @@ class Spectrum {
   std::shared_ptr<const DenseTable> table_;
 };
 
-// Integral of the product of the CIE 1931 y-bar curve and `spectrum` over the visible range, in whole-nm steps. Not
-// divided by the integral of y-bar.
+// Integral of the product of the CIE 1931 y-bar curve and `spectrum` over the visible range, in whole-nm
+// steps. Not divided by the integral of y-bar.
 float SpectrumToPhotometric(const Spectrum& spectrum);
 
 }  // namespace tessera
