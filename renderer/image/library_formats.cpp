@@ -10,6 +10,7 @@
 #include <immintrin.h>
 
 #include "image/image_limits.h"
+#include "language/source_location.h"
 
 namespace tessera {
 namespace {
@@ -38,16 +39,9 @@ void SetUpLibrary() {
   });
 }
 
-std::string OneLine(std::string text) {
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  for (char& c : text) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  return text;
-}
-
 Error Damaged(const std::string& name, ImageFormat format, std::string reason) {
-  const std::string why = OneLine(std::move(reason));
+  while (!reason.empty() && (reason.back() == '\n' || reason.back() == ' ')) reason.pop_back();
+  const std::string why = OneLine(reason);
   return BadInput(
       fmt::format("{}: damaged {} picture{}{}", name, FormatName(format), why.empty() ? "" : ": ", why));
 }

@@ -11,10 +11,10 @@ namespace tessera {
 
 // Where a texture is looked up.
 struct TextureContext {
-  Point3 p;                     // in rendering space
-  Normal3 n;                    // shading normal, for directional mixes
+  Point3 p;   // in rendering space
+  Normal3 n;  // shading normal, for directional mixes
   Point2 uv;
-  Vec3 dpdx, dpdy;              // change of p per pixel of the image
+  Vec3 dpdx, dpdy;                               // change of p per pixel of the image
   float dudx = 0, dudy = 0, dvdx = 0, dvdy = 0;  // change of uv per pixel
 };
 

@@ -1,5 +1,5 @@
-// Turns the Texture directives of a scene into a TextureTable, and the texture parameters of materials, lights and
-// shapes into inputs.
+// Turns the Texture directives of a scene into a TextureTable, and the texture parameters of materials,
+// lights and shapes into inputs.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,8 @@ namespace tessera {
 
 class TextureBuilder {
  public:
-  // `files` and `images` must outlive the builder. `render_from_world` is put before every texture's transform.
+  // `files` and `images` must outlive the builder. `render_from_world` is put before every texture's
+  // transform.
   TextureBuilder(FileSource& files, ImageCache& images, const Transform& render_from_world);
   ~TextureBuilder();
 
@@ -26,7 +27,8 @@ class TextureBuilder {
   FloatInput Float(ParameterReader& reader, std::string_view name, float otherwise);
   std::optional<FloatInput> FindFloat(ParameterReader& reader, std::string_view name);
   // `rgb`, `spectrum`, `blackbody` or `texture name` of a spectrum texture.
-  SpectrumInput SpectrumOf(ParameterReader& reader, std::string_view name, SpectrumUse use, const Spectrum& otherwise);
+  SpectrumInput SpectrumOf(ParameterReader& reader, std::string_view name, SpectrumUse use,
+                           const Spectrum& otherwise);
   std::optional<SpectrumInput> FindSpectrum(ParameterReader& reader, std::string_view name, SpectrumUse use);
 
   FileSource& files() { return files_; }

@@ -1,0 +1,159 @@
+#include "texture/image_texture.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "image/image_format.h"
+#include "language/parameter_reader.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::array<std::string_view, 4> kWrapNames{"repeat", "black", "clamp", "octahedralsphere"};
+constexpr std::array<WrapMode, 4> kWraps{WrapMode::kRepeat, WrapMode::kBlack, WrapMode::kClamp,
+                                         WrapMode::kOctahedralSphere};
+constexpr std::array<std::string_view, 5> kFilterNames{"bilinear", "point", "trilinear", "ewa", "EWA"};
+constexpr std::array<ImageFilter, 5> kFilters{ImageFilter::kBilinear, ImageFilter::kPoint,
+                                              ImageFilter::kTrilinear, ImageFilter::kEwa, ImageFilter::kEwa};
+constexpr float kAnisotropyMax = 64;  // of an ellipse: bounds the texels of one lookup
+
+template <typename T, size_t kCount>
+T ReadChoice(ParameterReader& reader, std::string_view name,
+             const std::array<std::string_view, kCount>& words, const std::array<T, kCount>& values) {
+  const std::string word = reader.Choice(name, words[0], words);
+  for (size_t i = 0; i < kCount; ++i) {
+    if (words[i] == word) return values[i];
+  }
+  return values[0];
+}
+
+std::optional<ColorEncoding> ParseEncoding(std::string_view text) {
+  if (text == "sRGB") return ColorEncoding{ColorEncoding::Kind::kSrgb, 1};
+  if (text == "linear") return ColorEncoding{ColorEncoding::Kind::kLinear, 1};
+  constexpr std::string_view kGamma = "gamma ";
+  if (!text.starts_with(kGamma)) return std::nullopt;
+  text.remove_prefix(std::min(text.find_first_not_of(' ', kGamma.size()), text.size()));
+  float gamma = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), gamma);
+  if (error != std::errc() || end != text.data() + text.size() || !(gamma > 0) || !std::isfinite(gamma)) {
+    return std::nullopt;
+  }
+  return ColorEncoding{ColorEncoding::Kind::kGamma, gamma};
+}
+
+// The encoding of the file's 8-bit values. As in pbrt, only a PNG's can be chosen: others are always sRGB, or
+// say themselves what they are.
+std::optional<ColorEncoding> ReadEncoding(ParameterReader& reader, const std::string& file) {
+  const std::string text = reader.String("encoding", "sRGB");
+  const std::optional<ColorEncoding> encoding = ParseEncoding(text);
+  if (!encoding) {
+    reader.FailAt("encoding",
+                  fmt::format("unknown encoding {}, expected \"linear\", \"sRGB\" or \"gamma\" and a number",
+                              Quoted(text)));
+  }
+  return HasEnding(file, ".png") ? encoding : std::nullopt;
+}
+
+size_t ValueSize(const Image& image) {
+  return image.format == PixelFormat::kUint8 ? 1 : image.format == PixelFormat::kHalf ? 2 : 4;
+}
+
+// Whether the three channels are the same everywhere, bit for bit.
+bool IsGrey(const Image& image, std::array<int, 3> rgb) {
+  const size_t size = ValueSize(image), pixels = static_cast<size_t>(image.width) * image.height;
+  for (size_t i = 0; i < pixels; ++i) {
+    const uint8_t* pixel = &image.bytes[i * image.channels * size];
+    if (std::memcmp(pixel + rgb[0] * size, pixel + rgb[1] * size, size) != 0) return false;
+    if (std::memcmp(pixel + rgb[0] * size, pixel + rgb[2] * size, size) != 0) return false;
+  }
+  return true;
+}
+
+bool IsOpaque(const Image& image, int alpha) {
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (image.Get(x, y, alpha) != 1) return false;
+    }
+  }
+  return true;
+}
+
+// Which values of a picture a texture sees.
+struct Selection {
+  enum class Kind { kNone, kGrey, kColor, kMean } kind = Kind::kNone;
+  int grey = 0;
+  std::array<int, 3> rgb{};
+};
+
+Selection Select(const Image& image, bool is_float, ImageFilter filter) {
+  using Kind = Selection::Kind;
+  if (image.channels == 1) return {Kind::kGrey, 0, {}};
+  const std::optional<std::array<int, 3>> rgb = image.RgbChannels();
+  if (!rgb) {
+    const int grey = image.ChannelIndex("Y");
+    return grey < 0 ? Selection{} : Selection{Kind::kGrey, grey, {}};
+  }
+  if (is_float && (filter == ImageFilter::kPoint || filter == ImageFilter::kEwa))
+    return {Kind::kGrey, (*rgb)[0], {}};
+  const int alpha = image.ChannelIndex("A");
+  if (is_float && alpha >= 0 && !IsOpaque(image, alpha)) return {Kind::kGrey, alpha, {}};
+  if (IsGrey(image, *rgb)) return {Kind::kGrey, (*rgb)[0], {}};
+  return {is_float ? Kind::kMean : Kind::kColor, 0, *rgb};
+}
+
+const MipMap* AddMap(TextureAssembly& assembly, const std::string& file,
+                     const std::shared_ptr<const Image>& image, const Selection& selection, WrapMode wrap) {
+  // The address stands for file and encoding: the cache keeps the picture for as long as the builder lives.
+  const std::string key =
+      fmt::format("{} {} {} {} {}", file, static_cast<const void*>(image.get()),
+                  static_cast<int>(selection.kind), selection.grey, static_cast<int>(wrap));
+  return assembly.AddMap(key, [&] {
+    switch (selection.kind) {
+      case Selection::Kind::kColor: return MipMap::Color(*image, selection.rgb, wrap);
+      case Selection::Kind::kMean: return MipMap::GreyOfColor(*image, selection.rgb, wrap);
+      default: return MipMap::Grey(*image, selection.grey, wrap);
+    }
+  });
+}
+
+float ReadAnisotropy(ParameterReader& reader) {
+  const float anisotropy = reader.Float("maxanisotropy", 8);
+  if (anisotropy >= 1) return std::min(anisotropy, kAnisotropyMax);
+  reader.FailAt("maxanisotropy", fmt::format("maxanisotropy is {}, expected at least 1", anisotropy));
+  return 1;
+}
+
+}  // namespace
+
+std::optional<ImageTexture> ReadImageTexture(ParameterReader& reader, ImageCache& images,
+                                             TextureAssembly& assembly, std::optional<SpectrumUse> use) {
+  ImageTexture texture;
+  texture.filter = {ReadChoice(reader, "filter", kFilterNames, kFilters), ReadAnisotropy(reader)};
+  const WrapMode wrap = ReadChoice(reader, "wrap", kWrapNames, kWraps);
+  texture.scale = reader.Float("scale", 1);
+  texture.invert = reader.Bool("invert", false);
+  texture.use = use.value_or(SpectrumUse::kAlbedo);
+  const std::string file = reader.String("filename", "");
+  const std::optional<ColorEncoding> encoding = ReadEncoding(reader, file);
+  if (file.empty()) reader.Fail("texture \"imagemap\" needs a parameter \"string filename\"");
+  if (reader.failed()) return std::nullopt;
+
+  const Result<std::shared_ptr<const Image>> image = images.Get(file, encoding);
+  if (!image) {
+    reader.FailAt("filename", image.error().message);
+    return std::nullopt;
+  }
+  const Selection selection = Select(**image, !use.has_value(), texture.filter.filter);
+  if (selection.kind == Selection::Kind::kNone) {
+    reader.FailAt("filename", fmt::format("{}: picture has no channels R, G and B, nor Y", file));
+    return std::nullopt;
+  }
+  texture.map = AddMap(assembly, file, *image, selection, wrap);
+  return texture;
+}
+
+}  // namespace tessera

@@ -1,0 +1,22 @@
+// Makes nodes from the parameters of one Texture directive.
+#pragma once
+
+#include "language/parameter_reader.h"
+#include "texture/texture_assembly.h"
+#include "texture/texture_builder.h"
+
+namespace tessera {
+
+// What a kind needs to read its parameters.
+struct TextureKindContext {
+  TextureBuilder& builder;    // resolves the textures it refers to
+  TextureAssembly& assembly;  // takes its nodes
+  ParameterReader& reader;    // remembers errors
+  Transform render_from_texture;
+};
+
+// The kind is the reader's entity's. After an error the value means nothing.
+FloatInput MakeFloatTexture(TextureKindContext& context);
+SpectrumInput MakeSpectrumTexture(TextureKindContext& context, SpectrumUse use);
+
+}  // namespace tessera
