@@ -2,17 +2,20 @@
 
 #include <algorithm>
 
+#include "material/dielectric_bxdf.h"
 #include "material/fresnel.h"
-#include "material/microfacet.h"
+#include "math/sampling.h"
 
 namespace tessera {
 namespace {
 
 // Points of the midpoint rules below. Tables then agree with much finer ones to about 1e-4.
-constexpr int kPhiPoints = 16;     // over half a turn: the other half is its mirror image
+constexpr int kPhiPoints = 12;     // over half a turn: the other half is its mirror image
 constexpr int kHeightPoints = 48;  // of the cap of visible normals
 constexpr int kBasePointsSmooth = 1024;
-constexpr int kBasePointsRough = 96;
+constexpr int kBasePointsRough = 64;
+constexpr int kBasePointsSharp = 256;  // of coats below kAlphaSharp: total reflection begins abruptly
+constexpr float kAlphaSharp = 0.1f;
 constexpr int kMeanPoints = 512;
 constexpr float kCosineMin = 1e-4f;  // stands for grazing incidence of a rough coat
 
@@ -20,85 +23,104 @@ float Attenuation(float thickness, float cos_theta) {
   return std::exp(-thickness / std::abs(cos_theta));
 }
 
+// The factor by which pbrt-v4's LayeredBxDF::f overestimates light that leaves towards w from -wt, where the
+// base would scatter to -wt with a cosine density: the sum of its two weights.
+float WeightSum(const DielectricBxdf& coat, Vec3 w, Vec3 wt) {
+  const float base_pdf = CosineHemispherePdf(AbsCosTheta(wt));
+  const float inward = coat.Evaluate(w, wt, TransportMode::kImportance, Lobes::kTransmission).pdf;
+  const float outward = coat.Evaluate(wt, w, TransportMode::kRadiance, Lobes::kTransmission).pdf;
+  return PowerHeuristic(inward, base_pdf) + PowerHeuristic(base_pdf, outward);
+}
+
+// Shares of the light along w, from either side.
 struct Scattered {
-  float reflected = 0;             // share
-  float reflected_attenuated = 0;  // each direction times its attenuation
+  float reflected = 0;
+  float reflected_attenuated = 0;  // each direction times its attenuation, as the next two
   float transmitted_attenuated = 0;
+  float transmitted_pbrt = 0;
 };
 
-// Integrates the microfacet interface over outgoing directions for light along w, by a grid over the normals
-// that w sees. The estimator of such a normal is G2/G1 times the Fresnel term. (Walter et al. 2007, Heitz
-// 2018.)
-Scattered IntegrateRough(const MicrofacetDistribution& facets, float eta, float thickness, Vec3 w) {
-  const float stretch_w = facets.Stretch(w), cos_w = std::abs(w.z);
+// Adds what the microfacet of normal m does to light along w. The estimator of a visible normal is G2/G1
+// times the Fresnel term (Walter et al. 2007, Heitz 2018).
+void AddMicrofacet(const DielectricBxdf& coat, float thickness, Vec3 w, Vec3 m, float weight,
+                   Scattered& sum) {
+  const MicrofacetDistribution& facets = coat.facets();
+  const float fresnel = FrDielectric(Dot(w, m), coat.eta());
   const auto masking = [&](Vec3 v) {
-    const float cos_v = std::abs(v.z);
+    const float cos_v = std::abs(v.z), cos_w = std::abs(w.z), stretch_w = facets.Stretch(w);
     return cos_v * (cos_w + stretch_w) / (stretch_w * cos_v + facets.Stretch(v) * cos_w);
   };
+  const Vec3 reflected = Reflect(w, m);
+  if (SameHemisphere(w, reflected)) {
+    const float share = weight * fresnel * masking(reflected);
+    sum.reflected += share;
+    sum.reflected_attenuated += share * Attenuation(thickness, reflected.z);
+  }
+  const Refraction refraction = Refract(w, m, coat.eta());
+  if (!refraction.exists || !(refraction.wt.z < 0) || w.z < 0)
+    return;  // only light from outside is asked for
+  const Vec3 wt = refraction.wt;
+  const float share = weight * (1 - fresnel) * masking(wt) * Attenuation(thickness, wt.z);
+  sum.transmitted_attenuated += share;
+  sum.transmitted_pbrt += share * WeightSum(coat, w, wt);
+}
+
+// A grid over the normals that w sees. Its rows crowd towards the steepest, which hold little light but
+// spread it far.
+Scattered IntegrateRough(const DielectricBxdf& coat, float thickness, Vec3 w) {
   Scattered sum;
   for (int j = 0; j < kHeightPoints; ++j) {
+    const float v = 1 - (static_cast<float>(j) + 0.5f) / kHeightPoints;
+    const float weight = 2 * v / (kPhiPoints * kHeightPoints);
     for (int i = 0; i < kPhiPoints; ++i) {
       const float x = 0.5f * (static_cast<float>(i) + 0.5f) / kPhiPoints;
-      const float y = (static_cast<float>(j) + 0.5f) / kHeightPoints;
-      const Vec3 m = facets.SampleVisibleNormal(w, {x, y});
-      const float fresnel = FrDielectric(Dot(w, m), eta);
-      const Vec3 reflected = Reflect(w, m);
-      if (SameHemisphere(w, reflected)) {
-        const float weight = fresnel * masking(reflected);
-        sum.reflected += weight;
-        sum.reflected_attenuated += weight * Attenuation(thickness, reflected.z);
-      }
-      const Refraction refraction = Refract(w, m, eta);
-      if (refraction.exists && refraction.wt.z * w.z < 0) {
-        const Vec3 wt = refraction.wt;
-        sum.transmitted_attenuated += (1 - fresnel) * masking(wt) * Attenuation(thickness, wt.z);
-      }
+      AddMicrofacet(coat, thickness, w, coat.facets().SampleVisibleNormal(w, {x, 1 - v * v}), weight, sum);
     }
   }
-  constexpr float kWeight = 1.0f / (kPhiPoints * kHeightPoints);
-  return {sum.reflected * kWeight, sum.reflected_attenuated * kWeight, sum.transmitted_attenuated * kWeight};
+  return sum;
 }
 
 Scattered IntegrateSmooth(float eta, float thickness, Vec3 w) {
   const float fresnel = FrDielectric(w.z, eta);
-  Scattered result{fresnel, fresnel * Attenuation(thickness, w.z), 0};
+  Scattered result{fresnel, fresnel * Attenuation(thickness, w.z), 0, 0};
   const Refraction refraction = Refract(w, {0, 0, 1}, eta);
   if (refraction.exists)
     result.transmitted_attenuated = (1 - fresnel) * Attenuation(thickness, refraction.wt.z);
+  result.transmitted_pbrt = result.transmitted_attenuated;
   return result;
 }
 
-Scattered Integrate(const MicrofacetDistribution& facets, float eta, float thickness, float cos_theta) {
-  if (facets.IsSmooth()) return IntegrateSmooth(eta, thickness, {SafeSqrt(1 - Sqr(cos_theta)), 0, cos_theta});
-  if (std::abs(cos_theta) < kCosineMin) cos_theta = std::copysign(kCosineMin, cos_theta);
-  return IntegrateRough(facets, eta, thickness, {SafeSqrt(1 - Sqr(cos_theta)), 0, cos_theta});
+Scattered Integrate(const DielectricBxdf& coat, float thickness, float cos_theta) {
+  if (!coat.IsSpecular() && std::abs(cos_theta) < kCosineMin)
+    cos_theta = std::copysign(kCosineMin, cos_theta);
+  const Vec3 w{SafeSqrt(1 - Sqr(cos_theta)), 0, cos_theta};
+  return coat.IsSpecular() ? IntegrateSmooth(coat.eta(), thickness, w) : IntegrateRough(coat, thickness, w);
 }
 
 // Light goes up from the base with a cosine distribution, through the layer, is reflected, and comes down
 // again.
-float InternalReflectance(const MicrofacetDistribution& facets, float eta, float thickness) {
-  const int points = facets.IsSmooth() ? kBasePointsSmooth : kBasePointsRough;
+float InternalReflectance(const DielectricBxdf& coat, float thickness) {
+  const int points_rough = coat.facets().alpha_x() < kAlphaSharp ? kBasePointsSharp : kBasePointsRough;
+  const int points = coat.IsSpecular() ? kBasePointsSmooth : points_rough;
   float sum = 0;
   for (int i = 0; i < points; ++i) {
     const float cos_theta = std::sqrt((static_cast<float>(i) + 0.5f) / static_cast<float>(points));
-    sum += Attenuation(thickness, cos_theta) *
-           Integrate(facets, eta, thickness, -cos_theta).reflected_attenuated;
+    sum += Attenuation(thickness, cos_theta) * Integrate(coat, thickness, -cos_theta).reflected_attenuated;
   }
   return sum / static_cast<float>(points);
 }
 
 CoatRow ComputeRow(float alpha, float eta, float thickness) {
-  const MicrofacetDistribution facets(alpha, alpha);
+  const DielectricBxdf coat(MicrofacetDistribution(alpha, alpha), eta);
   CoatRow row;
   for (int i = 0; i <= CoatRow::kSteps; ++i) {
-    const float cos_theta = Sqr(static_cast<float>(i) / CoatRow::kSteps);
-    const Scattered s = Integrate(facets, eta, thickness, cos_theta);
-    row.entries[i] = {s.transmitted_attenuated, s.reflected};
+    const Scattered s = Integrate(coat, thickness, Sqr(static_cast<float>(i) / CoatRow::kSteps));
+    row.angles[i] = Float4(s.transmitted_attenuated, s.reflected, s.transmitted_pbrt, 0);
   }
-  row.internal_reflectance = InternalReflectance(facets, eta, thickness);
+  row.internal_reflectance = InternalReflectance(coat, thickness);
   for (int i = 0; i < kMeanPoints; ++i) {
     const float cos_theta = std::sqrt((static_cast<float>(i) + 0.5f) / kMeanPoints);
-    row.mean_transmittance += row.At(cos_theta).transmittance / kMeanPoints;
+    row.mean_transmittance += row.At(cos_theta)[0] / kMeanPoints;
   }
   return row;
 }

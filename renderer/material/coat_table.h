@@ -11,28 +11,36 @@
 #include <tuple>
 #include <vector>
 
+#include "math/float4.h"
+
 namespace tessera {
+
+// A coat at one angle outside of it.
+struct CoatAngle {
+  float transmittance = 0;  // share of the light from this angle that reaches the base
+  float reflectance = 0;    // share that the interface reflects
+  // The transmittance as pbrt-v4's LayeredBxDF::f estimates it for the direction that it is given, so that
+  // light sampling gives the same picture. It leaves the layer in two ways, weighted by multiple importance
+  // sampling, but takes the density of the first for the opposite direction, so that the weights of rough
+  // coats sum to 1.01 ... 1.2. Equal to `transmittance` for smooth ones. (Its Sample_f does without those
+  // weights and has no such error.)
+  float transmittance_pbrt = 0;
+};
 
 // One coat: a dielectric interface of microfacets over a layer of a thickness.
 struct CoatRow {
-  static constexpr int kSteps = 96;
-  struct Entry {
-    float transmittance = 0;  // share of the light from outside, at this angle, that reaches the base
-    float reflectance = 0;    // share that the interface reflects
-  };
-  std::array<Entry, kSteps + 1> entries;  // at cos theta = (i / kSteps)^2
+  static constexpr int kSteps = 64;
+  std::array<Float4, kSteps + 1> angles;  // the members of CoatAngle at cos theta = (i / kSteps)^2
   // Of light that leaves a Lambertian base: the share that comes back to it.
   float internal_reflectance = 0;
   // Of light that falls on the coat with a cosine distribution: the share that reaches the base.
   float mean_transmittance = 0;
 
-  Entry At(float cos_theta) const {
-    const float x = std::sqrt(std::min(cos_theta, 1.0f)) * kSteps;
+  // cos_theta in [0, 1], up to rounding.
+  Float4 At(float cos_theta) const {
+    const float x = std::sqrt(cos_theta) * kSteps;
     const int i = std::min(static_cast<int>(x), kSteps - 1);
-    const float t = x - static_cast<float>(i);
-    const Entry &a = entries[i], &b = entries[i + 1];
-    return {a.transmittance + t * (b.transmittance - a.transmittance),
-            a.reflectance + t * (b.reflectance - a.reflectance)};
+    return angles[i] + (x - static_cast<float>(i)) * (angles[i + 1] - angles[i]);
   }
 };
 
@@ -42,11 +50,10 @@ struct CoatLookup {
   const CoatRow* high = nullptr;
   float weight = 0;  // of `high`
 
-  CoatRow::Entry At(float cos_theta) const {
-    const CoatRow::Entry a = low->At(cos_theta);
-    if (weight == 0) return a;
-    const CoatRow::Entry b = high->At(cos_theta);
-    return {Mix(a.transmittance, b.transmittance), Mix(a.reflectance, b.reflectance)};
+  CoatAngle At(float cos_theta) const {
+    Float4 angle = low->At(cos_theta);
+    if (weight != 0) angle += weight * (high->At(cos_theta) - angle);
+    return {angle[0], angle[1], angle[2]};
   }
   float internal_reflectance() const { return Mix(low->internal_reflectance, high->internal_reflectance); }
   float mean_transmittance() const { return Mix(low->mean_transmittance, high->mean_transmittance); }
@@ -58,7 +65,7 @@ struct CoatLookup {
 // Coats that differ in one parameter: in alpha, in eta, or in none. Immutable.
 class CoatTable {
  public:
-  static constexpr int kAlphaRows = 33;     // over [0, 1]
+  static constexpr int kAlphaRows = 25;     // over [0, 1]
   static constexpr int kEtaRows = 9;        // over the range of a dispersing coat
   static constexpr float kAlphaRowMax = 1;  // rougher coats are outside the table
 

@@ -30,14 +30,15 @@ CoatedDiffuseBxdf::CoatedDiffuseBxdf(const DielectricBxdf& coat, const CoatLooku
 }
 
 CoatedDiffuseBxdf::Choice CoatedDiffuseBxdf::ChoiceAt(float cos_o) const {
-  const CoatRow::Entry entry = lookup_.At(cos_o);
-  const float sum = entry.reflectance + entry.transmittance * base_albedo_;
-  return {entry.transmittance, sum > 0 ? entry.reflectance / sum : 0};
+  const CoatAngle angle = lookup_.At(cos_o);
+  const float sum = angle.reflectance + angle.transmittance * base_albedo_;
+  return {angle.transmittance, sum > 0 ? angle.reflectance / sum : 0};
 }
 
-BsdfEvaluation CoatedDiffuseBxdf::EvaluateAbove(Vec3 wo, Vec3 wi, const Choice& choice) const {
-  const float transmittance = choice.transmittance * lookup_.At(wi.z).transmittance;
-  BsdfEvaluation result{base_ * transmittance, (1 - choice.coat_probability) * CosineHemispherePdf(wi.z)};
+BsdfEvaluation CoatedDiffuseBxdf::EvaluateAbove(Vec3 wo, Vec3 wi, const Choice& choice,
+                                                float transmittance_i) const {
+  BsdfEvaluation result{base_ * (choice.transmittance * transmittance_i),
+                        (1 - choice.coat_probability) * CosineHemispherePdf(wi.z)};
   if (coat_.IsSpecular()) return result;
   const MicrofacetDistribution& facets = coat_.facets();
   const Vec3 h = wo + wi;
@@ -57,7 +58,16 @@ BsdfEvaluation CoatedDiffuseBxdf::Evaluate(Vec3 wo, Vec3 wi) const {
     wo = -wo;
     wi = -wi;
   }
-  return EvaluateAbove(wo, wi, ChoiceAt(wo.z));
+  return EvaluateAbove(wo, wi, ChoiceAt(wo.z), lookup_.At(wi.z).transmittance_pbrt);
+}
+
+BsdfEvaluation CoatedDiffuseBxdf::EvaluateExact(Vec3 wo, Vec3 wi) const {
+  if (!SameHemisphere(wo, wi)) return {};
+  if (wo.z < 0) {
+    wo = -wo;
+    wi = -wi;
+  }
+  return EvaluateAbove(wo, wi, ChoiceAt(wo.z), lookup_.At(wi.z).transmittance);
 }
 
 std::optional<BsdfSample> CoatedDiffuseBxdf::SampleAbove(Vec3 wo, float uc, Point2 u) const {
@@ -65,7 +75,7 @@ std::optional<BsdfSample> CoatedDiffuseBxdf::SampleAbove(Vec3 wo, float uc, Poin
   if (!(uc < choice.coat_probability)) {
     const Vec3 wi = SampleCosineHemisphere(u);
     if (!(wi.z > 0)) return std::nullopt;
-    const BsdfEvaluation value = EvaluateAbove(wo, wi, choice);
+    const BsdfEvaluation value = EvaluateAbove(wo, wi, choice, lookup_.At(wi.z).transmittance);
     return BsdfSample{value.f, wi, value.pdf, BxdfFlags::kReflection | BxdfFlags::kDiffuse, 1};
   }
   if (coat_.IsSpecular()) {
@@ -74,7 +84,7 @@ std::optional<BsdfSample> CoatedDiffuseBxdf::SampleAbove(Vec3 wo, float uc, Poin
   }
   const Vec3 wi = Reflect(wo, coat_.facets().SampleReflectingNormal(wo, u));
   if (!(wi.z > 0)) return std::nullopt;
-  const BsdfEvaluation value = EvaluateAbove(wo, wi, choice);
+  const BsdfEvaluation value = EvaluateAbove(wo, wi, choice, lookup_.At(wi.z).transmittance);
   return BsdfSample{value.f, wi, value.pdf, BxdfFlags::kReflection | BxdfFlags::kGlossy, 1};
 }
 

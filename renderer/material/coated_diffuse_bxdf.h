@@ -30,17 +30,21 @@ class CoatedDiffuseBxdf {
     const BxdfFlags coat = coat_.IsSpecular() ? BxdfFlags::kSpecular : BxdfFlags::kGlossy;
     return BxdfFlags::kReflection | BxdfFlags::kDiffuse | coat;
   }
+  // f as light sampling in pbrt-v4 sees it: CoatAngle says by how much that is off for rough coats.
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const;
+  // The true f, reciprocal, with the same density; what Sample gives for rough coats and for the base.
+  BsdfEvaluation EvaluateExact(Vec3 wo, Vec3 wi) const;
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const;
 
  private:
-  // The coat at wo, and the probability that Sample chooses its reflection rather than the base.
+  // What Sample does at wo.
   struct Choice {
-    float transmittance;
-    float coat_probability;
+    float transmittance;     // of the coat
+    float coat_probability;  // of sampling its reflection rather than the base
   };
   Choice ChoiceAt(float cos_o) const;
-  BsdfEvaluation EvaluateAbove(Vec3 wo, Vec3 wi, const Choice& choice) const;
+  // transmittance_i: of the coat at wi.
+  BsdfEvaluation EvaluateAbove(Vec3 wo, Vec3 wi, const Choice& choice, float transmittance_i) const;
   std::optional<BsdfSample> SampleAbove(Vec3 wo, float uc, Point2 u) const;
 
   SampledSpectrum base_;  // f of the base without T(wo) T(wi)
