@@ -10,8 +10,8 @@ namespace {
 
 std::string Describe(const Token& token) {
   switch (token.kind) {
-    case Token::Kind::kEnd: return "the end of the file";
-    case Token::Kind::kString: return "the string " + Quoted(token.text);
+    case Token::Kind::kEnd: return "end of the file";
+    case Token::Kind::kString: return "string " + Quoted(token.text);
     default: return Quoted(token.text);
   }
 }
