@@ -54,17 +54,18 @@ uint32_t FindCell(const float* cdf, const uint32_t* guide, uint32_t guide_size, 
   return low;
 }
 
-// The place in [cell, cell + 1) where u lies between the cell's sums.
-float PlaceInCell(const float* cdf, uint32_t cell, float u) {
-  const float share = cdf[cell + 1] - cdf[cell];
-  const float offset = share > 0 ? (u - cdf[cell]) / share : 0;
-  const float place = static_cast<float>(cell) + offset;
-  const float end = static_cast<float>(cell + 1);
-  return place < end ? place : std::nextafterf(end, 0.0f);
-}
-
 uint32_t CellAt(float x, uint32_t cells) {
   return std::min(static_cast<uint32_t>(x * static_cast<float>(cells)), cells - 1);
+}
+
+// Where in the unit interval u lies between the sums of `cell`. CellAt of it is `cell`, whatever is rounded.
+float PlaceInCell(const float* cdf, uint32_t cells, uint32_t cell, float u) {
+  const float share = cdf[cell + 1] - cdf[cell];
+  const float offset = share > 0 ? (u - cdf[cell]) / share : 0;
+  float x = (static_cast<float>(cell) + offset) / static_cast<float>(cells);
+  while (CellAt(x, cells) < cell) x = std::nextafterf(x, 2.0f);
+  while (x >= 1 || CellAt(x, cells) > cell) x = std::nextafterf(x, 0.0f);
+  return x;
 }
 
 float InvertIn(const float* cdf, uint32_t cells, float x) {
@@ -92,7 +93,7 @@ Distribution1D::Drawn Distribution1D::Sample(float u) const {
   const uint32_t guide_size = static_cast<uint32_t>(guide_.size() - 1);
   const uint32_t cell = FindCell(cdf_.data(), guide_.data(), guide_size, u);
   const float n = static_cast<float>(size());
-  return {PlaceInCell(cdf_.data(), cell, u) / n, Pmf(cell) * n, cell};
+  return {PlaceInCell(cdf_.data(), size(), cell, u), Pmf(cell) * n, cell};
 }
 
 float Distribution1D::Pdf(float x) const {
@@ -125,7 +126,7 @@ Distribution2D::Drawn Distribution2D::Sample(Point2 u) const {
   const uint32_t cell = FindCell(cdf, guide, guide_size_, u.x);
   const float n = static_cast<float>(width_);
   const float pdf = row.pdf * ((cdf[cell + 1] - cdf[cell]) * n);
-  return {{PlaceInCell(cdf, cell, u.x) / n, row.x}, pdf, cell, row.cell};
+  return {{PlaceInCell(cdf, width_, cell, u.x), row.x}, pdf, cell, row.cell};
 }
 
 float Distribution2D::CellPdf(uint32_t x, uint32_t y) const {

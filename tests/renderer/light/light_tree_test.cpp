@@ -1,0 +1,210 @@
+#include "light/light_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "math/sampling.h"
+#include "tests/chi_square.h"
+
+namespace tessera {
+namespace {
+
+struct Triangle {
+  Point3 p[3];
+  Normal3 Normal() const { return Normalize(Cross(p[1] - p[0], p[2] - p[0])); }
+  float Area() const { return Length(Cross(p[1] - p[0], p[2] - p[0])) / 2; }
+  Point3 Center() const { return (p[0] + p[1] + p[2]) / 3; }
+};
+
+Vec3 InBox(TestRandom& random, float size) {
+  const float x = random.Next();
+  const float y = random.Next();
+  const float z = random.Next();
+  return {(x - 0.5f) * size, (y - 0.5f) * size, (z - 0.5f) * size};
+}
+
+std::vector<Triangle> RandomTriangles(size_t count, uint64_t seed) {
+  TestRandom random(seed);
+  std::vector<Triangle> triangles(count);
+  for (Triangle& t : triangles) {
+    const Point3 center = InBox(random, 10);
+    for (Point3& p : t.p) p = center + InBox(random, 0.5f);
+  }
+  return triangles;
+}
+
+std::vector<LightBounds> BoundsOf(const std::vector<Triangle>& triangles, bool two_sided) {
+  std::vector<LightBounds> all;
+  for (const Triangle& t : triangles) {
+    LightBounds bounds;
+    for (const Point3 p : t.p) bounds.box.Add(p);
+    bounds.axis = t.Normal();
+    bounds.cos_theta_e = 0;
+    bounds.strength = t.Area();
+    bounds.two_sided = two_sided;
+    if (!two_sided) bounds.plane_min = Dot(bounds.axis, t.p[0]) - 1e-4f;
+    all.push_back(bounds);
+  }
+  return all;
+}
+
+std::vector<uint32_t> Indices(size_t count) {
+  std::vector<uint32_t> indices(count);
+  std::iota(indices.begin(), indices.end(), 0u);
+  return indices;
+}
+
+LightTree TreeOf(const std::vector<LightBounds>& bounds) {
+  return LightTree(bounds, Indices(bounds.size()), bounds.size());
+}
+
+TEST(LightTree, ProbabilitiesSumToOneOrNothingArrives) {
+  const LightTree tree = TreeOf(BoundsOf(RandomTriangles(500, 1), true));
+  TestRandom random(2);
+  for (int i = 0; i < 20; ++i) {
+    const Point3 p = InBox(random, 15);
+    const Normal3 n = SampleUniformSphere(random.Next2<Point2>());
+    double total = 0;
+    for (int light = 0; light < 500; ++light) total += static_cast<double>(tree.Pmf(p, n, light));
+    // A branch whose parts turn out to give nothing loses its share.
+    EXPECT_LT(total, 1 + 1e-4);
+    EXPECT_GT(total, 0.9);
+  }
+}
+
+TEST(LightTree, ProbabilitiesOfLightsSeenFromAllSidesSumToOne) {
+  std::vector<LightBounds> bounds = BoundsOf(RandomTriangles(333, 3), true);
+  for (LightBounds& b : bounds) b.cos_theta_o = -1;
+  const LightTree tree = TreeOf(bounds);
+  TestRandom random(4);
+  for (int i = 0; i < 20; ++i) {
+    const Point3 p = InBox(random, 15);
+    double total = 0;
+    for (int light = 0; light < 333; ++light) total += static_cast<double>(tree.Pmf(p, {}, light));
+    EXPECT_NEAR(total, 1, 1e-4);
+  }
+}
+
+TEST(LightTree, ChosenProbabilityIsPmf) {
+  const LightTree tree = TreeOf(BoundsOf(RandomTriangles(1000, 5), false));
+  TestRandom random(6);
+  int chosen_count = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Point3 p = InBox(random, 12);
+    const Normal3 n = SampleUniformSphere(random.Next2<Point2>());
+    const std::optional<ChosenLight> chosen = tree.Choose(p, n, random.Next());
+    if (!chosen) continue;
+    ++chosen_count;
+    const float pmf = tree.Pmf(p, n, chosen->light);
+    ASSERT_GT(pmf, 0);
+    ASSERT_NEAR(chosen->pmf / pmf, 1, 1e-5f);
+  }
+  EXPECT_GT(chosen_count, 4000);
+}
+
+TEST(LightTree, FrequenciesAreTheProbabilities) {
+  const LightTree tree = TreeOf(BoundsOf(RandomTriangles(60, 7), true));
+  TestRandom random(8);
+  const Point3 p{1, 2, -1};
+  const Normal3 n{0, 0, 1};
+  constexpr int kDraws = 200000;
+  std::vector<chi_square::Cell> cells(61);
+  double rest = kDraws;
+  for (int light = 0; light < 60; ++light) {
+    cells[light].expected = static_cast<double>(tree.Pmf(p, n, light)) * kDraws;
+    rest -= cells[light].expected;
+  }
+  cells[60].expected = std::max(0.0, rest);
+  for (int i = 0; i < kDraws; ++i) {
+    const std::optional<ChosenLight> chosen = tree.Choose(p, n, random.Next());
+    ++cells[chosen ? chosen->light : 60].observed;
+  }
+  std::string text;
+  EXPECT_GT(chi_square::PooledPValue(cells, text), 1e-4) << text;
+}
+
+TEST(LightTree, WhatLightsAPointCanBeChosen) {
+  const std::vector<Triangle> triangles = RandomTriangles(400, 9);
+  const LightTree tree = TreeOf(BoundsOf(triangles, false));
+  TestRandom random(10);
+  for (int i = 0; i < 50; ++i) {
+    const Point3 p = InBox(random, 12);
+    const Normal3 n = SampleUniformSphere(random.Next2<Point2>());
+    for (int light = 0; light < 400; ++light) {
+      const Vec3 to_light = triangles[light].Center() - p;
+      const Vec3 wi = Normalize(to_light);
+      const bool lit = Dot(wi, triangles[light].Normal()) < -1e-3f && AbsDot(wi, n) > 1e-3f;
+      if (lit) {
+        ASSERT_GT(tree.Pmf(p, n, light), 0) << light;
+      }
+    }
+  }
+}
+
+TEST(LightTree, ImportanceFollowsIrradianceOfSmallLights) {
+  // Two lights of equal strength, one twice as far: a quarter of the light.
+  std::vector<LightBounds> bounds(2);
+  bounds[0].box = {{0, 0, 1}, {0, 0, 1}};
+  bounds[1].box = {{0, 0, 2}, {0, 0, 2}};
+  for (LightBounds& b : bounds) {
+    b.cos_theta_o = -1;
+    b.cos_theta_e = 0;
+    b.strength = 3;
+  }
+  const LightTree tree = TreeOf(bounds);
+  EXPECT_NEAR(tree.Pmf({0, 0, 0}, {}, 0), 0.8f, 1e-5f);
+  EXPECT_NEAR(tree.Pmf({0, 0, 0}, {0, 0, 1}, 1), 0.2f, 1e-5f);
+}
+
+TEST(LightTree, LightsBehindTheirPlaneAreNotChosen) {
+  const std::vector<Triangle> triangles = {{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}},
+                                           {{{5, 0, 0}, {6, 0, 0}, {5, 1, 0}}}};
+  const LightTree tree = TreeOf(BoundsOf(triangles, false));
+  EXPECT_FALSE(tree.Choose({0.2f, 0.2f, -0.1f}, {0, 0, 1}, 0.5f));
+  EXPECT_TRUE(tree.Choose({0.2f, 0.2f, 0.1f}, {0, 0, 1}, 0.5f));
+}
+
+TEST(LightTree, CoincidentLightsAreAllReachable) {
+  std::vector<LightBounds> bounds(1000);
+  for (LightBounds& b : bounds) {
+    b.box = {{1, 1, 1}, {1, 1, 1}};
+    b.cos_theta_o = -1;
+    b.cos_theta_e = 0;
+    b.strength = 1;
+  }
+  const LightTree tree = TreeOf(bounds);
+  double total = 0;
+  for (int light = 0; light < 1000; ++light) total += static_cast<double>(tree.Pmf({}, {}, light));
+  EXPECT_NEAR(total, 1, 1e-4);
+}
+
+TEST(LightTree, LightsOfNoStrengthAreLeftOut) {
+  std::vector<LightBounds> bounds = BoundsOf(RandomTriangles(3, 11), true);
+  bounds[1].strength = 0;
+  const LightTree tree = TreeOf(bounds);
+  EXPECT_TRUE(tree.Contains(0));
+  EXPECT_FALSE(tree.Contains(1));
+  EXPECT_TRUE(LightTree().empty());
+  EXPECT_FALSE(LightTree().Choose({}, {}, 0.5f));
+}
+
+TEST(NormalCones, UnionHoldsBoth) {
+  TestRandom random(12);
+  for (int i = 0; i < 2000; ++i) {
+    const NormalCone a{SampleUniformSphere(random.Next2<Point2>()), 2 * random.Next() - 1};
+    const NormalCone b{SampleUniformSphere(random.Next2<Point2>()), 2 * random.Next() - 1};
+    const NormalCone both = Union(a, b);
+    for (const NormalCone& part : {a, b}) {
+      for (int j = 0; j < 20; ++j) {  // directions on the rim
+        const Frame frame = Frame::FromZ(part.axis);
+        const float phi = 2 * kPi * random.Next(), r = SafeSqrt(1 - Sqr(part.cos_angle));
+        const Vec3 rim = frame.FromLocal({r * std::cos(phi), r * std::sin(phi), part.cos_angle});
+        ASSERT_GE(Dot(rim, both.axis), both.cos_angle - 1e-5f);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tessera
