@@ -4,6 +4,7 @@
 
 #include "integrator/texture_context.h"
 #include "math/sampling.h"
+#include "shape/shape_interaction.h"
 
 namespace tessera {
 namespace {
