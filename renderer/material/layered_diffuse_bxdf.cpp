@@ -64,8 +64,8 @@ float Transmittance(float distance, Vec3 w) {
 class LayerWalk {
  public:
   LayerWalk(const DielectricBxdf& coat, SampledSpectrum reflectance, const CoatLayer& layer, Vec3 wi,
-            uint64_t seed)
-      : coat_(coat), reflectance_(reflectance), layer_(layer), wi_(wi), random_(seed) {}
+            uint64_t seed, ExitWeights weights)
+      : coat_(coat), reflectance_(reflectance), layer_(layer), wi_(wi), weights_(weights), random_(seed) {}
 
   SampledSpectrum Run(Vec3 wo) {
     if (!Enter(wo)) return {};
