@@ -1,0 +1,145 @@
+#include "accelerator/embree_accelerator.h"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "accelerator/embree_callbacks.h"
+#include "accelerator/embree_device.h"
+#include "accelerator/embree_scene.h"
+#include "shape/hit_refinement.h"
+
+namespace tessera {
+namespace {
+
+class EmbreeAccelerator : public Accelerator {
+ public:
+  EmbreeAccelerator(std::unique_ptr<EmbreeDevice> device, const Geometry& geometry,
+                    const TextureTable& textures)
+      : device_(std::move(device)),
+        geometry_(geometry),
+        textures_(textures),
+        top_(*device_, geometry.shapes) {}
+
+  Result<void> Build() {
+    const auto start = std::chrono::steady_clock::now();
+    groups_.resize(geometry_.groups.size());
+    for (size_t i = 0; i < geometry_.instances.size(); ++i) AddInstance(static_cast<uint32_t>(i));
+    rtcCommitScene(top_.handle());
+    build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return device_->Status();
+  }
+
+  bool Intersect(const Ray& ray, Hit* hit) const override {
+    EmbreeRayContext context = MakeContext(ray);
+    RTCRayHit query;
+    query.ray = MakeRay(ray, kAllMask);
+    for (int attempt = 0; attempt < kFalseHitsMax; ++attempt) {
+      query.ray.tfar = ray.t_max;
+      query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      rtcIntersect1(top_.handle(), &context.base, &query);
+      if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+      *hit = MakeHit(query, context);
+      if (RefineHit(geometry_, ray, hit)) return true;
+      // The surface that the ray started on, found again by a rounding error of Embree's: go on behind it.
+      query.ray.tnear = NextFloatUp(query.ray.tfar);
+    }
+    return false;
+  }
+
+  bool Occluded(const Ray& ray) const override {
+    EmbreeRayContext context = MakeContext(ray);
+    RTCRay query = MakeRay(ray, kSolidMask);
+    rtcOccluded1(top_.handle(), &context.base, &query);
+    return query.tfar < 0;
+  }
+
+  AcceleratorStatistics statistics() const override { return {build_seconds_, 0, device_->bytes()}; }
+
+ private:
+  // False hits in a row after which a ray counts as lost; one is already rare.
+  static constexpr int kFalseHitsMax = 16;
+
+  void AddInstance(uint32_t index) {
+    const Instance& instance = geometry_.instances[index];
+    std::unique_ptr<EmbreeScene>& group = groups_[instance.group];
+    if (!group) {
+      group = std::make_unique<EmbreeScene>(*device_, geometry_.groups[instance.group].shapes);
+      rtcCommitScene(group->handle());
+    }
+    if (group->geometry_count() == 0) return;
+    const EmbreeGeometryHandle geometry(rtcNewGeometry(device_->handle(), RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(geometry.get(), group->handle());
+    rtcSetGeometryMask(geometry.get(), kAllMask);
+    rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
+                            instance.render_from_group.matrix().m.data());
+    rtcCommitGeometry(geometry.get());
+    const uint32_t id = static_cast<uint32_t>(top_.geometry_count() + instances_.size());
+    rtcAttachGeometryByID(top_.handle(), geometry.get(), id);
+    instances_.push_back(index);
+  }
+
+  EmbreeRayContext MakeContext(const Ray& ray) const {
+    EmbreeRayContext context;
+    rtcInitIntersectContext(&context.base);  // incoherent rays
+    context.ray = &ray;
+    context.geometry = &geometry_;
+    context.textures = &textures_;
+    context.instances = instances_.data();
+    context.first_instance = static_cast<uint32_t>(top_.geometry_count());
+    return context;
+  }
+
+  static RTCRay MakeRay(const Ray& ray, unsigned mask) {
+    RTCRay r;
+    r.org_x = ray.o.x;
+    r.org_y = ray.o.y;
+    r.org_z = ray.o.z;
+    r.tnear = std::numeric_limits<float>::min();  // t = 0 is not a hit
+    r.dir_x = ray.d.x;
+    r.dir_y = ray.d.y;
+    r.dir_z = ray.d.z;
+    r.time = 0;
+    r.tfar = ray.t_max;
+    r.mask = mask;
+    r.id = 0;
+    r.flags = 0;
+    return r;
+  }
+
+  Hit MakeHit(const RTCRayHit& query, const EmbreeRayContext& context) const {
+    Hit hit;
+    hit.t = query.ray.tfar;
+    hit.u = query.hit.u;
+    hit.v = query.hit.v;
+    hit.instance = context.InstanceOf(query.hit.instID[0]);
+    const EmbreeScene& scene =
+        hit.instance == Hit::kNoInstance ? top_ : *groups_[geometry_.instances[hit.instance].group];
+    const EmbreeGeometryRecord& record = scene.record(query.hit.geomID);
+    hit.shape = record.shape_index;
+    hit.primitive = record.Primitive(query.hit.primID);
+    return hit;
+  }
+
+  std::unique_ptr<EmbreeDevice> device_;  // first: outlives the scenes
+  const Geometry& geometry_;
+  const TextureTable& textures_;
+  EmbreeScene top_;
+  std::vector<std::unique_ptr<EmbreeScene>> groups_;  // null where nobody instances it
+  std::vector<uint32_t> instances_;                   // those that are not empty
+  double build_seconds_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Accelerator>> MakeEmbreeAccelerator(const Geometry& geometry,
+                                                           const TextureTable& textures, int build_threads) {
+  Result<std::unique_ptr<EmbreeDevice>> device = EmbreeDevice::Make(build_threads);
+  if (!device) return device.error();
+  auto accelerator = std::make_unique<EmbreeAccelerator>(*std::move(device), geometry, textures);
+  if (Result<void> built = accelerator->Build(); !built) return built.error();
+  return std::unique_ptr<Accelerator>(std::move(accelerator));
+}
+
+}  // namespace tessera

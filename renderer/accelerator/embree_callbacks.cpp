@@ -1,0 +1,127 @@
+#include "accelerator/embree_callbacks.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "shape/hit_refinement.h"
+#include "shape/patch_intersection.h"
+#include "shape/quadric_intersection.h"
+#include "shape/shape_interaction.h"
+#include "shape/shape_sampling.h"
+#include "util/hash.h"
+
+namespace tessera {
+namespace {
+
+const EmbreeRayContext& ContextOf(const RTCIntersectContext* context) {
+  return *reinterpret_cast<const EmbreeRayContext*>(context);
+}
+
+uint64_t Bits(float a, float b) {
+  return uint64_t{std::bit_cast<uint32_t>(a)} << 32 | std::bit_cast<uint32_t>(b);
+}
+
+void Bounds(const RTCBoundsFunctionArguments* arguments) {
+  const auto& record = *static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr);
+  const Bounds3 b = ShapeBounds(*record.shape, record.Primitive(arguments->primID));
+  *arguments->bounds_o = {b.min.x, b.min.y, b.min.z, 0, b.max.x, b.max.y, b.max.z, 0};
+}
+
+// The hit of the context's ray with one of our own primitives, alpha taken into account.
+bool IntersectUserPrimitive(const EmbreeRayContext& context, const EmbreeGeometryRecord& record,
+                            unsigned embree_primitive, float t_max, Hit* hit) {
+  hit->shape = record.shape_index;
+  hit->primitive = record.Primitive(embree_primitive);
+  hit->instance = context.InstanceOf(context.base.instID[0]);
+  const DoubleRay ray = RayInShapeSpace(*context.geometry, hit->instance, *context.ray);
+  double t = 0;
+  if (const auto* quadric = std::get_if<Quadric>(&record.shape->form)) {
+    if (!IntersectQuadric(*quadric, ray, t_max, &t)) return false;
+  } else {
+    PatchHit patch_hit;
+    const auto& mesh = std::get<BilinearMesh>(record.shape->form);
+    if (!IntersectPatch(PatchAt(mesh, hit->primitive), ray, t_max, &patch_hit)) return false;
+    t = patch_hit.t;
+    hit->u = patch_hit.u;
+    hit->v = patch_hit.v;
+  }
+  hit->t = std::min(static_cast<float>(t), t_max);
+  const SurfaceProperties& surface = record.shape->surface;
+  return !surface.HasAlpha() || AlphaIsHit(context, surface.alpha, *hit);
+}
+
+void Intersect(const RTCIntersectFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  auto* ray_hit = reinterpret_cast<RTCRayHit*>(arguments->rayhit);
+  const auto& record = *static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr);
+  Hit hit;
+  if (!IntersectUserPrimitive(ContextOf(arguments->context), record, arguments->primID, ray_hit->ray.tfar,
+                              &hit)) {
+    return;
+  }
+  ray_hit->ray.tfar = hit.t;
+  ray_hit->hit.u = hit.u;
+  ray_hit->hit.v = hit.v;
+  ray_hit->hit.primID = arguments->primID;
+  ray_hit->hit.geomID = arguments->geomID;
+  ray_hit->hit.instID[0] = arguments->context->instID[0];
+}
+
+void Occluded(const RTCOccludedFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  auto* ray = reinterpret_cast<RTCRay*>(arguments->ray);
+  const auto& record = *static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr);
+  Hit hit;
+  if (IntersectUserPrimitive(ContextOf(arguments->context), record, arguments->primID, ray->tfar, &hit)) {
+    ray->tfar = -std::numeric_limits<float>::infinity();  // Embree's mark of an occluded ray
+  }
+}
+
+void FilterByAlpha(const RTCFilterFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  const EmbreeRayContext& context = ContextOf(arguments->context);
+  const auto& record = *static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr);
+  const auto* found = reinterpret_cast<const RTCHit*>(arguments->hit);
+  const auto* ray = reinterpret_cast<const RTCRay*>(arguments->ray);
+  Hit hit{ray->tfar,
+          found->u,
+          found->v,
+          record.shape_index,
+          record.Primitive(found->primID),
+          context.InstanceOf(found->instID[0])};
+  const bool is_hit = RefineHit(*context.geometry, *context.ray, &hit) &&
+                      AlphaIsHit(context, record.shape->surface.alpha, hit);
+  if (!is_hit) arguments->valid[0] = 0;
+}
+
+}  // namespace
+
+void SetUserPrimitiveCallbacks(RTCGeometry geometry) {
+  rtcSetGeometryBoundsFunction(geometry, Bounds, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, Intersect);
+  rtcSetGeometryOccludedFunction(geometry, Occluded);
+}
+
+void SetAlphaFilter(RTCGeometry geometry) {
+  rtcSetGeometryIntersectFilterFunction(geometry, FilterByAlpha);
+  rtcSetGeometryOccludedFilterFunction(geometry, FilterByAlpha);
+}
+
+bool AlphaIsHit(const EmbreeRayContext& context, const FloatInput& alpha, const Hit& hit) {
+  float value = alpha.constant;
+  if (!alpha.IsConstant()) {
+    const HitPoint point = MakeHitPoint(*context.geometry, hit, *context.ray);
+    TextureContext lookup{};
+    lookup.p = point.p;
+    lookup.n = point.n;
+    lookup.uv = point.uv;
+    value = context.textures->Evaluate(alpha, lookup);
+  }
+  if (value >= 1) return true;
+  if (!(value > 0)) return false;
+  const auto& [o, d, t_max, time] = *context.ray;
+  const uint64_t hash = Hash(Bits(o.x, o.y), Bits(o.z, d.x), Bits(d.y, d.z), hit.instance);
+  return UniformFloat(static_cast<uint32_t>(hash >> 32)) < value;
+}
+
+}  // namespace tessera

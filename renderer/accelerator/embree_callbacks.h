@@ -1,0 +1,33 @@
+// What Embree calls back while it traces: our own primitives, and alpha.
+#pragma once
+
+#include "accelerator/embree_scene.h"
+#include "texture/texture.h"
+
+namespace tessera {
+
+// Rides along with every ray.
+struct EmbreeRayContext {
+  RTCIntersectContext base;  // first: callbacks get a pointer to it
+  const Ray* ray;            // in rendering space
+  const Geometry* geometry;
+  const TextureTable* textures;
+  const uint32_t*
+      instances;  // from geometry id at the top level, less first_instance, to index in Geometry::instances
+  uint32_t first_instance;  // geometry id of the first instance
+
+  uint32_t InstanceOf(uint32_t embree_instance) const {
+    return embree_instance == RTC_INVALID_GEOMETRY_ID ? Hit::kNoInstance
+                                                      : instances[embree_instance - first_instance];
+  }
+};
+
+void SetUserPrimitiveCallbacks(RTCGeometry geometry);
+void SetAlphaFilter(RTCGeometry geometry);
+
+// Whether the surface at `hit` is there for this ray: always where alpha is 1, never where it is 0, and in
+// between with that probability, decided by a hash of the ray. Without regard to the primitive, as in pbrt:
+// two layers of the same alpha on a ray's way are there both or not at all.
+bool AlphaIsHit(const EmbreeRayContext& context, const FloatInput& alpha, const Hit& hit);
+
+}  // namespace tessera

@@ -1,0 +1,49 @@
+// Owns an Embree device: its instruction set, its threads, its errors and the memory it takes.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <type_traits>
+
+#include "util/result.h"
+
+namespace tessera {
+
+template <typename Handle, void (*kRelease)(Handle)>
+struct EmbreeRelease {
+  void operator()(std::remove_pointer_t<Handle>* handle) const { kRelease(handle); }
+};
+using EmbreeSceneHandle =
+    std::unique_ptr<std::remove_pointer_t<RTCScene>, EmbreeRelease<RTCScene, rtcReleaseScene>>;
+using EmbreeGeometryHandle =
+    std::unique_ptr<std::remove_pointer_t<RTCGeometry>, EmbreeRelease<RTCGeometry, rtcReleaseGeometry>>;
+
+class EmbreeDevice {
+ public:
+  // Always for AVX2, whatever the processor can do more: the bits of a hit depend on it. `threads` (at least
+  // 1) are used to build, none to trace.
+  static Result<std::unique_ptr<EmbreeDevice>> Make(int threads);
+  ~EmbreeDevice();
+  EmbreeDevice(const EmbreeDevice&) = delete;
+  EmbreeDevice& operator=(const EmbreeDevice&) = delete;
+
+  RTCDevice handle() const { return device_; }
+  uint64_t bytes() const { return static_cast<uint64_t>(bytes_.load()); }
+  // The first error since the device was made, if any. For the thread that builds.
+  Result<void> Status() const;
+
+ private:
+  EmbreeDevice() = default;
+  static void OnError(void* self, RTCError code, const char* text);
+  static bool OnMemory(void* self, ssize_t bytes, bool post);
+
+  RTCDevice device_ = nullptr;
+  std::atomic<int64_t> bytes_{0};
+  std::string error_;
+};
+
+}  // namespace tessera

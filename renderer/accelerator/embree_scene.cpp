@@ -1,0 +1,107 @@
+#include "accelerator/embree_scene.h"
+
+#include <array>
+#include <utility>
+
+#include "accelerator/embree_callbacks.h"
+#include "shape/patch.h"
+
+namespace tessera {
+namespace {
+
+// Shares the vertices with Embree, which loads 16 bytes at each: the vector must have room for one more. If
+// not, they are copied.
+void SetVertices(RTCGeometry geometry, const std::vector<Point3>& P) {
+  static_assert(sizeof(Point3) == 3 * sizeof(float));
+  if (P.capacity() > P.size()) {
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, P.data(), 0,
+                               sizeof(Point3), P.size());
+    return;
+  }
+  void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Point3),
+                                       P.size());
+  if (copy) std::copy(P.begin(), P.end(), static_cast<Point3*>(copy));
+}
+
+bool IsNeverHit(const Shape& shape) {
+  return shape.PrimitiveCount() == 0 ||
+         (shape.surface.alpha.IsConstant() && shape.surface.alpha.constant <= 0);
+}
+
+}  // namespace
+
+EmbreeScene::EmbreeScene(const EmbreeDevice& device, std::span<const Shape> shapes)
+    : scene_(rtcNewScene(device.handle())) {
+  rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_MEDIUM);
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    const Shape& shape = shapes[i];
+    if (IsNeverHit(shape)) continue;
+    EmbreeGeometryRecord record{&shape, static_cast<uint32_t>(i), {}};
+    if (const auto* triangles = std::get_if<TriangleMesh>(&shape.form)) {
+      AddTriangles(device, *triangles, std::move(record));
+    } else if (const auto* patches = std::get_if<BilinearMesh>(&shape.form)) {
+      AddPatches(device, *patches, std::move(record));
+    } else {
+      AddUserPrimitives(device, 1, std::move(record));
+    }
+  }
+}
+
+void EmbreeScene::AddTriangles(const EmbreeDevice& device, const TriangleMesh& mesh,
+                               EmbreeGeometryRecord record) {
+  const EmbreeGeometryHandle geometry(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  SetVertices(geometry.get(), mesh.P);
+  rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices.data(),
+                             0, 3 * sizeof(uint32_t), mesh.indices.size() / 3);
+  Attach(geometry.get(), std::move(record));
+}
+
+void EmbreeScene::AddPatches(const EmbreeDevice& device, const BilinearMesh& mesh,
+                             EmbreeGeometryRecord record) {
+  const uint32_t count = record.shape->PrimitiveCount();
+  EmbreeGeometryRecord flat = record;
+  for (uint32_t i = 0; i < count; ++i) {
+    (IsParallelogram(PatchAt(mesh, i)) ? flat : record).primitives.push_back(i);
+  }
+  if (!flat.primitives.empty()) AddQuads(device, mesh, std::move(flat));
+  const uint32_t curved_count = static_cast<uint32_t>(record.primitives.size());
+  if (curved_count > 0) AddUserPrimitives(device, curved_count, std::move(record));
+}
+
+// Embree cuts a quad into two triangles, which for a parallelogram is exact, with the same (u, v).
+void EmbreeScene::AddQuads(const EmbreeDevice& device, const BilinearMesh& mesh,
+                           EmbreeGeometryRecord record) {
+  const EmbreeGeometryHandle geometry(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_QUAD));
+  SetVertices(geometry.get(), mesh.P);
+  using Quad = std::array<uint32_t, 4>;
+  auto* quad = static_cast<Quad*>(rtcSetNewGeometryBuffer(
+      geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, sizeof(Quad), record.primitives.size()));
+  if (!quad) return;  // out of memory: the device knows
+  for (const uint32_t i : record.primitives) {
+    const uint32_t* v = &mesh.indices[4 * size_t{i}];
+    *quad++ = {v[0], v[1], v[3], v[2]};  // around the patch
+  }
+  Attach(geometry.get(), std::move(record));
+}
+
+void EmbreeScene::AddUserPrimitives(const EmbreeDevice& device, uint32_t count, EmbreeGeometryRecord record) {
+  const EmbreeGeometryHandle geometry(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_USER));
+  rtcSetGeometryUserPrimitiveCount(geometry.get(), count);
+  SetUserPrimitiveCallbacks(geometry.get());
+  Attach(geometry.get(), std::move(record));
+}
+
+void EmbreeScene::Attach(RTCGeometry geometry, EmbreeGeometryRecord record) {
+  const uint32_t id = static_cast<uint32_t>(records_.size());
+  const SurfaceProperties& surface = record.shape->surface;
+  records_.push_back(std::move(record));
+  rtcSetGeometryUserData(geometry, &records_.back());
+  rtcSetGeometryMask(geometry, surface.is_interface ? kInterfaceMask : kSolidMask);
+  // Embree calls filters for triangles and quads only; our own primitives ask for alpha themselves.
+  if (surface.HasAlpha()) SetAlphaFilter(geometry);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene_.get(), geometry, id);
+}
+
+}  // namespace tessera

@@ -1,0 +1,50 @@
+// One Embree scene: the shapes of a space, top level or a group's.
+#pragma once
+
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "accelerator/embree_device.h"
+#include "shape/geometry.h"
+#include "shape/interaction.h"
+
+namespace tessera {
+
+// Which geometries a ray sees: all, or all but surfaces that only separate media.
+enum EmbreeRayMask : unsigned { kSolidMask = 1, kInterfaceMask = 2, kAllMask = 3 };
+
+// What stands behind one Embree geometry: a shape, or the part of its patches that are (not) parallelograms.
+struct EmbreeGeometryRecord {
+  const Shape* shape = nullptr;
+  uint32_t shape_index = 0;
+  std::vector<uint32_t> primitives;  // empty: Embree's primitive i is the shape's
+
+  uint32_t Primitive(uint32_t embree_primitive) const {
+    return primitives.empty() ? embree_primitive : primitives[embree_primitive];
+  }
+};
+
+// Immutable once committed. The shapes must outlive it.
+class EmbreeScene {
+ public:
+  // Adds all shapes but those that are never hit. Geometry ids are 0, 1, 2, ... in order of shapes.
+  EmbreeScene(const EmbreeDevice& device, std::span<const Shape> shapes);
+
+  RTCScene handle() const { return scene_.get(); }
+  size_t geometry_count() const { return records_.size(); }
+  const EmbreeGeometryRecord& record(uint32_t geometry) const { return records_[geometry]; }
+
+ private:
+  void AddTriangles(const EmbreeDevice& device, const TriangleMesh& mesh, EmbreeGeometryRecord record);
+  void AddPatches(const EmbreeDevice& device, const BilinearMesh& mesh, EmbreeGeometryRecord record);
+  void AddQuads(const EmbreeDevice& device, const BilinearMesh& mesh, EmbreeGeometryRecord record);
+  // Primitives that Embree does not know: by our own intersection functions.
+  void AddUserPrimitives(const EmbreeDevice& device, uint32_t count, EmbreeGeometryRecord record);
+  void Attach(RTCGeometry geometry, EmbreeGeometryRecord record);
+
+  std::deque<EmbreeGeometryRecord> records_;  // callbacks hold pointers to them
+  EmbreeSceneHandle scene_;
+};
+
+}  // namespace tessera
