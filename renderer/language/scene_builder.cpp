@@ -96,7 +96,14 @@ bool SceneBuilder::Charge(const SourceLocation& where, uint64_t size) {
 }
 
 bool SceneBuilder::Charge(const Entity& entity) {
-  return Charge(entity.location, sizeof(Entity) + SizeOf(entity.parameters));
+  return Charge(entity.location, SizeOf(entity));
+}
+
+bool SceneBuilder::ChargeCopy(const SourceLocation& where, uint64_t size) {
+  copied_size_ += size;
+  if (copied_size_ <= kCopiedSizeMax) return Charge(where, size);
+  return Fail(where,
+              fmt::format("defaults and area lights of shapes hold more than {} bytes", kCopiedSizeMax));
 }
 
 bool SceneBuilder::DefineMaterial(MaterialDescription material) {
@@ -197,6 +204,10 @@ bool SceneBuilder::Finish() {
     }
   }
   return CheckInstances();
+}
+
+uint64_t SizeOf(const Entity& entity) {
+  return sizeof(Entity) + SizeOf(entity.parameters);
 }
 
 uint64_t SizeOf(const Parameter& p) {

@@ -19,11 +19,14 @@ constexpr int kFilesOpenedMax = 1 << 16;  // Include and Import: real scenes hav
 constexpr uint64_t kSceneTextSizeMax = uint64_t{16}
                                        << 30;  // bytes of all files as often as they are included
 constexpr uint64_t kDescriptionSizeMax = uint64_t{64}
-                                         << 30;  // bytes in memory, about: a cap on small text that
-                                                 // describes much, such as defaults copied to shapes
-constexpr size_t kNameLengthMax = 4096;          // bytes of the name of a material, medium, kind, ...
-constexpr size_t kStateDepthMax = 1 << 16;       // open AttributeBegin: real scenes stay below 20
-constexpr size_t kWarningsMax = 100;             // kept; more of them help nobody
+                                         << 30;         // bytes in memory, about: a cap on small text that
+                                                        // describes much, such as defaults copied to shapes
+constexpr uint64_t kCopiedSizeMax = uint64_t{4} << 30;  // bytes of defaults and area lights copied to shapes
+constexpr uint64_t kDefaultsSizeMax =
+    1 << 16;                             // bytes of the Attribute defaults of one target: real ones are few
+constexpr size_t kNameLengthMax = 4096;  // bytes of the name of a material, medium, kind, ...
+constexpr size_t kStateDepthMax = 1 << 16;  // open AttributeBegin: real scenes stay below 20
+constexpr size_t kWarningsMax = 100;        // kept; more of them help nobody
 
 class SceneBuilder {
  public:
@@ -49,6 +52,8 @@ class SceneBuilder {
   // Accounts for something of `size` bytes; an error when that is too much.
   bool Charge(const SourceLocation& where, uint64_t size);
   bool Charge(const Entity& entity);
+  // The same for something of which a copy is made.
+  bool ChargeCopy(const SourceLocation& where, uint64_t size);
 
   // Each takes a name once and fails at the second definition.
   bool DefineMaterial(MaterialDescription material);
@@ -75,9 +80,11 @@ class SceneBuilder {
   int files_opened_ = 0;
   uint64_t text_size_ = 0;
   uint64_t description_size_ = 0;
+  uint64_t copied_size_ = 0;
 };
 
 // Size in memory, about.
+uint64_t SizeOf(const Entity& entity);
 uint64_t SizeOf(const Parameter& parameter);
 uint64_t SizeOf(const std::vector<Parameter>& parameters);
 

@@ -156,7 +156,7 @@ bool SceneParser::ReadNamedEntity(const Statement& statement, AttributeTarget ta
 bool SceneParser::AddAttributes(AttributeTarget target, Entity* entity) {
   const std::vector<Parameter>& defaults = state_.Attributes(target);
   if (defaults.empty()) return true;
-  if (!builder_->Charge(entity->location, SizeOf(defaults))) return false;
+  if (!builder_->ChargeCopy(entity->location, SizeOf(defaults))) return false;
   entity->parameters.insert(entity->parameters.end(), defaults.begin(), defaults.end());
   return true;
 }

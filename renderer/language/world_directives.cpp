@@ -28,6 +28,11 @@ bool SceneParser::Attribute(const Statement& statement) {
   for (Parameter& parameter : parameters) parameter.from_attribute = true;
   const auto index = static_cast<AttributeTarget>(target - kAttributeTargets.begin());
   const uint64_t size = SizeOf(state_.Attributes(index)) + SizeOf(parameters);
+  if (size > kDefaultsSizeMax) {
+    return builder_->Fail(
+        statement.location,
+        fmt::format("the defaults of Attribute {} hold more than {} bytes", Quoted(name), kDefaultsSizeMax));
+  }
   if (!builder_->Charge(statement.location, size)) return false;
   state_.AddAttributes(index, std::move(parameters));
   return true;
@@ -150,7 +155,7 @@ bool SceneParser::SetAreaLight(ShapeDescription* shape) {
     return builder_->Fail(location, "a moving shape has an area light, expected one that stands still");
   }
   shape->area_light = *state_.area_light;
-  return builder_->Charge(*shape->area_light);
+  return builder_->ChargeCopy(location, SizeOf(*shape->area_light));
 }
 
 bool SceneParser::Shape(const Statement& statement) {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "language/scene_builder.h"
 #include "tests/renderer/language/parse_helpers.h"
 
 namespace tessera {
@@ -226,6 +227,25 @@ TEST(BadScene, LongStringsAndNamesAreRefused) {
             "a.pbrt:1:8: string longer than 65536 bytes");
   EXPECT_EQ(ErrorOf(ParseText("Camera \"" + long_name + "\"")),
             "a.pbrt:1:1: the kind of Camera is longer than 4096 bytes");
+}
+
+TEST(BadScene, LargeDefaultsAreRefused) {
+  std::string text = "Attribute \"shape\" \"float x\" [";
+  for (int i = 0; i < 20000; ++i) text += " 1";
+  EXPECT_EQ(ErrorOf(ParseText(text + " ]")),
+            "a.pbrt:1:1: the defaults of Attribute \"shape\" hold more than 65536 bytes");
+}
+
+TEST(BadScene, DescriptionsBeyondAllBoundsAreRefused) {
+  MemoryFileSource files;
+  SceneBuilder copies(files, "a.pbrt"), whole(files, "a.pbrt");
+  EXPECT_TRUE(copies.ChargeCopy(copies.top(), kCopiedSizeMax));
+  EXPECT_FALSE(copies.ChargeCopy(copies.top(), 1));
+  EXPECT_EQ(copies.error()->message,
+            "a.pbrt:1:1: defaults and area lights of shapes hold more than 4294967296 bytes");
+  EXPECT_TRUE(whole.Charge(whole.top(), kDescriptionSizeMax));
+  EXPECT_FALSE(whole.Charge(whole.top(), 1));
+  EXPECT_EQ(whole.error()->message, "a.pbrt:1:1: the scene describes more than 68719476736 bytes of data");
 }
 
 TEST(BadScene, AttributesNestedTooDeepAreRefused) {
