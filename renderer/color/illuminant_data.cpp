@@ -20,6 +20,7 @@ constexpr float kA[] = {
     254.314f, 256.221f, 258.071f, 259.865f, 261.602f};
 static_assert(std::size(kA) == 95);
 
+// As in pbrt, and with it somewhat bluer than the D50 of CIE 15: scenes that name it look the same.
 constexpr float kD50[] = {
     23.9251f, 25.4339f, 26.9427f, 25.7018f, 24.461f,  27.1507f, 29.8404f, 39.5503f, 49.664f,  53.156f,
     56.648f,  58.446f,  60.244f,  59.23f,   58.216f,  66.974f,  75.732f,  81.998f,  88.264f,  89.93f,
