@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <immintrin.h>
 
+#include "image/container_check.h"
 #include "image/image_limits.h"
 #include "language/source_location.h"
 
@@ -138,6 +139,10 @@ Result<Image> Decode(ImageFormat format, const std::string& bytes, const std::st
 Result<Image> DecodeWithLibrary(ImageFormat format, const std::string& bytes, const std::string& name,
                                 std::optional<ColorEncoding> encoding) {
   SetUpLibrary();
+  Result<void> checked;
+  if (format == ImageFormat::kPng) checked = CheckPng(bytes, name);
+  if (format == ImageFormat::kJpeg) checked = CheckJpeg(bytes, name);
+  if (!checked) return checked.error();
   try {
     return Decode(format, bytes, name, encoding);
   } catch (const std::exception& exception) {

@@ -1,0 +1,85 @@
+// Whatever the bytes, decoding ends with a picture that is whole or with one line that names the file.
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "image/image.h"
+#include "tests/renderer/image/encoded_images.h"
+
+namespace tessera {
+namespace {
+
+struct Sample {
+  std::string name;
+  std::string bytes;
+};
+
+std::vector<Sample> Samples() {
+  const int w = 24, h = 10;
+  std::string qoi =
+      "qoif" + BigEndian32(3) + BigEndian32(1) + std::string("\x03\x00", 2) + "\xfe\x10\x20\x30\xa5\x9c\x7f";
+  return {{"a.png", Encode("png", w, h, 3, Pattern8(w, h, 3))},
+          {"b.png", Encode("png", w, h, 1, std::vector<uint16_t>(w * h, 777))},
+          {"a.jpg", Encode("jpeg", w, h, 3, Pattern8(w, h, 3))},
+          {"a.tga", Encode("targa", w, h, 4, Pattern8(w, h, 4))},
+          {"a.bmp", Encode("bmp", w, h, 3, Pattern8(w, h, 3))},
+          {"a.tif", Encode("tiff", w, h, 3, Pattern8(w, h, 3))},
+          {"a.webp", Encode("webp", w, h, 3, Pattern8(w, h, 3))},
+          {"a.hdr", Encode("hdr", w, h, 3, PatternFloat(w, h, 3))},
+          {"a.exr", Encode("openexr", w, h, 3, PatternFloat(w, h, 3))},
+          {"a.pfm", EncodePfm(w, h, 3, PatternFloat(w, h, 3))},
+          {"a.qoi", qoi}};
+}
+
+void ExpectWholeOrRefused(const std::string& bytes, const std::string& name, const std::string& what) {
+  const Result<Image> image = DecodeImage(bytes, name, {});
+  if (!image) {
+    EXPECT_THAT(image.error().message, testing::StartsWith(name + ": ")) << what;
+    EXPECT_THAT(image.error().message, testing::Not(testing::HasSubstr("\n"))) << what;
+    return;
+  }
+  const size_t value_size = image->format == PixelFormat::kUint8  ? 1
+                            : image->format == PixelFormat::kHalf ? 2
+                                                                  : 4;
+  EXPECT_EQ(image->bytes.size(), value_size * image->width * image->height * image->channels) << what;
+  EXPECT_EQ(image->channel_names.size(), static_cast<size_t>(image->channels)) << what;
+}
+
+TEST(DamagedImage, TheSamplesThemselvesAreWhole) {
+  for (const Sample& sample : Samples()) {
+    const Result<Image> image = DecodeImage(sample.bytes, sample.name, {});
+    EXPECT_TRUE(image.has_value()) << (image ? "" : image.error().message);
+  }
+}
+
+TEST(DamagedImage, FilesCutOffAnywhereEndWell) {
+  for (const Sample& sample : Samples()) {
+    for (size_t size = 0; size < sample.bytes.size(); size += 1 + sample.bytes.size() / 64) {
+      ExpectWholeOrRefused(sample.bytes.substr(0, size), sample.name,
+                           sample.name + " cut at " + std::to_string(size));
+    }
+  }
+}
+
+TEST(DamagedImage, FilesCutInTheMiddleAreRefused) {
+  for (const Sample& sample : Samples()) {
+    const Result<Image> image = DecodeImage(sample.bytes.substr(0, sample.bytes.size() / 2), sample.name, {});
+    EXPECT_FALSE(image.has_value()) << sample.name;
+  }
+}
+
+TEST(DamagedImage, ChangedBytesEndWell) {
+  std::mt19937 random(1);
+  for (const Sample& sample : Samples()) {
+    for (int i = 0; i < 200; ++i) {
+      std::string bytes = sample.bytes;
+      const size_t at = random() % (i % 2 == 0 ? std::min<size_t>(bytes.size(), 64) : bytes.size());
+      bytes[at] = static_cast<char>(random());
+      ExpectWholeOrRefused(bytes, sample.name, sample.name + " changed at " + std::to_string(at));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tessera
