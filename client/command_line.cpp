@@ -1,0 +1,239 @@
+#include "client/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <cstdlib>
+
+#include "client/option_values.h"
+#include "terms/terms.h"
+#include "util/text.h"
+
+namespace tessera {
+namespace {
+
+// The value, or the error in the way CLI11 wants to hear of it.
+template <typename T>
+T Take(Result<T> result) {
+  if (!result) throw CLI::ValidationError(result.error().message);
+  return std::move(result).value();
+}
+
+// Adds a flag with one word that `set` turns into a value.
+template <typename Set>
+void AddWord(CLI::App& app, const std::string& flag, const std::string& help, const std::string& kind,
+             Set set) {
+  app.add_option_function<std::string>(
+         flag, [set](const std::string& word) { set(word); }, help)
+      ->type_name(kind);
+}
+
+void AddInteger(CLI::App& app, const std::string& flag, const std::string& help, int min, int max,
+                int& target) {
+  AddWord(app, flag, help, "N", [flag, min, max, &target](const std::string& word) {
+    target = static_cast<int>(Take(ParseInteger(flag, word, min, max)));
+  });
+}
+
+// What DESIGN.md promises and is not there yet is refused by name, not as an unknown flag.
+void AddFutureFlags(CLI::App& app) {
+  for (const char* flag : {"--frames", "--camera", "--aov", "--noise-threshold"}) {
+    app.add_option_function<std::string>(
+           flag,
+           [flag](const std::string&) {
+             throw CLI::ValidationError(fmt::format("{} is not supported yet", flag));
+           })
+        ->group("");
+  }
+}
+
+void AddRenderOptions(CLI::App& app, RenderOptions& render) {
+  AddWord(app, "--spp", "samples per pixel", "N", [&render](const std::string& word) {
+    render.samples_per_pixel =
+        static_cast<uint32_t>(Take(ParseUnsigned("--spp", word, 1, kSamplesPerPixelMax)));
+  });
+  AddWord(app, "--resolution", "size of the picture, pixels", "WxH", [&render](const std::string& word) {
+    const auto [width, height] = Take(ParseResolution(word));
+    render.width = width;
+    render.height = height;
+  });
+  AddWord(app, "--crop", "part of the picture to render, fractions", "x0,x1,y0,y1",
+          [&render](const std::string& word) { render.crop = Take(ParseCrop(word)); });
+  AddWord(app, "--seed", "of the random numbers", "S",
+          [&render](const std::string& word) { render.seed = Take(ParseUnsigned("--seed", word)); });
+  app.add_option("--integrator", render.integrator, "path or volpath")->type_name("NAME");
+  AddWord(app, "--accelerator", "embree (default), bvh or list", "NAME", [&render](const std::string& word) {
+    static constexpr std::string_view kChoices[] = {"embree", "bvh", "list"};
+    render.accelerator = Take(ParseChoice("--accelerator", word, kChoices));
+  });
+  AddWord(app, "--max-depth", "longest path, bounces", "N", [&render](const std::string& word) {
+    render.max_depth = static_cast<int>(Take(ParseInteger("--max-depth", word, 0, kPathDepthMax)));
+  });
+  AddInteger(app, "--tile-size", "pixels along the side of a tile", 1, kTileSizeMax, render.tile_size);
+  AddWord(app, "--exr-type", "half (default) or float", "TYPE",
+          [&render](const std::string& word) { render.exr_type = Take(ParseExrType(word)); });
+  AddFutureFlags(app);
+}
+
+void AddCoordinator(CLI::App& app, Options& options) {
+  app.add_option("--coordinator", options.coordinator,
+                 fmt::format("HOST:PORT or unix:PATH [default: $TESSERA_COORDINATOR or {}]",
+                             kCoordinatorAddressDefault))
+      ->type_name("ADDR");
+}
+
+void AddJob(CLI::App& app, Options& options) {
+  app.add_option_function<std::string>(
+         "JOB", [&options](const std::string& word) { options.job = Take(ParseUnsigned("JOB", word, 1)); },
+         "number of the job, as submit printed it")
+      ->required();
+}
+
+void AddOutput(CLI::App& app, Options& options, const std::string& default_name) {
+  app.add_option("-o,--output", options.output, fmt::format("the EXR to write [default: {}]", default_name))
+      ->type_name("FILE");
+  app.add_option("--png", options.png, "leave a tone-mapped 8-bit copy as well")->type_name("FILE");
+}
+
+void AddScene(CLI::App& app, Options& options) {
+  app.add_option("SCENE", options.scene, "scene file (pbrt-v4)")->required();
+}
+
+CLI::App& AddCommand(CLI::App& app, Options& options, const std::string& name, const std::string& help) {
+  CLI::App* command = app.add_subcommand(name, help);
+  command->allow_extras();  // reported with a suggestion
+  command->add_flag("--json", options.json, "answer in JSON");
+  command->callback([&options, name] { options.command = name; });
+  return *command;
+}
+
+// So are the commands that DESIGN.md promises for later.
+void AddFutureCommands(CLI::App& app) {
+  for (const char* name : {"pause", "resume", "extend"}) {
+    CLI::App* command = app.add_subcommand(name)->group("")->allow_extras();
+    command->callback([name] { throw CLI::ValidationError(fmt::format("{} is not supported yet", name)); });
+  }
+}
+
+void AddLocalCommands(CLI::App& app, Options& options) {
+  CLI::App& render = AddCommand(app, options, "render", "render a scene on a farm of processes on this box");
+  AddScene(render, options);
+  AddOutput(render, options, "SCENE's name with .exr");
+  AddInteger(render, "--workers", "worker processes [default: 1]", 1, kWorkersMax, options.workers);
+  AddInteger(render, "--threads", "render threads of each [default: all cores, shared]", 1, kWorkersMax,
+             options.threads);
+  render.add_flag("--in-process", options.in_process, "render in this process, without any farm");
+  AddRenderOptions(render, options.render);
+
+  CLI::App& compare = AddCommand(app, options, "compare", "compare two EXR pictures");
+  compare.add_option("A", options.picture_a, "the picture")->required();
+  compare.add_option("B", options.picture_b, "the reference")->required();
+  AddWord(
+      compare, "--tolerance", "largest difference of two values that passes [default: 0]", "E",
+      [&options](const std::string& word) { options.tolerance = Take(ParseNumber("--tolerance", word, 0)); });
+
+  CLI::App& info = AddCommand(app, options, "info", "say what a scene holds");
+  AddScene(info, options);
+  AddRenderOptions(info, options.render);
+}
+
+void AddFarmCommands(CLI::App& app, Options& options) {
+  CLI::App& submit = AddCommand(app, options, "submit", "hand a scene to a farm; prints the job's number");
+  AddScene(submit, options);
+  AddCoordinator(submit, options);
+  submit.add_option("--name", options.name, "what the job is called [default: the scene's file name]");
+  AddInteger(submit, "--priority", "higher goes first [default: 0]", -kPriorityMax, kPriorityMax,
+             options.priority);
+  submit.add_flag("--watch", options.watch, "follow the job until it ends");
+  AddRenderOptions(submit, options.render);
+
+  AddCoordinator(AddCommand(app, options, "jobs", "list the jobs of a farm"), options);
+  AddCoordinator(AddCommand(app, options, "workers", "list the workers of a farm"), options);
+  const std::pair<const char*, const char*> job_commands[] = {{"status", "say how far a job is"},
+                                                              {"watch", "follow a job until it ends"},
+                                                              {"cancel", "stop a job"},
+                                                              {"fetch", "get the picture of a job"}};
+  for (const auto& [name, help] : job_commands) {
+    CLI::App& command = AddCommand(app, options, name, help);
+    AddJob(command, options);
+    AddCoordinator(command, options);
+    if (std::string_view(name) != "fetch") continue;
+    AddOutput(command, options, "job-JOB.exr");
+    command.add_flag("--preview", options.preview, "take what is there of an unfinished picture");
+  }
+}
+
+std::vector<std::string> KnownWords(const CLI::App& app) {
+  std::vector<std::string> words;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) words.push_back("-" + name);
+  }
+  return words;
+}
+
+// The complaint about the first word that no command takes, if there is one.
+std::string UnknownWord(const CLI::App& app) {
+  std::vector<std::string> known;
+  std::string what, word;
+  for (const CLI::App* command : app.get_subcommands()) {
+    if (command->remaining().empty()) continue;
+    word = command->remaining().front();
+    known = KnownWords(*command);
+    what = word.starts_with("-") ? command->get_name() + ": unknown flag"
+                                 : command->get_name() + ": unexpected word";
+  }
+  if (word.empty() && !app.remaining().empty()) {
+    word = app.remaining().front();
+    for (const CLI::App* command : app.get_subcommands(nullptr)) known.push_back(command->get_name());
+    if (word.starts_with("-")) known = KnownWords(app);
+    what = word.starts_with("-") ? "unknown flag" : "unknown command";
+  }
+  if (word.empty()) return {};
+  const std::string stem = word.substr(0, word.find('='));
+  const std::vector<std::string_view> candidates(known.begin(), known.end());
+  return fmt::format("{} \"{}\"{}", what, stem, DidYouMean(stem, candidates));
+}
+
+std::string DefaultCoordinator() {
+  const char* set = std::getenv("TESSERA_COORDINATOR");
+  return set != nullptr && *set != '\0' ? set : kCoordinatorAddressDefault;
+}
+
+Result<CommandLine> Parse(CLI::App& app, Options& options, std::vector<std::string> arguments) {
+  std::ranges::reverse(arguments);  // CLI11 takes them from the back
+  std::string problem;
+  try {
+    app.parse(std::move(arguments));
+  } catch (const CLI::CallForHelp&) {
+    const auto chosen = app.get_subcommands();
+    return CommandLine{options, chosen.empty() ? app.help() : chosen.front()->help()};
+  } catch (const CLI::CallForVersion&) {
+    return CommandLine{options, fmt::format("tessera {}\n", kSoftwareVersion)};
+  } catch (const CLI::ParseError& e) {
+    problem = e.what();
+  }
+  if (const std::string unknown = UnknownWord(app); !unknown.empty()) problem = unknown;
+  if (!problem.empty()) return BadInput(problem);
+  if (options.command.empty()) return BadInput("no command; tessera --help lists them");
+  if (options.coordinator.empty()) options.coordinator = DefaultCoordinator();
+  return CommandLine{options, {}};
+}
+
+}  // namespace
+
+Result<CommandLine> ParseCommandLine(const std::vector<std::string>& arguments) {
+  CLI::App app("Tessera renders scenes on one machine or on a farm of them.", "tessera");
+  Options options;
+  app.allow_extras();
+  app.set_version_flag("--version", std::string(kSoftwareVersion));
+  AddLocalCommands(app, options);
+  AddFarmCommands(app, options);
+  AddFutureCommands(app);
+  return Parse(app, options, arguments);
+}
+
+}  // namespace tessera

@@ -1,0 +1,202 @@
+#include "client/coordinator_client.h"
+
+#include <fmt/format.h>
+
+#include <random>
+
+#include "client/coordinator_connection.h"
+#include "wire/convert.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::seconds kConnectPatience{10};
+constexpr std::chrono::milliseconds kConnectSlice{100};  // how soon a stop is noticed meanwhile
+constexpr std::chrono::minutes kWatchPatience{30};  // for a coordinator that is away: a machine's restart
+constexpr uint64_t kPictureSizeMax = uint64_t{8} << 30;  // bytes: the largest frame in floats
+
+// One call with one answer.
+template <typename Stub, typename Request, typename Answer>
+Result<void> Call(std::stop_token stop, Stub& stub,
+                  grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Answer*),
+                  const Request& request, Answer& answer, const std::string& what) {
+  return WithRetries(stop, what, [&] {
+    CallContext context(stop, kCallPatience);
+    return (stub.*method)(context.get(), request, &answer);
+  });
+}
+
+proto::JobRequest RequestFor(JobId job) {
+  proto::JobRequest request;
+  request.set_job(Number(job));
+  return request;
+}
+
+uint64_t RandomSubmission() {
+  std::random_device device;
+  const uint64_t high = device();
+  const uint64_t low = device();
+  return (high << 32 | low) | 1;  // not 0
+}
+
+// Receives one picture; `bytes` holds it if the status is good.
+grpc::Status ReceivePicture(proto::Jobs::Stub& stub, grpc::ClientContext* context,
+                            const proto::FetchRequest& request, std::string& bytes) {
+  bytes.clear();
+  const auto reader = stub.FetchPicture(context, request);
+  proto::PictureChunk chunk;
+  uint64_t size = 0;
+  std::string digest;
+  for (bool first = true; reader->Read(&chunk); first = false) {
+    if (first) {
+      size = chunk.size();
+      digest = chunk.digest();
+    }
+    if (size > kPictureSizeMax || bytes.size() + chunk.data().size() > size) {
+      context->TryCancel();
+      return {grpc::StatusCode::DATA_LOSS, "the picture does not have the size that was announced"};
+    }
+    bytes += chunk.data();
+  }
+  const grpc::Status status = reader->Finish();
+  if (!status.ok()) return status;
+  if (bytes.size() != size || WriteDigest(Sha256(bytes)) != digest) {
+    return {grpc::StatusCode::DATA_LOSS, "the picture was damaged on its way"};
+  }
+  return status;
+}
+
+}  // namespace
+
+CoordinatorClient::CoordinatorClient(std::unique_ptr<Connection> connection)
+    : connection_(std::move(connection)) {}
+CoordinatorClient::~CoordinatorClient() = default;
+
+Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const std::string& address,
+                                                                      std::stop_token stop) {
+  const auto parsed = ParseAddress(address, "--coordinator");
+  if (!parsed) return parsed.error();
+  auto connection = std::make_unique<Connection>();
+  connection->address = address;
+  connection->stop = stop;
+  connection->channel = OpenChannel(*parsed);
+  connection->jobs = proto::Jobs::NewStub(connection->channel);
+  connection->blobs = proto::Blobs::NewStub(connection->channel);
+  const auto deadline = std::chrono::steady_clock::now() + kConnectPatience;
+  while (!WaitForConnection(*connection->channel, kConnectSlice)) {
+    if (stop.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
+    if (std::chrono::steady_clock::now() > deadline) {
+      return Failed(fmt::format("{}: no coordinator answers there", address));
+    }
+  }
+  proto::HealthAnswer health;
+  auto asked = Call(stop, *connection->jobs, &proto::Jobs::Stub::Health, proto::HealthRequest(), health,
+                    "greet the coordinator");
+  if (!asked) return asked.error();
+  if (health.protocol() != kProtocolVersion || health.software_version() != kSoftwareVersion) {
+    return Failed(fmt::format("{}: the coordinator is version {} (protocol {}); this is {} (protocol {})",
+                              address, ReadReason(health.software_version()), health.protocol(),
+                              kSoftwareVersion, kProtocolVersion));
+  }
+  return std::unique_ptr<CoordinatorClient>(new CoordinatorClient(std::move(connection)));
+}
+
+Result<JobId> CoordinatorClient::Submit(const SceneJob& job, const std::string& name, int priority) {
+  JobSpec spec;
+  spec.submission = RandomSubmission();
+  spec.name = name;
+  spec.priority = priority;
+  spec.package = job.digest;
+  spec.frames = {job.frame};
+  proto::JobSpec request;
+  Write(spec, request);
+  proto::SubmitAnswer answer;
+  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Submit, request, answer,
+                    "submit the job");
+  if (!asked) return asked.error();
+  return JobId{answer.job()};
+}
+
+Result<JobStatus> CoordinatorClient::Status(JobId job) {
+  proto::JobStatus answer;
+  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Status, RequestFor(job),
+                    answer, fmt::format("ask for job {}", Number(job)));
+  if (!asked) return asked.error();
+  return ReadJobStatus(answer);
+}
+
+Result<JobStatus> CoordinatorClient::Cancel(JobId job) {
+  proto::JobStatus answer;
+  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Cancel, RequestFor(job),
+                    answer, fmt::format("cancel job {}", Number(job)));
+  if (!asked) return asked.error();
+  return ReadJobStatus(answer);
+}
+
+Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(const JobStatus&)>& report) {
+  const std::string what = fmt::format("watch job {}", Number(job));
+  auto heard = std::chrono::steady_clock::now();
+  std::chrono::milliseconds pause = kRetryFirst;
+  while (true) {
+    CallContext context(connection_->stop);
+    const auto reader = connection_->jobs->Watch(context.get(), RequestFor(job));
+    proto::JobStatus message;
+    while (reader->Read(&message)) {
+      const auto status = ReadJobStatus(message);
+      if (!status) return status.error();
+      report(*status);
+      if (HasEnded(status->state)) return status;
+      heard = std::chrono::steady_clock::now();
+      pause = kRetryFirst;
+    }
+    grpc::Status status = reader->Finish();
+    if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "the coordinator stopped reporting"};
+    const bool away_too_long = std::chrono::steady_clock::now() - heard > kWatchPatience;
+    if (!IsTransient(status) || away_too_long || !Pause(connection_->stop, pause))
+      return ToError(status, what);
+    pause = std::min(pause * 2, kRetryMax);
+  }
+}
+
+Result<std::string> CoordinatorClient::FetchPicture(JobId job, bool preview) {
+  proto::FetchRequest request;
+  request.set_job(Number(job));
+  request.set_preview(preview);
+  std::string bytes;
+  auto fetched = WithRetries(connection_->stop, fmt::format("fetch the picture of job {}", Number(job)), [&] {
+    CallContext context(connection_->stop);
+    return ReceivePicture(*connection_->jobs, context.get(), request, bytes);
+  });
+  if (!fetched) return fetched.error();
+  return bytes;
+}
+
+Result<std::vector<JobStatus>> CoordinatorClient::Jobs() {
+  proto::ListAnswer answer;
+  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::List, proto::ListRequest(),
+                    answer, "list the jobs");
+  if (!asked) return asked.error();
+  std::vector<JobStatus> jobs;
+  for (const proto::JobStatus& message : answer.jobs()) {
+    auto status = ReadJobStatus(message);
+    if (!status) return status.error();
+    jobs.push_back(std::move(*status));
+  }
+  return jobs;
+}
+
+Result<std::vector<WorkerStatus>> CoordinatorClient::Workers() {
+  proto::WorkersAnswer answer;
+  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Workers,
+                    proto::WorkersRequest(), answer, "list the workers");
+  if (!asked) return asked.error();
+  std::vector<WorkerStatus> workers;
+  for (const proto::WorkerStatus& message : answer.workers()) {
+    auto status = ReadWorkerStatus(message);
+    if (!status) return status.error();
+    workers.push_back(std::move(*status));
+  }
+  return workers;
+}
+
+}  // namespace tessera

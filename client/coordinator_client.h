@@ -1,0 +1,49 @@
+// What `tessera` asks of a coordinator.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "client/scene_job.h"
+#include "terms/terms.h"
+#include "util/result.h"
+
+namespace grpc {
+class Channel;
+}
+
+namespace tessera {
+
+// Every call waits for its answer and tries again, with bounded patience, while the coordinator is away. A
+// request to stop ends any of them with kInterrupted. Used by one thread at a time.
+class CoordinatorClient {
+ public:
+  // `address` is HOST:PORT or unix:PATH. An error if nobody answers there or only another version of the
+  // protocol.
+  static Result<std::unique_ptr<CoordinatorClient>> Connect(const std::string& address, std::stop_token stop);
+  ~CoordinatorClient();
+  CoordinatorClient(const CoordinatorClient&) = delete;
+  CoordinatorClient& operator=(const CoordinatorClient&) = delete;
+
+  // Sends the files of the scene that the coordinator lacks.
+  Result<void> Upload(const SceneJob& job);
+  Result<JobId> Submit(const SceneJob& job, const std::string& name, int priority);
+  Result<JobStatus> Status(JobId job);
+  // Calls `report` with every change until the job has ended, and answers its last status.
+  Result<JobStatus> Watch(JobId job, const std::function<void(const JobStatus&)>& report);
+  // The bytes of the picture's OpenEXR file.
+  Result<std::string> FetchPicture(JobId job, bool preview);
+  Result<JobStatus> Cancel(JobId job);
+  Result<std::vector<JobStatus>> Jobs();
+  Result<std::vector<WorkerStatus>> Workers();
+
+ private:
+  struct Connection;
+  explicit CoordinatorClient(std::unique_ptr<Connection> connection);
+  std::unique_ptr<Connection> connection_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,89 @@
+// tessera info: what a scene holds.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "client/commands.h"
+#include "client/scene_job.h"
+
+namespace tessera {
+namespace {
+
+uint64_t FileBytes(const ScenePackage& package) {
+  uint64_t bytes = 0;
+  for (const auto& [path, file] : package.files) bytes += file.size;
+  return bytes;
+}
+
+void PrintText(const SceneJob& job) {
+  const SceneSummary& scene = job.scene->summary();
+  const FrameSpec& frame = job.frame.spec;
+  const PixelBounds& crop = frame.crop;
+  fmt::print("picture     {}x{} pixels", frame.width, frame.height);
+  if (crop != PixelBounds{0, 0, frame.width, frame.height}) {
+    fmt::print(", of which {},{} to {},{}", crop.x0, crop.y0, crop.x1, crop.y1);
+  }
+  fmt::print(", {} samples per pixel\n", frame.samples_per_pixel);
+  fmt::print(
+      "camera      {}\nfilm        {}\nfilter      {}\nsampler     {}\nintegrator  {}\naccelerator {}\n",
+      scene.camera, scene.film, scene.filter, scene.sampler, scene.integrator, scene.accelerator);
+  fmt::print("shapes      {}: {} triangles, {} patches, {} quadrics, {} bytes\n", scene.shapes,
+             scene.triangles, scene.patches, scene.quadrics, scene.geometry_bytes);
+  fmt::print("instances   {} of {} groups\n", scene.instances, scene.groups);
+  fmt::print("lights      {}\nmaterials   {}\nmedia       {}\n", scene.lights, scene.materials, scene.media);
+  fmt::print("textures    {}, images of {} bytes\n", scene.textures, scene.image_bytes);
+  fmt::print("files       {}, {} bytes\n", job.package.files.size(), FileBytes(job.package));
+  fmt::print("package     {}\n", job.digest.Hex());
+  fmt::print("read in     {:.3f} s\n", scene.load_seconds);
+}
+
+void PrintJson(const SceneJob& job) {
+  const SceneSummary& scene = job.scene->summary();
+  const FrameSpec& frame = job.frame.spec;
+  nlohmann::ordered_json json;
+  json["width"] = frame.width;
+  json["height"] = frame.height;
+  json["crop"] = {frame.crop.x0, frame.crop.x1, frame.crop.y0, frame.crop.y1};
+  json["samples_per_pixel"] = frame.samples_per_pixel;
+  json["camera"] = scene.camera;
+  json["film"] = scene.film;
+  json["filter"] = scene.filter;
+  json["sampler"] = scene.sampler;
+  json["integrator"] = scene.integrator;
+  json["accelerator"] = scene.accelerator;
+  json["shapes"] = scene.shapes;
+  json["triangles"] = scene.triangles;
+  json["patches"] = scene.patches;
+  json["quadrics"] = scene.quadrics;
+  json["groups"] = scene.groups;
+  json["instances"] = scene.instances;
+  json["lights"] = scene.lights;
+  json["materials"] = scene.materials;
+  json["textures"] = scene.textures;
+  json["media"] = scene.media;
+  json["geometry_bytes"] = scene.geometry_bytes;
+  json["image_bytes"] = scene.image_bytes;
+  json["package"] = job.digest.Hex();
+  json["load_seconds"] = scene.load_seconds;
+  json["warnings"] = scene.warnings;
+  json["files"] = nlohmann::ordered_json::array();
+  for (const auto& [path, file] : job.package.files) {
+    json["files"].push_back({{"path", path}, {"size", file.size}, {"sha256", file.digest.Hex()}});
+  }
+  fmt::print("{}\n", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+}  // namespace
+
+Result<int> RunInfo(const Options& options, Cancellation&) {
+  const auto job = LoadSceneJob(options, Scene::Depth::kCheck);
+  if (!job) return job.error();
+  if (options.json) {
+    PrintJson(*job);
+  } else {
+    PrintText(*job);
+  }
+  return 0;
+}
+
+}  // namespace tessera

@@ -1,0 +1,46 @@
+// tessera status, watch, cancel: commands about one job.
+#include <fmt/format.h>
+
+#include "client/commands.h"
+#include "client/coordinator_client.h"
+#include "client/status_text.h"
+#include "client/watching.h"
+
+namespace tessera {
+namespace {
+
+void Print(const Options& options, const JobStatus& status) {
+  fmt::print("{}\n", options.json ? JobJson(status) : JobText(status));
+}
+
+}  // namespace
+
+Result<int> RunStatus(const Options& options, Cancellation& cancellation) {
+  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  if (!client) return client.error();
+  const auto status = (*client)->Status(JobId{options.job});
+  if (!status) return status.error();
+  Print(options, *status);
+  return 0;
+}
+
+Result<int> RunWatch(const Options& options, Cancellation& cancellation) {
+  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  if (!client) return client.error();
+  const auto status = WatchWithProgress(**client, JobId{options.job});
+  if (!status) return status.error();
+  Print(options, *status);
+  if (status->state != JobState::kFinished) return EndedWithoutPicture(*status);
+  return 0;
+}
+
+Result<int> RunCancel(const Options& options, Cancellation& cancellation) {
+  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  if (!client) return client.error();
+  const auto status = (*client)->Cancel(JobId{options.job});
+  if (!status) return status.error();
+  Print(options, *status);
+  return 0;
+}
+
+}  // namespace tessera

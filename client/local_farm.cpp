@@ -1,0 +1,136 @@
+#include "client/local_farm.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::seconds kStartPatience{30};  // a loaded machine; a healthy one takes some 30 ms
+constexpr int kStartProbe_ms = 2;                   // between attempts to connect to the socket
+
+// The folder of our own program.
+Result<std::string> ProgramFolder() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) return Failed(fmt::format("/proc/self/exe: cannot be read: {}", error.message()));
+  return program.parent_path().string();
+}
+
+// Whether somebody listens on the socket.
+bool CanConnect(const std::string& path) {
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return false;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+  const bool connected = ::connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+  ::close(fd);
+  return connected;
+}
+
+bool HasEnded(const ChildProcess& process, int patience_ms) {
+  pollfd event{process.ended_fd(), POLLIN, 0};
+  return ::poll(&event, 1, patience_ms) > 0;
+}
+
+Error EndedError(const std::string& who, ChildProcess& process) {
+  const std::string how = process.HowEnded();
+  const std::string words = process.LastWords();
+  return Failed(fmt::format("{} ended with {}{}{}", who, how, words.empty() ? "" : ": ", words));
+}
+
+}  // namespace
+
+LocalFarm::LocalFarm(TemporaryFolder folder, Address address, ChildProcess coordinator,
+                     Cancellation& cancellation)
+    : folder_(std::move(folder)),
+      address_(std::move(address)),
+      coordinator_(std::move(coordinator)),
+      cancellation_(cancellation),
+      closing_fd_(::eventfd(0, EFD_CLOEXEC)) {
+  TESSERA_CHECK(closing_fd_ >= 0);
+}
+
+// The processes are killed: all that they hold goes with the folder, so there is nothing to say goodbye to.
+LocalFarm::~LocalFarm() {
+  const uint64_t one = 1;
+  TESSERA_CHECK(::write(closing_fd_, &one, sizeof one) == sizeof one);
+  if (monitor_.joinable()) monitor_.join();
+  ::close(closing_fd_);
+}
+
+Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Cancellation& cancellation) {
+  const auto programs = ProgramFolder();
+  if (!programs) return programs.error();
+  auto folder = TemporaryFolder::Make();
+  if (!folder) return folder.error();
+  Address address;
+  address.kind = Address::Kind::kUnix;
+  address.path = folder->path() + "/socket";
+  auto coordinator =
+      ChildProcess::Start(*programs + "/tessera-coordinator",
+                          {"--listen", address.Text(), "--data-dir", folder->path() + "/coordinator"},
+                          folder->path() + "/coordinator.log");
+  if (!coordinator) return coordinator.error();
+  std::unique_ptr<LocalFarm> farm(
+      new LocalFarm(std::move(*folder), std::move(address), std::move(*coordinator), cancellation));
+  if (auto ready = farm->AwaitCoordinator(); !ready) return ready.error();
+  if (auto started = farm->StartWorkers(*programs + "/tessera-worker", workers, threads); !started) {
+    return started.error();
+  }
+  farm->monitor_ = std::thread([raw = farm.get()] { raw->Monitor(); });
+  return farm;
+}
+
+Result<void> LocalFarm::AwaitCoordinator() {
+  const auto deadline = std::chrono::steady_clock::now() + kStartPatience;
+  while (!CanConnect(address_.path)) {
+    if (cancellation_.cancelled()) return cancellation_.error();
+    if (HasEnded(coordinator_, kStartProbe_ms)) return EndedError("tessera-coordinator", coordinator_);
+    if (std::chrono::steady_clock::now() > deadline)
+      return Failed("tessera-coordinator does not start to listen");
+  }
+  return {};
+}
+
+Result<void> LocalFarm::StartWorkers(const std::string& program, int workers, int threads) {
+  for (int i = 0; i < workers; ++i) {
+    const std::string name = fmt::format("local-{}", i + 1);
+    auto worker = ChildProcess::Start(program,
+                                      {"--coordinator", address_.Text(), "--threads", std::to_string(threads),
+                                       "--cache-dir", folder_.path() + "/cache", "--name", name},
+                                      fmt::format("{}/{}.log", folder_.path(), name));
+    if (!worker) return worker.error();
+    workers_.push_back(std::move(*worker));
+  }
+  return {};
+}
+
+void LocalFarm::Monitor() {
+  std::vector<pollfd> events{{closing_fd_, POLLIN, 0}, {coordinator_.ended_fd(), POLLIN, 0}};
+  for (const ChildProcess& worker : workers_) events.push_back({worker.ended_fd(), POLLIN, 0});
+  size_t alive = workers_.size();
+  while (true) {
+    if (::poll(events.data(), events.size(), -1) < 0) continue;  // a signal came
+    if (events[0].revents != 0) return;
+    if (events[1].revents != 0) return cancellation_.Cancel(EndedError("tessera-coordinator", coordinator_));
+    for (size_t i = 2; i < events.size(); ++i) {
+      if (events[i].revents == 0) continue;
+      const Error ended = EndedError(fmt::format("worker {}", i - 1), workers_[i - 2]);
+      events[i] = {-1, 0, 0};  // poll passes over it
+      if (--alive == 0)
+        return cancellation_.Cancel(Failed(fmt::format("no worker is left; {}", ended.message)));
+      fmt::print(stderr, "\ntessera: warning: {}; the others go on\n", ended.message);
+    }
+  }
+}
+
+}  // namespace tessera

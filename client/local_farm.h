@@ -1,0 +1,43 @@
+// A coordinator and some workers of our own on this machine, for one job.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "client/cancellation.h"
+#include "client/child_process.h"
+#include "client/temporary_folder.h"
+#include "wire/address.h"
+
+namespace tessera {
+
+// Its processes live in a private folder and on a Unix socket there, and end with this object or with this
+// process, however that ends. If they end by themselves (the coordinator, or the last worker) the farm
+// cancels with the reason.
+class LocalFarm {
+ public:
+  // The programs are found beside our own. Call from the main thread. `cancellation` must outlive the farm.
+  static Result<std::unique_ptr<LocalFarm>> Start(int workers, int threads, Cancellation& cancellation);
+  ~LocalFarm();
+  LocalFarm(const LocalFarm&) = delete;
+  LocalFarm& operator=(const LocalFarm&) = delete;
+  const Address& address() const { return address_; }
+
+ private:
+  LocalFarm(TemporaryFolder folder, Address address, ChildProcess coordinator, Cancellation& cancellation);
+  Result<void> AwaitCoordinator();
+  Result<void> StartWorkers(const std::string& program, int workers, int threads);
+  void Monitor();
+
+  TemporaryFolder folder_;
+  Address address_;
+  ChildProcess coordinator_;
+  std::vector<ChildProcess> workers_;
+  Cancellation& cancellation_;
+  int closing_fd_;  // an event that ends the monitor
+  std::thread monitor_;
+};
+
+}  // namespace tessera

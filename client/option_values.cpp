@@ -1,0 +1,98 @@
+#include "client/option_values.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "util/text.h"
+
+namespace tessera {
+namespace {
+
+template <typename Number>
+bool ParseWhole(std::string_view word, Number& number) {
+  const char* end = word.data() + word.size();
+  const auto parsed = std::from_chars(word.data(), end, number);
+  return parsed.ec == std::errc() && parsed.ptr == end;
+}
+
+std::vector<std::string_view> Split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  size_t begin = 0;
+  for (size_t end = text.find(separator); end != std::string_view::npos; end = text.find(separator, begin)) {
+    parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  parts.push_back(text.substr(begin));
+  return parts;
+}
+
+template <typename Number>
+Result<Number> ParseBounded(std::string_view flag, std::string_view word, Number min, Number max) {
+  Number number{};
+  if (!ParseWhole(word, number) || number < min || number > max) {
+    return BadInput(fmt::format("{}: \"{}\" is not a whole number from {} to {}", flag, word, min, max));
+  }
+  return number;
+}
+
+}  // namespace
+
+Result<int64_t> ParseInteger(std::string_view flag, std::string_view word, int64_t min, int64_t max) {
+  return ParseBounded<int64_t>(flag, word, min, max);
+}
+
+Result<uint64_t> ParseUnsigned(std::string_view flag, std::string_view word, uint64_t min, uint64_t max) {
+  return ParseBounded<uint64_t>(flag, word, min, max);
+}
+
+Result<double> ParseNumber(std::string_view flag, std::string_view word, double min) {
+  double number = 0;
+  if (!ParseWhole(word, number) || !std::isfinite(number) || number < min) {
+    return BadInput(fmt::format("{}: \"{}\" is not a number of at least {}", flag, word, min));
+  }
+  return number;
+}
+
+Result<std::pair<int, int>> ParseResolution(std::string_view word) {
+  const auto sides = Split(word, 'x');
+  int width = 0, height = 0;
+  if (sides.size() != 2 || !ParseWhole(sides[0], width) || !ParseWhole(sides[1], height) || width < 1 ||
+      height < 1 || width > kResolutionMax || height > kResolutionMax) {
+    return BadInput(
+        fmt::format("--resolution: \"{}\" is not WxH with sides of 1 to {} pixels", word, kResolutionMax));
+  }
+  return std::pair(width, height);
+}
+
+Result<std::array<float, 4>> ParseCrop(std::string_view word) {
+  const auto parts = Split(word, ',');
+  std::array<float, 4> crop{};
+  bool good = parts.size() == 4;
+  for (size_t i = 0; good && i < 4; ++i) good = ParseWhole(parts[i], crop[i]) && crop[i] >= 0 && crop[i] <= 1;
+  if (!good || crop[0] >= crop[1] || crop[2] >= crop[3]) {
+    return BadInput(
+        fmt::format("--crop: \"{}\" is not x0,x1,y0,y1 with 0 <= x0 < x1 <= 1 and 0 <= y0 < y1 <= 1", word));
+  }
+  return crop;
+}
+
+Result<ExrType> ParseExrType(std::string_view word) {
+  if (word == "half") return ExrType::kHalf;
+  if (word == "float") return ExrType::kFloat;
+  return BadInput(fmt::format("--exr-type: \"{}\" is neither half nor float", word));
+}
+
+Result<std::string> ParseChoice(std::string_view flag, std::string_view word,
+                                std::span<const std::string_view> choices) {
+  for (std::string_view choice : choices) {
+    if (word == choice) return std::string(word);
+  }
+  return BadInput(fmt::format("{}: \"{}\" is none of {}{}", flag, word, fmt::join(choices, ", "),
+                              DidYouMean(word, choices)));
+}
+
+}  // namespace tessera

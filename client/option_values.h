@@ -1,0 +1,33 @@
+// Turns the words of the command line into values. Every function refuses what is beyond the limits with a
+// message that names the flag, the word and what was expected.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "film/frame_spec.h"
+#include "util/result.h"
+
+namespace tessera {
+
+Result<int64_t> ParseInteger(std::string_view flag, std::string_view word, int64_t min, int64_t max);
+Result<uint64_t> ParseUnsigned(std::string_view flag, std::string_view word, uint64_t min = 0,
+                               uint64_t max = std::numeric_limits<uint64_t>::max());
+// A finite number that is at least `min`.
+Result<double> ParseNumber(std::string_view flag, std::string_view word, double min);
+// "WxH", pixels.
+Result<std::pair<int, int>> ParseResolution(std::string_view word);
+// "x0,x1,y0,y1", fractions of the picture.
+Result<std::array<float, 4>> ParseCrop(std::string_view word);
+// "half" or "float".
+Result<ExrType> ParseExrType(std::string_view word);
+// One of `choices`.
+Result<std::string> ParseChoice(std::string_view flag, std::string_view word,
+                                std::span<const std::string_view> choices);
+
+}  // namespace tessera

@@ -1,0 +1,45 @@
+// Everything that the command line of `tessera` can say.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "scene/scene.h"
+
+namespace tessera {
+
+constexpr int kWorkersMax = 1024;         // processes or threads on one box: more is a mistake in typing
+constexpr int kPathDepthMax = 1'000'000;  // bounces: beyond what any path survives
+
+constexpr const char* kCoordinatorAddressDefault = "127.0.0.1:7420";
+
+// Parsed and checked once by ParseCommandLine, constant ever after. A member that a command does not take has
+// its default.
+struct Options {
+  std::string command;  // "render", "submit", ...
+  std::string scene;    // path of the scene file
+  std::string output;   // path of the EXR; empty: named after the scene or the job, in the current folder
+  std::string png;      // path of a tone-mapped copy to leave as well, or empty
+  bool json = false;    // answers for machines
+
+  // render
+  int workers = 0;          // processes; 0: one
+  int threads = 0;          // of each process; 0: share the cores between the processes
+  bool in_process = false;  // no farm
+
+  // a farm's commands
+  std::string coordinator;  // HOST:PORT or unix:PATH
+  std::string name;         // of the job; empty: the scene's
+  int priority = 0;         // higher goes first
+  bool watch = false;       // submit: follow the job until it ends
+  bool preview = false;     // fetch: what is there will do
+  uint64_t job = 0;
+
+  // compare
+  std::string picture_a, picture_b;
+  double tolerance = 0;  // largest difference of two values that counts as equal
+
+  RenderOptions render;
+};
+
+}  // namespace tessera

@@ -1,0 +1,91 @@
+#include "client/progress_line.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::milliseconds kTerminalInterval{100};  // as fast as an eye can follow
+constexpr std::chrono::milliseconds kLogInterval{5000};      // a log stays readable
+
+// The number with a prefix that leaves it below 1000, and the prefix.
+std::string WithPrefix(double value) {
+  const char* prefix = "";
+  if (value >= 1e9) {
+    value /= 1e9;
+    prefix = "G";
+  } else if (value >= 1e6) {
+    value /= 1e6;
+    prefix = "M";
+  } else if (value >= 1e3) {
+    value /= 1e3;
+    prefix = "k";
+  }
+  return fmt::format("{:.{}f} {}", value, *prefix == '\0' || value >= 100 ? 0 : (value >= 10 ? 1 : 2),
+                     prefix);
+}
+
+}  // namespace
+
+std::string DurationText(double seconds) {
+  seconds = std::max(seconds, 0.0);
+  if (seconds < 60) return fmt::format("{:.1f} s", seconds);
+  const int64_t whole = static_cast<int64_t>(seconds + 0.5);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+}
+
+std::string ProgressText(const Progress& progress, const char* worker_word) {
+  const double done = static_cast<double>(progress.samples_done);
+  const double total = static_cast<double>(progress.samples_total);
+  const double percent = total > 0 ? 100 * done / total : 0;
+  std::string text = fmt::format("{:5.1f} %  {}samples of {}samples  {}samples/s  {} {}{}  {} elapsed",
+                                 percent, WithPrefix(done), WithPrefix(total),
+                                 WithPrefix(progress.samples_per_second), progress.workers, worker_word,
+                                 progress.workers == 1 ? "" : "s", DurationText(progress.elapsed_s));
+  if (progress.samples_done < progress.samples_total) {
+    text += progress.left_s >= 0 ? fmt::format("  {} left", DurationText(progress.left_s))
+                                 : "  time left not known yet";
+  }
+  if (!progress.remark.empty()) text += fmt::format("  ({})", progress.remark);
+  return text;
+}
+
+ProgressLine::ProgressLine(const char* worker_word)
+    : worker_word_(worker_word),
+      terminal_(::isatty(STDERR_FILENO) == 1),
+      next_(std::chrono::steady_clock::now()) {}
+
+ProgressLine::~ProgressLine() {
+  if (open_) fmt::print(stderr, "\n");
+}
+
+void ProgressLine::Show(const Progress& progress) {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) return;
+  next_ = now + (terminal_ ? kTerminalInterval : kLogInterval);
+  Print(progress);
+}
+
+void ProgressLine::Finish(const Progress& progress) {
+  Print(progress);
+  if (open_) fmt::print(stderr, "\n");
+  open_ = false;
+}
+
+void ProgressLine::Print(const Progress& progress) {
+  const std::string text = ProgressText(progress, worker_word_);
+  if (terminal_) {
+    fmt::print(stderr, "\r{}\x1b[K", text);  // clears what a longer line left behind
+  } else {
+    fmt::print(stderr, "{}\n", text);
+  }
+  open_ = terminal_;
+  std::fflush(stderr);
+}
+
+}  // namespace tessera

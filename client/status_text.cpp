@@ -1,0 +1,125 @@
+#include "client/status_text.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace tessera {
+namespace {
+
+double Seconds(std::chrono::milliseconds duration) {
+  return static_cast<double>(duration.count()) / 1000;
+}
+
+double Percent(const JobStatus& status) {
+  if (status.samples_total == 0) return 0;
+  return 100 * static_cast<double>(status.samples_done) / static_cast<double>(status.samples_total);
+}
+
+// Names come from other people: bytes that are no UTF-8 are replaced.
+std::string Dump(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+nlohmann::ordered_json ToJson(const JobStatus& status) {
+  nlohmann::ordered_json json;
+  json["job"] = Number(status.job);
+  json["name"] = status.name;
+  json["priority"] = status.priority;
+  json["state"] = JobStateName(status.state);
+  json["reason"] = status.reason;
+  json["samples_done"] = status.samples_done;
+  json["samples_total"] = status.samples_total;
+  json["samples_per_second"] = status.samples_per_second;
+  json["workers"] = status.workers;
+  json["elapsed_s"] = Seconds(status.elapsed);
+  json["left_s"] = nullptr;
+  if (status.left.count() >= 0) json["left_s"] = Seconds(status.left);
+  json["frames_total"] = status.frames_total;
+  json["frames_finished"] = status.frames_finished;
+  return json;
+}
+
+nlohmann::ordered_json ToJson(const WorkerStatus& status) {
+  nlohmann::ordered_json json;
+  json["worker"] = fmt::format("{:016x}", Number(status.worker));  // too large for some readers' numbers
+  json["name"] = status.name;
+  json["slots"] = status.slots;
+  json["software_version"] = status.software_version;
+  json["leases"] = status.leases;
+  json["units_finished"] = status.units_finished;
+  json["units_failed"] = status.units_failed;
+  json["speed"] = status.speed;
+  json["silent_s"] = Seconds(status.silent);
+  json["draining"] = status.draining;
+  json["quarantined"] = status.quarantined;
+  json["reason"] = status.reason;
+  return json;
+}
+
+template <typename Status>
+std::string ListJson(const std::vector<Status>& list) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Status& status : list) json.push_back(ToJson(status));
+  return Dump(json);
+}
+
+std::string WorkerRemark(const WorkerStatus& status) {
+  if (status.quarantined) return "quarantined: " + status.reason;
+  return status.draining ? "draining" : "";
+}
+
+}  // namespace
+
+Progress ProgressOf(const JobStatus& status) {
+  Progress progress;
+  progress.samples_done = status.samples_done;
+  progress.samples_total = status.samples_total;
+  progress.samples_per_second = status.samples_per_second;
+  progress.workers = static_cast<int>(status.workers);
+  progress.elapsed_s = Seconds(status.elapsed);
+  progress.left_s = status.left.count() >= 0 ? Seconds(status.left) : -1;
+  progress.remark = status.reason;
+  return progress;
+}
+
+std::string JobText(const JobStatus& status) {
+  return fmt::format("job {} \"{}\": {}  {}", Number(status.job), status.name, JobStateName(status.state),
+                     ProgressText(ProgressOf(status), "worker"));
+}
+
+std::string JobTable(const std::vector<JobStatus>& jobs) {
+  std::string table = fmt::format("{:>6}  {:<24}  {:<9}  {:>7}  {:>12}  {:>7}  {:>12}\n", "JOB", "NAME",
+                                  "STATE", "DONE", "SAMPLES/S", "WORKERS", "ELAPSED");
+  for (const JobStatus& job : jobs) {
+    table += fmt::format("{:>6}  {:<24}  {:<9}  {:>5.1f} %  {:>12.0f}  {:>7}  {:>12}{}\n", Number(job.job),
+                         job.name, JobStateName(job.state), Percent(job), job.samples_per_second, job.workers,
+                         DurationText(Seconds(job.elapsed)), job.reason.empty() ? "" : "  " + job.reason);
+  }
+  return table;
+}
+
+std::string WorkerTable(const std::vector<WorkerStatus>& workers) {
+  std::string table = fmt::format("{:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5}  {:>9}  {}\n", "NAME", "SLOTS",
+                                  "LEASES", "FINISHED", "FAILED", "SPEED", "SILENT", "VERSION");
+  for (const WorkerStatus& worker : workers) {
+    const std::string remark = WorkerRemark(worker);
+    table += fmt::format("{:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5.2f}  {:>9}  {}{}\n", worker.name,
+                         worker.slots, worker.leases, worker.units_finished, worker.units_failed,
+                         worker.speed, DurationText(Seconds(worker.silent)), worker.software_version,
+                         remark.empty() ? "" : "  " + remark);
+  }
+  return table;
+}
+
+std::string JobJson(const JobStatus& status) {
+  return Dump(ToJson(status));
+}
+std::string JobsJson(const std::vector<JobStatus>& jobs) {
+  return ListJson(jobs);
+}
+std::string WorkersJson(const std::vector<WorkerStatus>& workers) {
+  return ListJson(workers);
+}
+
+}  // namespace tessera

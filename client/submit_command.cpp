@@ -1,0 +1,36 @@
+// tessera submit: hands a scene to a farm.
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "client/commands.h"
+#include "client/coordinator_client.h"
+#include "client/scene_job.h"
+#include "client/watching.h"
+
+namespace tessera {
+
+Result<int> RunSubmit(const Options& options, Cancellation& cancellation) {
+  const auto job = LoadSceneJob(options, Scene::Depth::kCheck);
+  if (!job) return job.error();
+  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  if (!client) return client.error();
+  if (auto sent = (*client)->Upload(*job); !sent) return sent.error();
+  const std::string name =
+      options.name.empty() ? std::filesystem::path(options.scene).stem().string() : options.name;
+  const auto id = (*client)->Submit(*job, name, options.priority);
+  if (!id) return id.error();
+  if (options.json) {
+    fmt::print("{{\"job\":{}}}\n", Number(*id));
+  } else {
+    fmt::print("{}\n", Number(*id));
+  }
+  std::fflush(stdout);  // scripts read it while we watch
+  if (!options.watch) return 0;
+  const auto status = WatchWithProgress(**client, *id);
+  if (!status) return status.error();
+  if (status->state != JobState::kFinished) return EndedWithoutPicture(*status);
+  return 0;
+}
+
+}  // namespace tessera

@@ -1,0 +1,29 @@
+// A private folder that is removed with all it holds.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "util/result.h"
+
+namespace tessera {
+
+class TemporaryFolder {
+ public:
+  // In $TMPDIR or /tmp, readable by this user alone.
+  static Result<TemporaryFolder> Make();
+  TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  TemporaryFolder& operator=(TemporaryFolder&&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  explicit TemporaryFolder(std::string path) : path_(std::move(path)) {}
+  std::string path_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,34 @@
+#include "client/watching.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "client/status_text.h"
+
+namespace tessera {
+
+Result<JobStatus> WatchWithProgress(CoordinatorClient& client, JobId job) {
+  ProgressLine line("worker");
+  auto last = client.Watch(job, [&](const JobStatus& status) {
+    if (!HasEnded(status.state)) line.Show(ProgressOf(status));
+  });
+  if (last) line.Finish(ProgressOf(*last));
+  return last;
+}
+
+Error EndedWithoutPicture(const JobStatus& status) {
+  return Failed(fmt::format("job {} {}{}{}", Number(status.job),
+                            status.state == JobState::kFailed ? "failed" : "was cancelled",
+                            status.reason.empty() ? "" : ": ", status.reason));
+}
+
+std::string PictureJson(const std::string& path, const Digest& digest, double seconds) {
+  nlohmann::ordered_json json;
+  json["output"] = path;
+  json["sha256"] = digest.Hex();
+  json["seconds"] = seconds;
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace tessera
