@@ -111,11 +111,6 @@ Result<void> LightBuilder::AddAreas() {
     }
     shape.surface.area_light = static_cast<int>(first);
   }
-  for (const ObjectDescription& object : inputs_.scene.objects) {
-    for (const ShapeDescription& shape : object.shapes) {
-      if (shape.area_light) Warn(shape.area_light->location, "area lights of instanced shapes are ignored");
-    }
-  }
   return {};
 }
 

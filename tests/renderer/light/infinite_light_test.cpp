@@ -1,0 +1,161 @@
+#include "math/equal_area.h"
+#include "tests/renderer/light/light_scene.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kSize = 16;
+
+std::vector<Vec3> RandomSky(uint64_t seed) {
+  TestRandom random(seed);
+  std::vector<Vec3> pixels(kSize * kSize);
+  for (Vec3& pixel : pixels) {
+    const float value = random.Next();
+    pixel = Vec3{1, 0.8f, 0.6f} * (value * value * value * 5);
+  }
+  pixels[37] = {40, 30, 20};  // a sun
+  return pixels;
+}
+
+void BuildSky(LightScene& lights, const std::string& parameters = "") {
+  lights.files.files["sky.pfm"] = Pfm(RandomSky(1), kSize);
+  lights.Build("Rotate 40 1 2 3\nLightSource \"infinite\" \"string filename\" [ \"sky.pfm\" ] " + parameters +
+                   "\nShape \"sphere\"",
+               {SphereShape({0, 0, 0}, 2)});
+  ASSERT_EQ(lights.error, "");
+}
+
+TEST(ConstantInfiniteLight, IlluminanceIsThatOfAPlane) {
+  LightScene lights;
+  lights.Build(R"(
+    LightSource "infinite" "rgb L" [ 2 2 2 ]
+    LightSource "infinite" "blackbody L" [ 5000 ] "float illuminance" [ 10 ])");
+  ASSERT_EQ(lights.error, "");
+  const auto radiance = [&](int light) {
+    return Luminance([&](const SampledWavelengths& wavelengths) {
+      return lights.table.InfiniteRadiance(light, {0, 1, 0}, wavelengths);
+    });
+  };
+  EXPECT_NEAR(radiance(0), 2, 5e-3f);
+  EXPECT_NEAR(radiance(1) * kPi, 10, 1e-2f);
+  EXPECT_EQ(lights.table.infinite_lights().size(), 2u);
+}
+
+TEST(ConstantInfiniteLight, IsLeftToRaysThatMiss) {
+  LightScene lights;
+  lights.Build(R"(LightSource "infinite" LightSource "point")");
+  ASSERT_EQ(lights.error, "");
+  for (const float u : {0.0f, 0.3f, 0.99f}) {
+    const auto chosen = lights.table.Choose(At({0, 0, 1}), u);
+    ASSERT_TRUE(chosen);
+    EXPECT_EQ(chosen->light, 1);
+    EXPECT_EQ(chosen->pmf, 1);
+  }
+  EXPECT_EQ(lights.table.ChoosePmf(At({0, 0, 1}), 0), 0);
+  EXPECT_EQ(lights.table.InfiniteLightPdf(0, {0, 0, 1}), 0);
+  EXPECT_FALSE(lights.table.Sample(0, At({0, 0, 1}), {0.5f, 0.5f}, FourWavelengths(0)));
+}
+
+TEST(ImageInfiniteLight, SamplesFollowTheirDensity) {
+  LightScene lights;
+  BuildSky(lights);
+  TestRandom random(2);
+  const SampledWavelengths wavelengths = FourWavelengths(200);
+  const auto sample = [&]() -> std::optional<Vec3> {
+    const auto s = lights.table.Sample(0, At({0, 0, 0}), random.Next2<Point2>(), wavelengths);
+    if (!s) return std::nullopt;
+    return s->wi;
+  };
+  // Counted by texel, where the density is constant: the direction is taken back to the map.
+  const Transform light_from_render = Rotate(40, {1, 2, 3}).Inverse();
+  constexpr int kDraws = 200000;
+  std::vector<chi_square::Cell> cells(kSize * kSize);
+  for (int i = 0; i < kSize * kSize; ++i) {
+    const Point2 p{(static_cast<float>(i % kSize) + 0.5f) / kSize,
+                   (static_cast<float>(i / kSize) + 0.5f) / kSize};
+    const Vec3 wi = light_from_render.Inverse().ToVector(EqualAreaSquareToSphere(p));
+    cells[static_cast<size_t>(i)].expected =
+        static_cast<double>(lights.table.InfiniteLightPdf(0, wi)) * 4 * kPi / (kSize * kSize) * kDraws;
+  }
+  for (int i = 0; i < kDraws; ++i) {
+    const auto wi = sample();
+    ASSERT_TRUE(wi);
+    const Point2 p = EqualAreaSphereToSquare(Normalize(light_from_render.ToVector(*wi)));
+    ++cells[static_cast<size_t>(p.y * kSize) * kSize + static_cast<size_t>(p.x * kSize)].observed;
+  }
+  std::string text;
+  EXPECT_GT(chi_square::PooledPValue(cells, text), 1e-4) << text;
+}
+
+TEST(ImageInfiniteLight, SamplesCarryTheRadianceAndDensityOfTheirDirection) {
+  LightScene lights;
+  BuildSky(lights);
+  TestRandom random(3);
+  const SampledWavelengths wavelengths = FourWavelengths(200);
+  int different = 0;
+  for (int i = 0; i < 10000; ++i) {
+    const auto s = lights.table.Sample(0, At({1, 0, 0}), random.Next2<Point2>(), wavelengths);
+    ASSERT_TRUE(s);
+    ASSERT_NEAR(Length(s->wi), 1, 1e-5f);
+    ASSERT_GT(Length(s->p), 2);
+    const SampledSpectrum radiance = lights.table.InfiniteRadiance(0, s->wi, wavelengths);
+    const float pdf = lights.table.InfiniteLightPdf(0, s->wi);
+    // Rounding takes a few directions across the edge of a texel.
+    if (std::abs(radiance[0] / s->L[0] - 1) > 1e-4f || std::abs(pdf / s->pdf - 1) > 1e-4f) ++different;
+  }
+  EXPECT_LE(different, 5);
+}
+
+TEST(ImageInfiniteLight, WithDirectionsFromElsewhereItGivesTheWholeRadiance) {
+  LightScene lights;
+  BuildSky(lights, "\"float scale\" [ 3 ]");
+  const SampledWavelengths wavelengths = FourWavelengths(200);
+  double truth = 0, estimate = 0;
+  constexpr int kSide = 400;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const Point2 u{(static_cast<float>(i % kSide) + 0.5f) / kSide,
+                   (static_cast<float>(i / kSide) + 0.5f) / kSide};
+    const Vec3 w = SampleUniformSphere(u);
+    const float radiance = lights.table.InfiniteRadiance(0, w, wavelengths)[0];
+    truth += static_cast<double>(radiance) / UniformSpherePdf();
+    estimate += static_cast<double>(radiance) / (UniformSpherePdf() + lights.table.InfiniteLightPdf(0, w));
+    const auto s = lights.table.Sample(0, At({0, 0, 0}), u, wavelengths);
+    ASSERT_TRUE(s);
+    estimate += static_cast<double>(s->L[0]) / (s->pdf + UniformSpherePdf());
+  }
+  EXPECT_NEAR(estimate / truth, 1, 2e-3);
+}
+
+TEST(ImageInfiniteLight, TexelsHaveTheLuminanceOfTheirRgb) {
+  LightScene lights;
+  BuildSky(lights, "\"float scale\" [ 3 ]");
+  const Vec3 sun = EqualAreaSquareToSphere({5.5f / kSize, 2.5f / kSize});
+  const Vec3 d = Rotate(40, {1, 2, 3}).ToVector(sun);
+  const float luminance = Luminance([&](const SampledWavelengths& wavelengths) {
+    return lights.table.InfiniteRadiance(0, d, wavelengths);
+  });
+  const float expected = 3 * (0.2126f * 40 + 0.7152f * 30 + 0.0722f * 20);
+  EXPECT_NEAR(luminance / expected, 1, 0.01f);
+}
+
+TEST(ImageInfiniteLight, IlluminanceIsMeasuredAsPbrtDoes) {
+  LightScene lights;
+  lights.files.files["white.pfm"] = Pfm(std::vector<Vec3>(kSize * kSize, {1, 1, 1}), kSize);
+  lights.Build(R"(LightSource "infinite" "string filename" [ "white.pfm" ] "float illuminance" [ 10 ])");
+  ASSERT_EQ(lights.error, "");
+  const float luminance = Luminance([&](const SampledWavelengths& wavelengths) {
+    return lights.table.InfiniteRadiance(0, {0, 0, 1}, wavelengths);
+  });
+  EXPECT_NEAR(luminance / (10 / (kPi / 2)), 1, 0.03f);  // pbrt takes half of the true pi, over few texels
+}
+
+TEST(ImageInfiniteLight, OfOneColourIsSampledUniformly) {
+  LightScene lights;
+  lights.files.files["white.pfm"] = Pfm(std::vector<Vec3>(kSize * kSize, {1, 1, 1}), kSize);
+  lights.Build(R"(LightSource "infinite" "string filename" [ "white.pfm" ])");
+  ASSERT_EQ(lights.error, "");
+  EXPECT_NEAR(lights.table.InfiniteLightPdf(0, {0, 0.6f, 0.8f}), UniformSpherePdf(), 1e-6f);
+}
+
+}  // namespace
+}  // namespace tessera

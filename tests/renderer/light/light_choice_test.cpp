@@ -1,0 +1,129 @@
+#include "tests/renderer/light/light_scene.h"
+
+namespace tessera {
+namespace {
+
+// A point light, a distant one, an environment, and an emitting mesh of many triangles.
+void BuildMany(LightScene& lights, std::string_view light_sampler) {
+  std::vector<Point3> points;
+  std::vector<uint32_t> indices;
+  TestRandom random(1);
+  for (uint32_t i = 0; i < 40; ++i) {
+    const Point2 at = random.Next2<Point2>();
+    for (const Vec3 corner : {Vec3{0, 0, 0}, Vec3{0, 0.1f, 0}, Vec3{0.1f, 0, 0}}) {
+      points.push_back(Vec3{at.x * 8 - 4, at.y * 8 - 4, 2} + corner);
+      indices.push_back(static_cast<uint32_t>(indices.size()));
+    }
+  }
+  lights.files.files["sky.pfm"] = Pfm({{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}}, 2);
+  lights.Build(R"(
+    LightSource "point" "point3 from" [ 0 0 1 ]
+    LightSource "distant"
+    LightSource "infinite"
+    LightSource "infinite" "string filename" "sky.pfm"
+    AreaLightSource "diffuse" "float scale" 100
+    Shape "trianglemesh")",
+               {MeshShape(points, indices)}, light_sampler);
+  ASSERT_EQ(lights.error, "");
+  ASSERT_EQ(lights.table.size(), 44u);
+}
+
+class LightChoice : public testing::TestWithParam<const char*> {};
+
+TEST_P(LightChoice, FrequenciesAreTheProbabilitiesAndSumToOne) {
+  LightScene lights;
+  BuildMany(lights, GetParam());
+  const ReferencePoint reference = At({0.5f, -1, 0}, {0, 0, 1});
+  constexpr int kDraws = 100000;
+  std::vector<chi_square::Cell> cells(44);
+  double total = 0;
+  for (int light = 0; light < 44; ++light) {
+    const float pmf = lights.table.ChoosePmf(reference, light);
+    total += static_cast<double>(pmf);
+    cells[static_cast<size_t>(light)].expected = static_cast<double>(pmf) * kDraws;
+  }
+  EXPECT_NEAR(total, 1, 1e-4);
+  TestRandom random(2);
+  for (int i = 0; i < kDraws; ++i) {
+    const auto chosen = lights.table.Choose(reference, random.Next());
+    ASSERT_TRUE(chosen);
+    ASSERT_NEAR(chosen->pmf / lights.table.ChoosePmf(reference, chosen->light), 1, 1e-5f);
+    ++cells[static_cast<size_t>(chosen->light)].observed;
+  }
+  std::string text;
+  EXPECT_GT(chi_square::PooledPValue(cells, text), 1e-4) << text;
+}
+
+TEST_P(LightChoice, SingleLightIsCertain) {
+  LightScene lights;
+  lights.Build("LightSource \"infinite\" AreaLightSource \"diffuse\" Shape \"disk\"", {DiskShape(0, 1)},
+               GetParam());
+  ASSERT_EQ(lights.error, "");
+  const auto chosen = lights.table.Choose(At({0, 0, 1}, {0, 0, 1}), 0.7f);
+  ASSERT_TRUE(chosen);
+  EXPECT_EQ(chosen->light, 1);
+  EXPECT_EQ(chosen->pmf, 1);
+  EXPECT_EQ(lights.table.ChoosePmf(At({0, 0, 1}, {0, 0, 1}), 1), 1);
+}
+
+TEST_P(LightChoice, WithoutLightsThereIsNone) {
+  LightScene lights;
+  lights.Build("", {}, GetParam());
+  ASSERT_EQ(lights.error, "");
+  EXPECT_TRUE(lights.table.empty());
+  EXPECT_FALSE(lights.table.Choose(At({0, 0, 1}), 0.5f));
+}
+
+TEST_P(LightChoice, ChosenLightsAddUpToAllLight) {
+  LightScene lights;
+  BuildMany(lights, GetParam());
+  const ReferencePoint reference = At({0.5f, -1, 0}, {0, 0, 1});
+  const SampledWavelengths wavelengths = FourWavelengths(200);
+  double truth = 0;
+  for (int light = 0; light < 44; ++light) {
+    if (lights.table.ChoosePmf(reference, light) > 0) truth += Irradiance(lights.table, light, reference, 48);
+  }
+  TestRandom random(3);
+  double estimate = 0;
+  constexpr int kDraws = 100000;
+  for (int i = 0; i < kDraws; ++i) {
+    const auto chosen = lights.table.Choose(reference, (static_cast<float>(i) + random.Next()) / kDraws);
+    ASSERT_TRUE(chosen);
+    const auto sample = lights.table.Sample(chosen->light, reference, random.Next2<Point2>(), wavelengths);
+    if (!sample) continue;
+    estimate +=
+        static_cast<double>(sample->L[0]) * std::max(0.0f, sample->wi.z) / (sample->pdf * chosen->pmf);
+  }
+  // All lights have the same white: one wavelength tells the luminance.
+  const auto point = lights.table.Sample(0, reference, {}, wavelengths);
+  const double ratio = static_cast<double>(SampleLuminance(lights.table, 0, reference, {})) / point->L[0];
+  EXPECT_NEAR(estimate / kDraws * ratio / truth, 1, 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Samplers, LightChoice, testing::Values("uniform", "power", "bvh"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(PowerChoice, ProbabilitiesAreSharesOfPower) {
+  LightScene lights;
+  lights.Build(R"(
+    LightSource "point" "float power" 10
+    LightSource "spot" "float power" 30
+    AreaLightSource "diffuse" "float power" 60 "bool twosided" true
+    Shape "disk")",
+               {DiskShape(0, 3)}, "power");
+  ASSERT_EQ(lights.error, "");
+  const float expected[] = {0.1f, 0.3f, 0.6f};
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(lights.table.ChoosePmf(At({0, 0, 1}), i), expected[i], 1e-3f);
+}
+
+TEST(TreeChoice, TakesTheNearLightMoreOften) {
+  LightScene lights;
+  lights.Build(R"(
+    LightSource "point" "point3 from" [ 0 0 1 ]
+    LightSource "point" "point3 from" [ 0 0 3 ])");
+  ASSERT_EQ(lights.error, "");
+  EXPECT_NEAR(lights.table.ChoosePmf(At({0, 0, 0}), 0), 0.9f, 1e-4f);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,94 @@
+#include "tests/renderer/light/light_scene.h"
+
+namespace tessera {
+namespace {
+
+struct BadLight {
+  const char* text;
+  const char* message;
+};
+
+void PrintTo(const BadLight& bad, std::ostream* out) {
+  *out << bad.text;
+}
+
+class LightErrors : public testing::TestWithParam<BadLight> {};
+
+TEST_P(LightErrors, AreNamedWithTheirPlace) {
+  LightScene lights;
+  const float infinity = std::numeric_limits<float>::infinity();
+  lights.files.files["wide.pfm"] = Pfm({{1, 1, 1}, {1, 1, 1}}, 2);
+  lights.files.files["black.pfm"] = Pfm({{0, 0, 0}}, 1);
+  lights.files.files["infinite.pfm"] = Pfm({{infinity, 0, 0}}, 1);
+  const std::string text = GetParam().text;
+  std::vector<Shape> shapes;
+  if (text.find("Shape") != std::string::npos) shapes.push_back(DiskShape(0, 1));
+  lights.Build(text, shapes);
+  EXPECT_EQ(lights.error, GetParam().message);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, LightErrors,
+    testing::Values(
+        BadLight{"LightSource \"pont\"", "lights.pbrt:3:1: unknown light \"pont\" (did you mean \"point\"?)"},
+        BadLight{"LightSource \"infinite\" \"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]",
+                 "lights.pbrt:3:24: portals of infinite lights are not supported yet"},
+        BadLight{"LightSource \"infinite\" \"rgb L\" [ 1 1 1 ] \"string filename\" \"black.pfm\"",
+                 "lights.pbrt:3:24: an infinite light has either \"L\" or \"filename\""},
+        BadLight{"LightSource \"infinite\" \"string filename\" \"wide.pfm\"",
+                 "lights.pbrt:3:24: the picture is not square: environment maps are equal-area octahedral "
+                 "(imgtool "
+                 "makeequiarea)"},
+        BadLight{
+            "LightSource \"infinite\" \"string filename\" \"infinite.pfm\"",
+            "lights.pbrt:3:24: \"infinite.pfm\" has infinite or not-a-number values and cannot be a light"},
+        BadLight{"LightSource \"infinite\" \"string filename\" \"black.pfm\" \"float illuminance\" 1",
+                 "lights.pbrt:3:54: the upper half of the picture is black"},
+        BadLight{"LightSource \"spot\" \"point3 from\" [ 1 2 3 ] \"point3 to\" [ 1 2 3 ]",
+                 "lights.pbrt:3:44: \"from\" and \"to\" must be different points"},
+        BadLight{"LightSource \"projection\"", "lights.pbrt:3:1: a projection light needs a \"filename\""},
+        BadLight{"LightSource \"goniometric\" \"string filename\" \"wide.pfm\"",
+                 "lights.pbrt:3:27: \"wide.pfm\" is not square, which an equal-area octahedral map must be"},
+        BadLight{"AreaLightSource \"sphere\" Shape \"disk\"",
+                 "lights.pbrt:3:1: unknown area light \"sphere\", expected \"diffuse\""},
+        BadLight{"AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ] \"string filename\" \"black.pfm\" Shape "
+                 "\"disk\"",
+                 "lights.pbrt:3:27: an area light has either \"L\" or \"filename\""},
+        BadLight{
+            "AreaLightSource \"diffuse\" \"string filename\" \"black.pfm\" \"float power\" 5 Shape \"disk\"",
+            "lights.pbrt:3:57: a black picture emits no power"}));
+
+TEST(LightErrorMessages, UnreadParameterIsSuggestedAName) {
+  LightScene lights;
+  lights.Build("LightSource \"point\" \"float powr\" 5");
+  EXPECT_EQ(lights.error.find("lights.pbrt:3:21: "), 0u) << lights.error;
+  EXPECT_NE(lights.error.find("power"), std::string::npos) << lights.error;
+}
+
+TEST(LightErrorMessages, MissingPictureIsNamed) {
+  LightScene lights;
+  lights.Build("LightSource \"infinite\" \"string filename\" \"nowhere.exr\"");
+  EXPECT_EQ(lights.error.find("lights.pbrt:3:24: "), 0u) << lights.error;
+  EXPECT_NE(lights.error.find("nowhere.exr"), std::string::npos) << lights.error;
+}
+
+TEST(LightErrorMessages, LightSamplerMustBeKnown) {
+  LightScene exhaustive, unknown;
+  exhaustive.Build("", {}, "exhaustive");
+  EXPECT_NE(exhaustive.error.find("\"exhaustive\" is not supported yet"), std::string::npos)
+      << exhaustive.error;
+  unknown.Build("", {}, "powr");
+  EXPECT_NE(unknown.error.find("did you mean \"power\"?"), std::string::npos) << unknown.error;
+}
+
+TEST(LightWarnings, MovingLightsStandStill) {
+  LightScene lights;
+  lights.Build("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All\nLightSource \"point\"");
+  EXPECT_EQ(lights.error, "");
+  ASSERT_EQ(lights.warnings.size(), 1u);
+  EXPECT_EQ(lights.warnings[0].find("lights.pbrt:4:1: lights do not move"), 0u) << lights.warnings[0];
+  EXPECT_NEAR(SampleLuminance(lights.table, 0, At({0, 0, 2}), {}), 0.25f, 1e-4f);
+}
+
+}  // namespace
+}  // namespace tessera
