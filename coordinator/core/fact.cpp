@@ -1,0 +1,157 @@
+#include "core/fact.h"
+
+#include <fmt/format.h>
+
+#include "core/byte_codec.h"
+
+namespace tessera {
+namespace {
+
+enum class Kind : uint32_t { kCoordinatorStarted = 1, kJobSubmitted = 2, kFrameFinished = 3, kJobEnded = 4 };
+
+void Add(ByteWriter& out, const Digest& digest) {
+  out.AddText({reinterpret_cast<const char*>(digest.bytes.data()), digest.bytes.size()});
+}
+
+bool Read(ByteReader& in, Digest& digest) {
+  const std::string bytes = in.ReadText();
+  if (bytes.size() != digest.bytes.size()) return false;
+  std::copy(bytes.begin(), bytes.end(), digest.bytes.begin());
+  return true;
+}
+
+void Add(ByteWriter& out, const FrameSpec& spec) {
+  for (const int value : {spec.width, spec.height, spec.crop.x0, spec.crop.y0, spec.crop.x1, spec.crop.y1}) {
+    out.Add32(static_cast<uint32_t>(value));
+  }
+  out.Add32(spec.samples_per_pixel);
+  out.Add32(static_cast<uint32_t>(spec.tile_size));
+  out.Add32(static_cast<uint32_t>(spec.exr_type));
+  out.Add64(spec.channels.size());
+  for (const std::string& channel : spec.channels) out.AddText(channel);
+  out.Add64(spec.attributes.size());
+  for (const auto& [name, value] : spec.attributes) {
+    out.AddText(name);
+    out.AddText(value);
+  }
+}
+
+bool Read(ByteReader& in, FrameSpec& spec) {
+  for (int* value : {&spec.width, &spec.height, &spec.crop.x0, &spec.crop.y0, &spec.crop.x1, &spec.crop.y1}) {
+    *value = static_cast<int>(in.Read32());
+  }
+  spec.samples_per_pixel = in.Read32();
+  spec.tile_size = static_cast<int>(in.Read32());
+  const uint32_t exr_type = in.Read32();
+  if (exr_type > static_cast<uint32_t>(ExrType::kFloat)) return false;
+  spec.exr_type = static_cast<ExrType>(exr_type);
+  spec.channels.clear();
+  for (uint64_t n = in.ReadCount(8); n > 0; --n) spec.channels.push_back(in.ReadText());
+  for (uint64_t n = in.ReadCount(16); n > 0; --n) {
+    std::string name = in.ReadText();
+    spec.attributes[std::move(name)] = in.ReadText();
+  }
+  return in.ok() && spec.Check().has_value();
+}
+
+void Add(ByteWriter& out, const JobSpec& spec) {
+  out.Add64(spec.submission);
+  out.AddText(spec.name);
+  out.Add32(static_cast<uint32_t>(spec.priority));
+  Add(out, spec.package);
+  out.Add64(spec.frames.size());
+  for (const FrameOrder& frame : spec.frames) {
+    out.AddText(frame.scene_file);
+    out.AddText(frame.options);
+    out.Add32(static_cast<uint32_t>(frame.number));
+    Add(out, frame.spec);
+  }
+}
+
+bool Read(ByteReader& in, JobSpec& spec) {
+  spec.submission = in.Read64();
+  spec.name = in.ReadText();
+  spec.priority = static_cast<int32_t>(in.Read32());
+  if (!Read(in, spec.package)) return false;
+  for (uint64_t n = in.ReadCount(16); n > 0; --n) {
+    FrameOrder& frame = spec.frames.emplace_back();
+    frame.scene_file = in.ReadText();
+    frame.options = in.ReadText();
+    frame.number = static_cast<int32_t>(in.Read32());
+    if (!Read(in, frame.spec)) return false;
+  }
+  return in.ok() && !spec.frames.empty() && spec.frames.size() <= static_cast<size_t>(kFramesPerJobMax);
+}
+
+void Add(ByteWriter& out, const CoordinatorStarted& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kCoordinatorStarted));
+  out.Add32(fact.epoch);
+}
+
+void Add(ByteWriter& out, const JobSubmitted& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kJobSubmitted));
+  out.Add64(Number(fact.job));
+  Add(out, *fact.spec);
+}
+
+void Add(ByteWriter& out, const FrameFinished& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kFrameFinished));
+  out.Add64(Number(fact.job));
+  out.Add32(fact.frame);
+  Add(out, fact.file);
+}
+
+void Add(ByteWriter& out, const JobEnded& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kJobEnded));
+  out.Add64(Number(fact.job));
+  out.Add32(static_cast<uint32_t>(fact.state));
+  out.AddText(fact.reason);
+}
+
+std::optional<Fact> ReadFact(ByteReader& in) {
+  switch (static_cast<Kind>(in.Read32())) {
+    case Kind::kCoordinatorStarted: return CoordinatorStarted{in.Read32()};
+    case Kind::kJobSubmitted: {
+      const JobId job{in.Read64()};
+      JobSpec spec;
+      if (!Read(in, spec)) return std::nullopt;
+      return JobSubmitted{job, std::make_shared<const JobSpec>(std::move(spec))};
+    }
+    case Kind::kFrameFinished: {
+      FrameFinished fact;
+      fact.job = JobId{in.Read64()};
+      fact.frame = in.Read32();
+      if (!Read(in, fact.file)) return std::nullopt;
+      return fact;
+    }
+    case Kind::kJobEnded: {
+      JobEnded fact;
+      fact.job = JobId{in.Read64()};
+      fact.state = static_cast<JobState>(in.Read32());
+      fact.reason = in.ReadText();
+      if (fact.state != JobState::kFinished && fact.state != JobState::kFailed &&
+          fact.state != JobState::kCancelled) {
+        return std::nullopt;
+      }
+      return fact;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string EncodeFact(const Fact& fact) {
+  ByteWriter out;
+  std::visit([&](const auto& each) { Add(out, each); }, fact);
+  return out.Take();
+}
+
+Result<Fact> DecodeFact(std::string_view bytes) {
+  ByteReader in(bytes);
+  auto fact = ReadFact(in);
+  if (!fact || !in.ok() || !in.at_end()) return Failed("a fact of an unknown kind or form");
+  return std::move(*fact);
+}
+
+}  // namespace tessera

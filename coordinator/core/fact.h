@@ -1,0 +1,45 @@
+// Facts: what happened and must survive a crash. The state of a farm follows from its facts in order.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "terms/terms.h"
+#include "util/result.h"
+
+namespace tessera {
+
+// A process began to work on the data directory. Its epoch is larger than all before.
+struct CoordinatorStarted {
+  uint32_t epoch = 0;
+};
+
+struct JobSubmitted {
+  JobId job{};
+  std::shared_ptr<const JobSpec> spec;
+};
+
+// The file of the frame is written and synced.
+struct FrameFinished {
+  JobId job{};
+  uint32_t frame = 0;
+  Digest file;
+};
+
+struct JobEnded {
+  JobId job{};
+  JobState state{};
+  std::string reason;
+};
+
+using Fact = std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded>;
+
+// A 32-bit number that tells the kind, then its members in order, integers little-endian, texts and lists
+// preceded by a 64-bit length. New kinds get new numbers; the meaning of a number never changes.
+std::string EncodeFact(const Fact& fact);
+// An error for anything that EncodeFact does not write.
+Result<Fact> DecodeFact(std::string_view bytes);
+
+}  // namespace tessera

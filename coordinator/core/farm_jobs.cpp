@@ -1,0 +1,150 @@
+// What clients ask of the farm.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/farm.h"
+#include "core/policy.h"
+#include "util/check.h"
+
+namespace tessera {
+namespace {
+
+constexpr Instant kProgressInterval = milliseconds(250);
+constexpr Instant kProgressWindow =
+    seconds(5);  // long enough to be steady, short enough to show what changes
+
+std::chrono::milliseconds ToMilliseconds(Instant duration) {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(duration);
+}
+
+}  // namespace
+
+Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec) {
+  if (const auto known = submissions_.find(spec->submission); known != submissions_.end())
+    return known->second;
+  if (open_jobs_.size() >= kOpenJobsMax) {
+    return Failed(fmt::format("the farm has {} open jobs already, its limit", open_jobs_.size()));
+  }
+  const JobId id{job_next_};
+  JobEntry& job = AddJob(id, spec);
+  job.began = now;
+  scheduler_.AddJob(id, spec, {});
+  output_.facts.emplace_back(JobSubmitted{id, spec});
+  output_.log.push_back(fmt::format("job_submitted job={} name=\"{}\" priority={} frames={} samples={}",
+                                    Number(id), spec->name, spec->priority, spec->frames.size(),
+                                    job.samples_total));
+  return id;
+}
+
+void Farm::EndJob(Instant now, JobEntry& job, JobState state, const std::string& reason) {
+  TESSERA_CHECK(HasEnded(state));
+  if (HasEnded(job.state)) return;
+  job.state = state;
+  job.reason = reason;
+  job.ended = now;
+  job.mergers.clear();
+  open_jobs_.erase(job.id);
+  scheduler_.RemoveJob(job.id);
+  output_.facts.emplace_back(JobEnded{job.id, state, reason});
+  output_.log.push_back(fmt::format("job_ended job={} state={} elapsed_s={:.3f} reason=\"{}\"",
+                                    Number(job.id), JobStateName(state), Seconds(now - job.began), reason));
+}
+
+void Farm::ForgetEnded() {
+  size_t surplus = jobs_.size() - open_jobs_.size();
+  surplus -= std::min(surplus, kEndedJobsMax);
+  for (auto each = jobs_.begin(); surplus > 0 && each != jobs_.end();) {
+    if (!HasEnded(each->second.state)) {
+      ++each;
+      continue;
+    }
+    submissions_.erase(each->second.spec->submission);
+    each = jobs_.erase(each);
+    --surplus;
+  }
+}
+
+Result<JobStatus> Farm::Cancel(Instant now, JobId id) {
+  JobEntry* const job = FindJob(id);
+  if (job == nullptr) return BadInput(fmt::format("there is no job {}", Number(id)));
+  EndJob(now, *job, JobState::kCancelled, "");
+  return StatusOf(now, *job);
+}
+
+std::optional<JobStatus> Farm::Status(Instant now, JobId id) const {
+  const JobEntry* const job = FindJob(id);
+  if (job == nullptr) return std::nullopt;
+  return StatusOf(now, *job);
+}
+
+std::vector<JobStatus> Farm::Jobs(Instant now) const {
+  std::vector<JobStatus> all;
+  for (const auto& [id, job] : jobs_) all.push_back(StatusOf(now, job));
+  return all;
+}
+
+JobStatus Farm::StatusOf(Instant now, const JobEntry& job) const {
+  JobStatus status;
+  status.job = job.id;
+  status.name = job.spec->name;
+  status.priority = job.spec->priority;
+  status.reason = job.reason;
+  status.samples_done = job.samples_done;
+  status.samples_total = job.samples_total;
+  status.frames_total = static_cast<uint32_t>(job.spec->frames.size());
+  status.frames_finished = static_cast<uint32_t>(job.files.size());
+  const bool ended = HasEnded(job.state);
+  const Instant elapsed = (ended ? job.ended : now) - job.began;
+  status.elapsed = ToMilliseconds(elapsed);
+  if (ended) {
+    status.state = job.state;
+    if (elapsed.count() > 0)
+      status.samples_per_second = static_cast<double>(job.samples_done) / Seconds(elapsed);
+    return status;
+  }
+  status.workers = scheduler_.WorkersOf(job.id);
+  const bool begun = status.workers > 0 || job.samples_done > 0;
+  status.state = !job.reason.empty() ? JobState::kPaused : begun ? JobState::kRunning : JobState::kWaiting;
+  if (!job.progress.empty() && now > job.progress.front().at) {
+    const Progress& past = job.progress.front();
+    status.samples_per_second = static_cast<double>(job.samples_done - past.samples) / Seconds(now - past.at);
+  }
+  if (status.samples_per_second > 0) {
+    const double left_s =
+        static_cast<double>(job.samples_total - job.samples_done) / status.samples_per_second;
+    status.left = ToMilliseconds(FromSeconds(left_s));
+  }
+  return status;
+}
+
+void Farm::MeasureProgress(Instant now) {
+  for (const JobId id : open_jobs_) {
+    JobEntry& job = jobs_.at(id);
+    // The clock of the rate starts with the first samples: waiting and loading are not rendering.
+    if (job.samples_done == 0 && job.progress.empty()) continue;
+    if (!job.progress.empty() && now - job.progress.back().at < kProgressInterval) continue;
+    job.progress.push_back({now, job.samples_done});
+    while (job.progress.size() > 2 && now - job.progress[1].at > kProgressWindow) job.progress.pop_front();
+  }
+}
+
+std::optional<Digest> Farm::FinishedFile(JobId id, uint32_t frame) const {
+  const JobEntry* const job = FindJob(id);
+  if (job == nullptr) return std::nullopt;
+  const auto file = job->files.find(frame);
+  if (file == job->files.end()) return std::nullopt;
+  return file->second;
+}
+
+std::optional<FinishedPicture> Farm::Preview(JobId id, uint32_t frame) const {
+  const JobEntry* const job = FindJob(id);
+  if (job == nullptr || frame >= job->spec->frames.size() || HasEnded(job->state)) return std::nullopt;
+  if (scheduler_.IsComplete(id, frame)) return std::nullopt;
+  const auto merger = job->mergers.find(frame);
+  FramePicture picture = merger == job->mergers.end() ? Merger(job->spec->frames[frame].spec).Picture()
+                                                      : merger->second.Picture();
+  return FinishedPicture{id, frame, job->spec, std::move(picture)};
+}
+
+}  // namespace tessera

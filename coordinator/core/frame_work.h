@@ -1,0 +1,85 @@
+// What is left to do of one frame: which samples of which tiles are done, held by someone, or open, and what
+// they cost. Pure bookkeeping: who holds what is the lease table's. Owned by the scheduler.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/sample_set.h"
+#include "film/frame_spec.h"
+
+namespace tessera {
+
+// Samples of a tile.
+struct TileSamples {
+  uint32_t tile = 0;
+  SampleRange range;
+  auto operator<=>(const TileSamples&) const = default;
+};
+
+// A cost in seconds is what a worker of speed 1 takes on one slot.
+class FrameWork {
+ public:
+  explicit FrameWork(const FrameSpec& spec);
+
+  // Whether the samples are of this frame: everything below is asked for such samples only.
+  bool Includes(TileSamples samples) const;
+
+  // Takes open samples, those first that complete the image at the fewest samples per pixel (a doubling), and
+  // as many as cost at most `cost_max` seconds; one sample if nothing is measured yet. Only of tiles that
+  // `may` allows.
+  std::optional<TileSamples> Take(double cost_max, const std::function<bool(uint32_t tile)>& may);
+  // Opens those of the samples again that are neither done nor in `held` (ranges of the same tile).
+  void GiveBack(TileSamples samples, std::span<const SampleRange> held);
+  // Takes exactly these, if all are open.
+  bool TakeExactly(TileSamples samples);
+  // Marks as done; false if all were done before.
+  bool Finish(TileSamples samples);
+  bool IsDone(TileSamples samples) const;
+
+  // A measurement.
+  void RecordCost(TileSamples samples, double cost);
+  // Expected; nothing if nothing of the frame has been measured.
+  std::optional<double> Cost(TileSamples samples) const;
+  // Whether the tile itself was measured, not just others of its frame.
+  bool IsMeasured(uint32_t tile) const { return tiles_[tile].measured_samples > 0; }
+  // Of all open samples; nothing if nothing of the frame has been measured.
+  std::optional<double> OpenCost() const;
+
+  bool HasOpen() const { return !order_.empty(); }
+  bool HasOpen(const std::function<bool(uint32_t tile)>& may) const;
+  bool Complete() const { return samples_done_ == samples_total_; }
+  uint64_t samples_done() const { return samples_done_; }    // pixel samples
+  uint64_t samples_total() const { return samples_total_; }  // pixel samples
+
+ private:
+  struct Tile {
+    uint32_t pixels = 0;
+    SampleSet open, done;
+    double measured_samples = 0;  // pixel samples
+    double measured_cost = 0;
+  };
+  // Tiles with open samples by the doubling that the first of them belongs to.
+  using Order = std::set<std::pair<int, uint32_t>>;
+
+  double CostPerPixelSample(const Tile& tile) const;
+  uint32_t PieceSize(const Tile& tile, double cost_max) const;
+  // Changes the tile's open samples and all that follows from them.
+  template <typename Change>
+  void ChangeOpen(uint32_t tile, Change change);
+
+  uint32_t samples_per_pixel_;
+  std::vector<Tile> tiles_;
+  Order order_;
+  uint64_t samples_done_ = 0, samples_total_ = 0;
+  double measured_samples_ = 0, measured_cost_ = 0;  // of the whole frame
+  double open_measured_cost_ = 0;                    // of open samples of measured tiles
+  double open_unmeasured_samples_ = 0;               // pixel samples
+};
+
+}  // namespace tessera

@@ -1,0 +1,99 @@
+// What the scheduler remembers of jobs, workers and leases. Plain data, in ordered containers only: order
+// reaches decisions. Owned by the scheduler; nothing outside sees it.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/failure_book.h"
+#include "core/frame_work.h"
+#include "core/instant.h"
+#include "terms/terms.h"
+
+namespace tessera {
+
+struct LeaseRecord {
+  Lease lease;
+  WorkerId worker{};
+  std::optional<double> cost;  // expected when granted, on a worker of speed 1
+  Instant granted{};
+  Instant deadline{};
+  Instant expected_start{}, expected_end{};
+  Instant announced_at{};
+  bool announced = false;  // put into some answer
+  bool listed = false;     // by the worker's last state
+  bool started = false;    // as far as the worker said
+};
+
+struct WorkerRecord {
+  WorkerId id{};
+  std::string name, software_version;
+  int slots = 1;
+  bool live = false;
+  bool draining = false;
+  Instant last_contact{};
+  uint64_t sequence = 0;  // of the last state
+
+  double speed = 1;
+  uint64_t speed_measurements = 0;
+
+  std::map<Digest, bool> scenes;   // listed by the last state; whether ready
+  std::vector<SceneOrder> wanted;  // to be loaded
+  bool wanted_told = true;         // `wanted` has been put into some answer
+
+  std::set<LeaseId> leases;  // in the order granted
+  double queue_cost = 0;     // of those whose cost is known
+  int queue_unknown = 0;     // how many are not
+  std::vector<LeaseId> unannounced;
+  std::vector<LeaseId> drops;  // not told yet
+  uint64_t starved_at = 0;     // version of the open work in which it found nothing
+
+  uint64_t units_finished = 0, units_failed = 0;
+  int strikes = 0;
+  int units_since_strike = 0;
+  std::string quarantine;  // its reason, or empty
+  bool notice_told = true;
+
+  bool quarantined() const { return !quarantine.empty(); }
+  bool MayWork() const { return live && !draining && !quarantined(); }
+  bool HasReady(const Digest& scene) const {
+    const auto found = scenes.find(scene);
+    return found != scenes.end() && found->second;
+  }
+};
+
+struct FrameRecord {
+  FrameRecord(const JobSpec& job, const FrameOrder& order)
+      : scene{SceneKey(job.package, order.scene_file, order.options), job.package, order.scene_file,
+              order.options, order.spec},
+        work(order.spec) {}
+
+  SceneOrder scene;
+  FrameWork work;
+  FailureBook failures;
+  std::map<uint32_t, std::vector<LeaseId>> leases;  // by tile
+};
+
+struct JobRecord {
+  JobId id{};
+  std::shared_ptr<const JobSpec> spec;
+  int priority = 0;
+  std::map<uint32_t, FrameRecord> frames;  // those active: begun and not complete
+  std::set<uint32_t> frames_ahead;         // not begun
+  size_t leases = 0;                       // held by workers now
+
+  bool HasOpen() const {
+    if (!frames_ahead.empty()) return true;
+    for (const auto& [index, frame] : frames) {
+      if (frame.work.HasOpen()) return true;
+    }
+    return false;
+  }
+};
+
+}  // namespace tessera

@@ -1,0 +1,68 @@
+#include "core/sample_set.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "util/check.h"
+
+namespace tessera {
+
+void SampleSet::Add(Interval added) {
+  // All that touch the new interval become one with it.
+  const auto first = std::find_if(intervals_.begin(), intervals_.end(),
+                                  [&](const Interval& each) { return each.end >= added.begin; });
+  auto last = first;
+  while (last != intervals_.end() && last->begin <= added.end) {
+    added.begin = std::min(added.begin, last->begin);
+    added.end = std::max(added.end, last->end);
+    ++last;
+  }
+  intervals_.insert(intervals_.erase(first, last), added);
+}
+
+void SampleSet::Remove(SampleRange range) {
+  Remove(Interval{range.begin, range.end()});
+}
+
+void SampleSet::Remove(const SampleSet& other) {
+  for (const Interval& each : other.intervals_) Remove(each);
+}
+
+void SampleSet::Remove(Interval removed) {
+  std::vector<Interval> kept;
+  kept.reserve(intervals_.size() + 1);
+  for (const Interval& each : intervals_) {
+    const Interval left{each.begin, std::min(each.end, removed.begin)};
+    const Interval right{std::max(each.begin, removed.end), each.end};
+    if (left.begin < left.end) kept.push_back(left);
+    if (right.begin < right.end) kept.push_back(right);
+  }
+  intervals_ = std::move(kept);
+}
+
+bool SampleSet::Contains(SampleRange range) const {
+  return std::any_of(intervals_.begin(), intervals_.end(), [&](const Interval& each) {
+    return each.begin <= range.begin && range.end() <= each.end;
+  });
+}
+
+bool SampleSet::Overlaps(SampleRange range) const {
+  return std::any_of(intervals_.begin(), intervals_.end(), [&](const Interval& each) {
+    return each.begin < range.end() && range.begin < each.end;
+  });
+}
+
+uint32_t SampleSet::Count() const {
+  uint32_t count = 0;
+  for (const Interval& each : intervals_) count += each.end - each.begin;
+  return count;
+}
+
+uint32_t DyadicSizeMax(uint32_t begin, uint32_t end) {
+  TESSERA_CHECK(begin < end);
+  const uint32_t fitting = std::bit_floor(end - begin);
+  const uint32_t aligned = begin == 0 ? fitting : begin & (~begin + 1);
+  return std::min(fitting, aligned);
+}
+
+}  // namespace tessera

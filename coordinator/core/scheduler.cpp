@@ -1,0 +1,248 @@
+// Events of jobs and units. Workers' events: scheduler_workers.cpp; decisions: scheduler_dispatch.cpp.
+#include "core/scheduler.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/policy.h"
+#include "util/check.h"
+
+namespace tessera {
+
+Scheduler::Scheduler(uint32_t epoch) : epoch_(epoch) {}
+Scheduler::~Scheduler() = default;
+
+WorkerRecord* Scheduler::FindWorker(WorkerId id) {
+  const auto found = workers_.find(id);
+  return found == workers_.end() ? nullptr : &found->second;
+}
+
+JobRecord* Scheduler::FindJob(JobId id) {
+  const auto found = jobs_.find(id);
+  return found == jobs_.end() ? nullptr : &found->second;
+}
+
+FrameRecord* Scheduler::FindFrame(const WorkUnit& unit) {
+  JobRecord* const job = FindJob(unit.job);
+  if (job == nullptr) return nullptr;
+  if (job->frames_ahead.erase(unit.frame) > 0) {  // a result of a former process's lease begins the frame
+    job->frames.try_emplace(unit.frame, *job->spec, job->spec->frames[unit.frame]);
+  }
+  const auto found = job->frames.find(unit.frame);
+  return found == job->frames.end() ? nullptr : &found->second;
+}
+
+void Scheduler::AddJob(JobId id, std::shared_ptr<const JobSpec> spec,
+                       const std::set<uint32_t>& finished_frames) {
+  TESSERA_CHECK(!jobs_.contains(id));
+  JobRecord& job = jobs_[id];
+  job.id = id;
+  job.priority = spec->priority;
+  for (uint32_t f = 0; f < spec->frames.size(); ++f) {
+    if (!finished_frames.contains(f)) job.frames_ahead.insert(f);
+  }
+  job.spec = std::move(spec);
+  priorities_[job.priority].insert(id);
+  ++work_version_;
+}
+
+void Scheduler::RemoveJob(JobId id) {
+  JobRecord* const job = FindJob(id);
+  if (job == nullptr) return;
+  std::vector<LeaseId> void_leases;
+  for (const auto& [index, frame] : job->frames) {
+    for (const auto& [tile, leases] : frame.leases) {
+      void_leases.insert(void_leases.end(), leases.begin(), leases.end());
+    }
+  }
+  for (const LeaseId lease : void_leases) {
+    workers_.at(leases_.at(lease).worker).drops.push_back(lease);
+    Forget(lease);
+  }
+  for (auto& [worker_id, worker] : workers_) {
+    std::erase_if(worker.wanted,
+                  [&](const SceneOrder& scene) { return scene.package == job->spec->package; });
+  }
+  priorities_[job->priority].erase(id);
+  if (priorities_[job->priority].empty()) priorities_.erase(job->priority);
+  jobs_.erase(id);
+  ++work_version_;  // who wanted a scene of this job may want another
+}
+
+bool Scheduler::IsKnown(const WorkUnit& unit) const {
+  const auto job = jobs_.find(unit.job);
+  if (job == jobs_.end()) return false;
+  const JobRecord& record = job->second;
+  if (!record.frames.contains(unit.frame) && !record.frames_ahead.contains(unit.frame)) return false;
+  const FrameSpec& spec = record.spec->frames[unit.frame].spec;
+  return unit.range.IsDyadic() && unit.range.end() <= spec.samples_per_pixel &&
+         unit.tile < static_cast<uint32_t>(spec.TileCount());
+}
+
+PixelBounds Scheduler::Bounds(const WorkUnit& unit) const {
+  return jobs_.at(unit.job).spec->frames[unit.frame].spec.TileBounds(static_cast<int>(unit.tile));
+}
+
+bool Scheduler::IsComplete(JobId id, uint32_t frame) const {
+  const auto job = jobs_.find(id);
+  TESSERA_CHECK(job != jobs_.end());
+  return !job->second.frames.contains(frame) && !job->second.frames_ahead.contains(frame);
+}
+
+bool Scheduler::Finish(Instant now, WorkerId worker_id, LeaseId lease, const WorkUnit& unit,
+                       double render_seconds) {
+  TESSERA_CHECK(IsKnown(unit));
+  FrameRecord& frame = *FindFrame(unit);
+  WorkerRecord* const worker = FindWorker(worker_id);
+  const auto held = leases_.find(lease);
+  const bool is_holder =
+      held != leases_.end() && held->second.worker == worker_id && held->second.lease.unit == unit;
+  if (is_holder) Forget(lease);
+  if (worker != nullptr) {
+    worker->last_contact = now;
+    // The slot that became free takes up the first unit that waits.
+    for (const LeaseId next : worker->leases) {
+      LeaseRecord& record = leases_.at(next);
+      if (record.started || record.expected_start <= now) continue;
+      record.expected_end = now + (record.expected_end - record.expected_start);
+      record.expected_start = now;
+      break;
+    }
+  }
+  if (!frame.work.Finish({unit.tile, unit.range})) return false;
+  if (worker != nullptr) {
+    ++worker->units_finished;
+    if (++worker->units_since_strike >= kForgivenessUnits) worker->strikes = 0;
+    if (render_seconds > 0) MeasureSpeed(*worker, frame, unit, render_seconds);
+  }
+  if (!frame.failures.empty()) {
+    const auto is_done = [&](TileSamples samples) { return frame.work.IsDone(samples); };
+    for (const WorkerId at_fault : frame.failures.Disprove(unit.tile, worker_id, is_done)) {
+      Strike(now, at_fault, "failed units that others finished");
+    }
+  }
+  DropMoot(unit, frame);
+  if (frame.work.Complete()) FindJob(unit.job)->frames.erase(unit.frame);
+  return true;
+}
+
+// Leases of the tile whose samples are all done by now are void.
+void Scheduler::DropMoot(const WorkUnit& unit, FrameRecord& frame) {
+  const auto leases = frame.leases.find(unit.tile);
+  if (leases == frame.leases.end()) return;
+  for (const LeaseId lease : std::vector<LeaseId>(leases->second)) {
+    const LeaseRecord& record = leases_.at(lease);
+    if (!frame.work.IsDone({unit.tile, record.lease.unit.range})) continue;
+    workers_.at(record.worker).drops.push_back(lease);
+    Forget(lease);
+  }
+}
+
+void Scheduler::MeasureSpeed(WorkerRecord& worker, FrameRecord& frame, const WorkUnit& unit,
+                             double render_seconds) {
+  const TileSamples samples{unit.tile, unit.range};
+  if (const auto cost = frame.work.Cost(samples); cost && *cost > 0) {
+    const double observed = *cost / render_seconds;
+    const double first = 1.0 / static_cast<double>(worker.speed_measurements + 1);
+    double gain = std::max(kSpeedGain, first) * std::min(1.0, render_seconds / kSpeedUnitDuration_s);
+    // A tile that was never measured may differ from the average for its own reasons.
+    if (!frame.work.IsMeasured(unit.tile)) gain /= 4;
+    worker.speed = std::clamp(worker.speed * std::pow(observed / worker.speed, gain), kSpeedMin, kSpeedMax);
+    ++worker.speed_measurements;
+    speeds_changed_ = true;
+  }
+  frame.work.RecordCost(samples, render_seconds * worker.speed);
+}
+
+void Scheduler::FailUnit(Instant now, WorkerId worker_id, LeaseId lease, const WorkUnit& unit,
+                         const std::string& words) {
+  const auto held = leases_.find(lease);
+  if (held != leases_.end() && held->second.worker == worker_id) Return(lease);
+  WorkerRecord* const worker = FindWorker(worker_id);
+  if (worker == nullptr || !IsKnown(unit)) return;
+  FrameRecord& frame = *FindFrame(unit);
+  const TileSamples samples{unit.tile, unit.range};
+  if (frame.work.IsDone(samples)) return;
+  ++worker->units_failed;
+  Log(fmt::format("unit_failed worker={:016x} name=\"{}\" unit=\"{}\" reason=\"{}\"", Number(worker_id),
+                  worker->name, unit.Text(), words));
+  frame.failures.Record({samples, worker_id, worker->name + ": " + words, now});
+  if (const auto condemned = frame.failures.Condemned()) Condemn(*FindJob(unit.job), *condemned);
+}
+
+void Scheduler::FailScene(Instant now, WorkerId worker_id, const Digest& scene, const std::string& words) {
+  WorkerRecord* const worker = FindWorker(worker_id);
+  if (worker == nullptr) return;
+  worker->scenes.erase(scene);
+  std::erase_if(worker->wanted, [&](const SceneOrder& order) { return order.key == scene; });
+  worker->starved_at = 0;
+  Log(fmt::format("scene_failed worker={:016x} name=\"{}\" scene={} reason=\"{}\"", Number(worker_id),
+                  worker->name, scene.Hex(), words));
+  for (const LeaseId lease : std::vector<LeaseId>(worker->leases.begin(), worker->leases.end())) {
+    if (leases_.at(lease).lease.scene == scene) Return(lease);
+  }
+  for (auto& [job_id, job] : jobs_) {
+    for (auto& [index, frame] : job.frames) {
+      if (frame.scene.key != scene) continue;
+      ++worker->units_failed;
+      frame.failures.Record({std::nullopt, worker_id, worker->name + ": " + words, now});
+      if (const auto condemned = frame.failures.Condemned()) Condemn(job, *condemned);
+    }
+  }
+}
+
+void Scheduler::RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
+                             const std::string& words) {
+  FailUnit(now, worker, lease, unit, words);
+  Strike(now, worker, "returned wrong results: " + words);
+}
+
+void Scheduler::Strike(Instant, WorkerId worker_id, const std::string& reason) {
+  WorkerRecord* const worker = FindWorker(worker_id);
+  if (worker == nullptr || worker->quarantined()) return;
+  worker->units_since_strike = 0;
+  if (++worker->strikes < kStrikesMax) return;
+  worker->quarantine = reason;
+  worker->notice_told = false;
+  speeds_changed_ = true;
+  Log(fmt::format("worker_quarantined worker={:016x} name=\"{}\" reason=\"{}\"", Number(worker_id),
+                  worker->name, reason));
+  for (const LeaseId lease : std::vector<LeaseId>(worker->leases.begin(), worker->leases.end())) {
+    worker->drops.push_back(lease);
+    Return(lease);
+  }
+  UpdateHunger(*worker);
+}
+
+void Scheduler::Condemn(JobRecord& job, const std::string& words) {
+  const bool known = std::any_of(condemned_.begin(), condemned_.end(),
+                                 [&](const CondemnedJob& each) { return each.job == job.id; });
+  if (!known) condemned_.push_back({job.id, "a unit cannot be rendered: " + words});
+}
+
+void Scheduler::CondemnWhatAllFailed(Instant now) {
+  if (now < kPoisonGrace) return;
+  std::set<WorkerId> able;
+  for (const auto& [id, worker] : workers_) {
+    if (worker.MayWork()) able.insert(id);
+  }
+  if (able.empty()) return;  // whoever comes may do it
+  for (auto& [id, job] : jobs_) {
+    for (const auto& [index, frame] : job.frames) {
+      if (frame.failures.empty()) continue;
+      if (const auto words = frame.failures.CondemnedByAll(able, now - kPoisonGrace)) Condemn(job, *words);
+    }
+  }
+}
+
+std::vector<Scheduler::CondemnedJob> Scheduler::TakeCondemned() {
+  return std::exchange(condemned_, {});
+}
+
+std::vector<std::string> Scheduler::TakeLog() {
+  return std::exchange(log_, {});
+}
+
+}  // namespace tessera

@@ -1,0 +1,156 @@
+// The scheduler: a pure state machine that decides which worker renders which unit when. Each call is an
+// event with the time it happens; decisions are fetched as values. Same calls, same decisions. Not thread
+// safe: one thread calls it. Numbers it decides by: policy.h. Rules: DESIGN.md section 6.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/instant.h"
+#include "core/records.h"
+#include "terms/terms.h"
+
+namespace tessera {
+
+class Scheduler {
+ public:
+  // `epoch` differs for every process that works on a data directory, so that lease ids never meet again.
+  explicit Scheduler(uint32_t epoch);
+  ~Scheduler();
+
+  // ---- Jobs ----
+  // Frames in `finished_frames` are not rendered.
+  void AddJob(JobId id, std::shared_ptr<const JobSpec> spec, const std::set<uint32_t>& finished_frames);
+  // Its leases are void, their holders told to stop. Nothing if there is no such job.
+  void RemoveJob(JobId id);
+  struct CondemnedJob {
+    JobId job{};
+    std::string reason;
+  };
+  // Jobs with a unit that no worker can do, since last asked. The caller removes them.
+  std::vector<CondemnedJob> TakeCondemned();
+
+  // ---- Workers ----
+  // A worker said what it has and does: leases it holds are renewed, unknown ones taken over or to be
+  // dropped.
+  void Synchronize(Instant now, const WorkerState& state);
+  // The worker's connection broke, or it said goodbye: its leases return.
+  void Disconnect(Instant now, WorkerId worker);
+
+  // ---- Units ----
+  // Whether a result can be of this unit: a job, a frame and samples that are open work, in whoever's hands.
+  bool IsKnown(const WorkUnit& unit) const;
+  PixelBounds Bounds(const WorkUnit& unit) const;  // of a known unit's tile
+  // A correct result of a known unit came in: true if it was new. `render_seconds` is the worker's
+  // measurement.
+  bool Finish(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, double render_seconds);
+  // Whether all samples of the frame are done; true for a frame that is not begun only if it was finished
+  // before.
+  bool IsComplete(JobId job, uint32_t frame) const;
+  // The worker could not do the unit.
+  void FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& words);
+  // The worker could not load the scene: as if it had failed all of its units, whatever job they are of.
+  void FailScene(Instant now, WorkerId worker, const Digest& scene, const std::string& words);
+  // The worker returned a wrong result: a failure that also counts against the worker.
+  void RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
+                    const std::string& words);
+
+  // ---- Time and decisions ----
+  // Takes back what has expired and hands out what is open. Call it after the events of each batch, and when
+  // nothing happens at least every TickInterval().
+  void Advance(Instant now);
+  Instant TickInterval() const;
+  // Whether there is something to tell the worker.
+  bool HasNews(WorkerId worker) const;
+  // What the worker should have and do, besides what its last state listed.
+  WorkerDirective TakeDirective(Instant now, WorkerId worker);
+  // The part of it that answers to results bring.
+  struct Grants {
+    std::vector<Lease> leases;
+    std::vector<LeaseId> drop;
+  };
+  Grants TakeGrants(Instant now, WorkerId worker);
+
+  // ---- For people ----
+  std::vector<WorkerStatus> Workers(Instant now) const;
+  size_t worker_count() const { return workers_.size(); }
+  uint32_t WorkersOf(JobId job) const;
+  std::optional<double> SecondsLeft(JobId job) const;  // if the whole farm works on it
+  size_t lease_count() const { return leases_.size(); }
+  // What happened, one "event key=value ..." each, since last asked.
+  std::vector<std::string> TakeLog();
+
+ private:
+  struct Choice {
+    JobRecord* job = nullptr;
+    uint32_t frame_index = 0;
+    FrameRecord* frame = nullptr;
+  };
+
+  // scheduler.cpp: events
+  WorkerRecord* FindWorker(WorkerId id);
+  JobRecord* FindJob(JobId id);
+  FrameRecord* FindFrame(const WorkUnit& unit);
+  void DropMoot(const WorkUnit& unit, FrameRecord& frame);
+  void MeasureSpeed(WorkerRecord& worker, FrameRecord& frame, const WorkUnit& unit, double render_seconds);
+  void Strike(Instant now, WorkerId worker, const std::string& reason);
+  void Condemn(JobRecord& job, const std::string& words);
+  void CondemnWhatAllFailed(Instant now);
+  void Log(std::string line) { log_.push_back(std::move(line)); }
+
+  // scheduler_workers.cpp: what workers hold
+  WorkerRecord& Admit(Instant now, const WorkerState& state);
+  void ReconcileLeases(Instant now, WorkerRecord& worker, const WorkerState& state);
+  void Renew(Instant now, LeaseRecord& record, const HeldLease& held);
+  bool TakeOver(Instant now, WorkerRecord& worker, const HeldLease& held);
+  void Expire(Instant now);
+  void ForgetWorkers(Instant now);
+  void SumSpeeds();
+
+  // scheduler_dispatch.cpp: who gets what
+  bool HasRoom(const WorkerRecord& worker) const;
+  void UpdateHunger(const WorkerRecord& worker);
+  double QueueSeconds(const WorkerRecord& worker) const;
+  void Dispatch(Instant now);
+  bool GrantOne(Instant now, WorkerRecord& worker);
+  Choice Choose(WorkerRecord& worker);
+  Choice ChooseOfJobs(WorkerRecord& worker, const std::set<JobId>& jobs);
+  Choice FirstFrame(JobRecord& job, const WorkerRecord& worker, bool ready);
+  void Activate(JobRecord& job);
+  void Want(WorkerRecord& worker, const Choice& choice);
+  double UnitSeconds(const JobRecord& job) const;
+  std::optional<double> OpenCost(const JobRecord& job) const;
+  LeaseRecord& Grant(Instant now, WorkerRecord& worker, JobRecord& job, FrameRecord& frame,
+                     const WorkUnit& unit, LeaseId id);
+  LeaseId NextLease() { return LeaseId{uint64_t{epoch_} << 32 | lease_next_++}; }
+  void Forget(LeaseId id);
+  void Return(LeaseId id);
+
+  // scheduler_tail.cpp: what idle workers take from slower ones
+  void RelieveTail(Instant now);
+  std::vector<LeaseId> SlowestUnits(Instant now, size_t count_max) const;
+  void Relieve(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots);
+  std::optional<SampleRange> PieceFor(const LeaseRecord& slow, const FrameRecord& frame, double whole_s,
+                                      int idle_slots) const;
+
+  uint32_t epoch_;
+  uint64_t lease_next_ = 1;
+  std::map<JobId, JobRecord> jobs_;
+  std::map<int, std::set<JobId>, std::greater<int>> priorities_;
+  std::map<WorkerId, WorkerRecord> workers_;
+  std::map<LeaseId, LeaseRecord> leases_;
+  std::set<WorkerId> hungry_;  // may work and have room
+  uint64_t work_version_ = 1;  // counts the times that open work came into being
+  double total_speed_ = 0;     // slots times speed of the workers that may work
+  int total_slots_ = 0;
+  bool speeds_changed_ = false;  // the two above are to be summed again
+  Instant tail_due_{}, expiry_due_{};
+  std::vector<CondemnedJob> condemned_;
+  std::vector<std::string> log_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,219 @@
+// Who gets which unit.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/policy.h"
+#include "core/scheduler.h"
+#include "util/check.h"
+
+namespace tessera {
+
+void Scheduler::Advance(Instant now) {
+  Expire(now);
+  SumSpeeds();
+  Dispatch(now);
+  RelieveTail(now);
+}
+
+double Scheduler::QueueSeconds(const WorkerRecord& worker) const {
+  return worker.queue_cost / worker.speed + worker.queue_unknown * kUnknownUnitDuration_s;
+}
+
+bool Scheduler::HasRoom(const WorkerRecord& worker) const {
+  const int held = static_cast<int>(worker.leases.size());
+  if (held < worker.slots * kUnitsPerSlotMin) return true;
+  return held < worker.slots * kUnitsPerSlotMax && QueueSeconds(worker) < worker.slots * kPrefetchDuration_s;
+}
+
+void Scheduler::UpdateHunger(const WorkerRecord& worker) {
+  if (worker.MayWork() && HasRoom(worker)) {
+    hungry_.insert(worker.id);
+  } else {
+    hungry_.erase(worker.id);
+  }
+}
+
+// In rounds, so that no worker has units waiting while another has a slot without one.
+void Scheduler::Dispatch(Instant now) {
+  for (const int per_slot : {1, kUnitsPerSlotMin, kUnitsPerSlotMax}) {
+    for (const WorkerId id : std::vector<WorkerId>(hungry_.begin(), hungry_.end())) {
+      WorkerRecord& worker = workers_.at(id);
+      const size_t enough = static_cast<size_t>(worker.slots) * static_cast<size_t>(per_slot);
+      while (worker.starved_at != work_version_ && worker.leases.size() < enough && HasRoom(worker)) {
+        if (!GrantOne(now, worker)) worker.starved_at = work_version_;
+      }
+    }
+  }
+}
+
+bool Scheduler::GrantOne(Instant now, WorkerRecord& worker) {
+  const Choice choice = Choose(worker);
+  if (choice.frame == nullptr) return false;
+  const auto may = [&](uint32_t tile) { return choice.frame->failures.May(worker.id, tile); };
+  const auto samples = choice.frame->work.Take(UnitSeconds(*choice.job) * worker.speed, may);
+  TESSERA_CHECK(samples.has_value());
+  const WorkUnit unit{choice.job->id, choice.frame_index, samples->tile, samples->range};
+  Grant(now, worker, *choice.job, *choice.frame, unit, NextLease());
+  return true;
+}
+
+Scheduler::Choice Scheduler::Choose(WorkerRecord& worker) {
+  for (const auto& [priority, jobs] : priorities_) {
+    if (const Choice choice = ChooseOfJobs(worker, jobs); choice.frame != nullptr) return choice;
+  }
+  return {};
+}
+
+// Of jobs with equal rights, the one that has the least: first among those whose scene the worker has in
+// memory.
+Scheduler::Choice Scheduler::ChooseOfJobs(WorkerRecord& worker, const std::set<JobId>& jobs) {
+  Choice ready, unready;
+  for (const JobId id : jobs) {
+    JobRecord& job = jobs_.at(id);
+    Activate(job);
+    const auto poorer = [&](const Choice& than) {
+      return than.job == nullptr || job.leases < than.job->leases;
+    };
+    if (const Choice choice = FirstFrame(job, worker, true); choice.frame != nullptr) {
+      if (poorer(ready)) ready = choice;
+    } else if (const Choice other = FirstFrame(job, worker, false); other.frame != nullptr) {
+      if (poorer(unready)) unready = other;
+    }
+  }
+  // A scene is loaded for want of anything else to do, or for a job that has much less than its share.
+  const bool unfair =
+      unready.job != nullptr && (ready.job == nullptr || unready.job->leases * 2 < ready.job->leases);
+  if (unfair) Want(worker, unready);
+  return ready;
+}
+
+Scheduler::Choice Scheduler::FirstFrame(JobRecord& job, const WorkerRecord& worker, bool ready) {
+  for (auto& [index, frame] : job.frames) {
+    if (worker.HasReady(frame.scene.key) != ready || !frame.work.HasOpen()) continue;
+    const auto may = [&](uint32_t tile) { return frame.failures.May(worker.id, tile); };
+    if (frame.failures.empty() ? !frame.failures.HasFailedScene(worker.id) : frame.work.HasOpen(may)) {
+      return {&job, index, &frame};
+    }
+  }
+  return {};
+}
+
+// Begins the next frame if those begun have nothing open.
+void Scheduler::Activate(JobRecord& job) {
+  if (job.frames_ahead.empty() || job.frames.size() >= kFramesActiveMax) return;
+  for (const auto& [index, frame] : job.frames) {
+    if (frame.work.HasOpen()) return;
+  }
+  const uint32_t next = *job.frames_ahead.begin();
+  job.frames_ahead.erase(next);
+  job.frames.try_emplace(next, *job.spec, job.spec->frames[next]);
+}
+
+void Scheduler::Want(WorkerRecord& worker, const Choice& choice) {
+  const SceneOrder& scene = choice.frame->scene;
+  if (worker.scenes.contains(scene.key)) return;  // it is being loaded
+  if (!worker.wanted.empty() && worker.wanted.front().key == scene.key) return;
+  worker.wanted = {scene};
+  worker.wanted_told = false;
+}
+
+std::optional<double> Scheduler::OpenCost(const JobRecord& job) const {
+  if (!job.frames_ahead.empty()) return std::nullopt;
+  double cost = 0;
+  for (const auto& [index, frame] : job.frames) {
+    const auto open = frame.work.OpenCost();
+    if (!open) return std::nullopt;
+    cost += *open;
+  }
+  return cost;
+}
+
+// How long a unit of the job should take on any slot.
+double Scheduler::UnitSeconds(const JobRecord& job) const {
+  const double longest = std::max(kUnitDurationMax_s, total_slots_ / kResultsPerSecondMax);
+  const double shortest = std::max(kUnitDurationMin_s, total_slots_ / kResultsPerSecondBurst);
+  const auto open = OpenCost(job);
+  if (!open || total_speed_ <= 0) return longest;
+  return std::clamp(*open / total_speed_ / kGuidedDivisor, shortest, longest);
+}
+
+LeaseRecord& Scheduler::Grant(Instant now, WorkerRecord& worker, JobRecord& job, FrameRecord& frame,
+                              const WorkUnit& unit, LeaseId id) {
+  LeaseRecord& record = leases_[id];
+  const auto duration = std::chrono::duration_cast<std::chrono::milliseconds>(kLeaseDuration);
+  record.lease = {id, unit, Bounds(unit), frame.scene.key, duration};
+  record.worker = worker.id;
+  record.cost = frame.work.Cost({unit.tile, unit.range});
+  record.granted = now;
+  record.deadline = now + kLeaseUnlistedMax;
+  record.expected_start = now + FromSeconds(QueueSeconds(worker) / worker.slots);
+  const double duration_s = record.cost ? *record.cost / worker.speed : kUnknownUnitDuration_s;
+  record.expected_end = record.expected_start + FromSeconds(duration_s);
+  if (record.cost) {
+    worker.queue_cost += *record.cost;
+  } else {
+    ++worker.queue_unknown;
+  }
+  worker.leases.insert(id);
+  worker.unannounced.push_back(id);
+  frame.leases[unit.tile].push_back(id);
+  ++job.leases;
+  UpdateHunger(worker);
+  return record;
+}
+
+// The lease ends; its unit stays as it is.
+void Scheduler::Forget(LeaseId id) {
+  const auto found = leases_.find(id);
+  TESSERA_CHECK(found != leases_.end());
+  const LeaseRecord& record = found->second;
+  WorkerRecord& worker = workers_.at(record.worker);
+  worker.leases.erase(id);
+  std::erase(worker.unannounced, id);
+  worker.queue_cost = worker.leases.empty() ? 0 : std::max(0.0, worker.queue_cost - record.cost.value_or(0));
+  if (!record.cost) --worker.queue_unknown;
+  const WorkUnit unit = record.lease.unit;
+  JobRecord& job = jobs_.at(unit.job);
+  --job.leases;
+  FrameRecord& frame = job.frames.at(unit.frame);
+  auto& of_tile = frame.leases.at(unit.tile);
+  std::erase(of_tile, id);
+  if (of_tile.empty()) frame.leases.erase(unit.tile);
+  leases_.erase(found);
+  UpdateHunger(worker);
+}
+
+// The lease ends and its unit is open again.
+void Scheduler::Return(LeaseId id) {
+  const WorkUnit unit = leases_.at(id).lease.unit;
+  Forget(id);
+  FrameRecord& frame = jobs_.at(unit.job).frames.at(unit.frame);
+  std::vector<SampleRange> held;
+  if (const auto others = frame.leases.find(unit.tile); others != frame.leases.end()) {
+    for (const LeaseId other : others->second) held.push_back(leases_.at(other).lease.unit.range);
+  }
+  frame.work.GiveBack({unit.tile, unit.range}, held);
+  ++work_version_;
+}
+
+uint32_t Scheduler::WorkersOf(JobId id) const {
+  std::set<WorkerId> holders;
+  for (const auto& [lease, record] : leases_) {
+    if (record.lease.unit.job == id) holders.insert(record.worker);
+  }
+  return static_cast<uint32_t>(holders.size());
+}
+
+std::optional<double> Scheduler::SecondsLeft(JobId id) const {
+  const auto job = jobs_.find(id);
+  if (job == jobs_.end() || total_speed_ <= 0) return std::nullopt;
+  auto cost = OpenCost(job->second);
+  if (!cost) return std::nullopt;
+  for (const auto& [lease, record] : leases_) {
+    if (record.lease.unit.job == id) *cost += record.cost.value_or(0);
+  }
+  return *cost / total_speed_;
+}
+
+}  // namespace tessera

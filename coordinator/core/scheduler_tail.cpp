@@ -1,0 +1,110 @@
+// The tail of a job: nothing is open any more, some workers are idle, others are late. Units that wait at a
+// slow worker are moved; those that run are split and rendered a second time (backup tasks: Dean and Ghemawat
+// 2004, section 3.6).
+#include <algorithm>
+
+#include "core/policy.h"
+#include "core/scheduler.h"
+
+namespace tessera {
+namespace {
+
+// When a unit that is late may be there: it has been late for some time, so it may be for as long again.
+Instant LikelyEnd(Instant now, const LeaseRecord& record) {
+  return record.expected_end > now ? record.expected_end : now + (now - record.expected_end);
+}
+
+bool HasStarted(Instant now, const LeaseRecord& record) {
+  return record.started || record.expected_start <= now + FromSeconds(kHandoverDuration_s);
+}
+
+constexpr size_t kCandidatesPerSlot = 4;  // looked at for each idle slot: some are not for it
+
+}  // namespace
+
+void Scheduler::RelieveTail(Instant now) {
+  if (now < tail_due_ || hungry_.empty() || leases_.empty()) return;
+  tail_due_ = now + kTailInterval;
+  std::vector<WorkerRecord*> helpers;
+  int idle_slots = 0;
+  for (const WorkerId id : hungry_) {
+    WorkerRecord& worker = workers_.at(id);
+    const int idle = worker.slots - static_cast<int>(worker.leases.size());
+    if (idle <= 0 || worker.starved_at != work_version_) continue;
+    helpers.push_back(&worker);
+    idle_slots += idle;
+  }
+  if (helpers.empty()) return;
+  std::stable_sort(helpers.begin(), helpers.end(),
+                   [](const auto* a, const auto* b) { return a->speed > b->speed; });
+  const std::vector<LeaseId> slowest =
+      SlowestUnits(now, static_cast<size_t>(idle_slots) * kCandidatesPerSlot);
+  for (WorkerRecord* const helper : helpers) {
+    for (const LeaseId slow : slowest) {
+      if (static_cast<int>(helper->leases.size()) >= helper->slots) break;
+      if (leases_.contains(slow)) Relieve(now, *helper, slow, idle_slots);
+    }
+  }
+}
+
+std::vector<LeaseId> Scheduler::SlowestUnits(Instant now, size_t count_max) const {
+  std::vector<std::pair<Instant, LeaseId>> units;
+  units.reserve(leases_.size());
+  for (const auto& [id, record] : leases_) units.emplace_back(LikelyEnd(now, record), id);
+  const auto later = [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a < b;
+  };
+  const size_t count = std::min(count_max, units.size());
+  std::partial_sort(units.begin(), units.begin() + static_cast<std::ptrdiff_t>(count), units.end(), later);
+  std::vector<LeaseId> slowest;
+  for (size_t i = 0; i < count; ++i) slowest.push_back(units[i].second);
+  return slowest;
+}
+
+void Scheduler::Relieve(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots) {
+  const LeaseRecord& record = leases_.at(slow);
+  const WorkUnit unit = record.lease.unit;
+  JobRecord& job = jobs_.at(unit.job);
+  FrameRecord& frame = job.frames.at(unit.frame);
+  if (record.worker == helper.id || !helper.HasReady(frame.scene.key)) return;
+  if (!frame.failures.May(helper.id, unit.tile)) return;
+  const double remaining_s = Seconds(LikelyEnd(now, record) - now);
+  const double whole_s = record.cost ? *record.cost / helper.speed : kUnknownUnitDuration_s;
+  WorkUnit taken = unit;
+  if (HasStarted(now, record)) {
+    const auto piece = PieceFor(record, frame, whole_s, idle_slots);
+    if (!piece) return;
+    const double piece_s = whole_s * piece->size / unit.range.size;
+    if (remaining_s < kBackupGain * (piece_s + kHandoverDuration_s)) return;
+    taken.range = *piece;
+  } else {
+    if (remaining_s < kStealGain * (whole_s + kHandoverDuration_s)) return;
+    workers_.at(record.worker).drops.push_back(slow);
+    Forget(slow);
+  }
+  Grant(now, helper, job, frame, taken, NextLease());
+}
+
+// A part of the straggler's range that nobody else works on yet.
+std::optional<SampleRange> Scheduler::PieceFor(const LeaseRecord& slow, const FrameRecord& frame,
+                                               double whole_s, int idle_slots) const {
+  const WorkUnit& unit = slow.lease.unit;
+  const int pieces_max = std::min(idle_slots, kSplitMax);
+  uint32_t size = unit.range.size;
+  for (int pieces = 2; pieces <= pieces_max && size > 1; pieces *= 2) {
+    if (whole_s / pieces < kUnitDurationMin_s) break;
+    size /= 2;
+  }
+  const auto copies = [&](SampleRange piece) {
+    const auto& leases = frame.leases.at(unit.tile);
+    return std::count_if(leases.begin(), leases.end(),
+                         [&](LeaseId id) { return leases_.at(id).lease.unit.range.Overlaps(piece); });
+  };
+  for (uint32_t end = unit.range.end(); end > unit.range.begin; end -= size) {
+    const SampleRange piece{end - size, size};
+    if (!frame.work.IsDone({unit.tile, piece}) && copies(piece) < kCopiesMax) return piece;
+  }
+  return std::nullopt;
+}
+
+}  // namespace tessera

@@ -1,0 +1,70 @@
+#include "store/data_dir.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "util/file.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::string_view kVersion = "tessera-data 1\n";
+
+Result<void> MakeFolder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) return Failed(fmt::format("{}: cannot be made: {}", path, error.message()));
+  return {};
+}
+
+Result<void> CheckVersion(const std::string& path) {
+  const std::string file = path + "/version";
+  if (!std::filesystem::exists(file)) return WriteFileAtomically(file, kVersion);
+  const auto version = ReadFile(file, 1024);
+  if (!version) return version.error();
+  if (*version != kVersion) {
+    return Failed(fmt::format("{}: is of another version of tessera-coordinator ({})", path,
+                              version->substr(0, version->find('\n'))));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<DataDir> DataDir::Open(const std::string& path) {
+  for (const char* folder : {"", "/blobs", "/pictures"}) {
+    if (const auto made = MakeFolder(path + folder); !made) return made.error();
+  }
+  const std::string file = path + "/lock";
+  const int lock = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (lock < 0) return Failed(fmt::format("{}: cannot be opened: {}", file, std::strerror(errno)));
+  DataDir directory(path, lock);
+  if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
+    return Failed(fmt::format("{}: another tessera-coordinator works on this data directory", path));
+  }
+  if (const auto checked = CheckVersion(path); !checked) return checked.error();
+  return directory;
+}
+
+DataDir::DataDir(DataDir&& other) noexcept
+    : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
+
+DataDir::~DataDir() {
+  if (lock_ >= 0) ::close(lock_);  // unlocks
+}
+
+std::string DataDir::PicturePath(JobId job, uint32_t frame) const {
+  return fmt::format("{}/pictures/{}/{}.exr", path_, Number(job), frame);
+}
+
+Result<void> DataDir::PreparePicture(JobId job) const {
+  return MakeFolder(fmt::format("{}/pictures/{}", path_, Number(job)));
+}
+
+}  // namespace tessera
