@@ -140,7 +140,8 @@ TEST(Blackbody, FollowsPlanckAndWien) {
 
 TEST(Blackbody, IsFiniteAtAnyTemperature) {
   for (const float kelvin : {1e-30f, 1e-3f, 1.0f, 300.0f, 1e6f, 1e8f, -5.0f, 0.0f}) {
-    for (const float value : *Blackbody(kelvin)) {
+    const std::shared_ptr<const DenseTable> table = Blackbody(kelvin);
+    for (const float value : *table) {
       ASSERT_TRUE(value >= 0 && value <= 1.00001f) << kelvin << " K: " << value;
     }
   }
