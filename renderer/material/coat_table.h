@@ -29,7 +29,7 @@ struct CoatAngle {
 
 // One coat: a dielectric interface of microfacets over a layer of a thickness.
 struct CoatRow {
-  static constexpr int kSteps = 64;
+  static constexpr int kSteps = 96;
   std::array<Float4, kSteps + 1> angles;  // the members of CoatAngle at cos theta = (i / kSteps)^2
   // Of light that leaves a Lambertian base: the share that comes back to it.
   float internal_reflectance = 0;

@@ -34,13 +34,6 @@ std::string UnknownKind(const std::string& kind) {
   return fmt::format("unknown material \"{}\"{}", kind, DidYouMean(kind, known));
 }
 
-// The kind of a material: of a named one perhaps only given by its parameter "type".
-std::string KindOf(const MaterialDescription& material, ParameterReader& reader) {
-  if (material.entity.directive != "MakeNamedMaterial") return material.entity.kind;
-  const std::string type = reader.String("type", material.entity.kind);
-  return material.entity.kind.empty() ? type : material.entity.kind;
-}
-
 Spectrum NamedMetal(std::string_view name) {
   return Spectrum::Table(NamedSpectrum(name));
 }
@@ -55,7 +48,7 @@ uint64_t HashName(const std::string& name, uint64_t hash) {
 Result<Material> MaterialBuilder::Build(int index) {
   const MaterialDescription& description = scene_.materials[index];
   ParameterReader reader(description.entity);
-  const std::string kind = KindOf(description, reader);
+  const std::string& kind = description.entity.kind;
   if (IsInterfaceKind(kind)) {
     reader.IgnoreRest();
     return Material{};
@@ -157,8 +150,7 @@ int MaterialBuilder::MixElement(const std::string& name, int index, ParameterRea
   if (!scene_.materials[index].name.empty() && found->second >= index) {
     reader.FailAt("materials", fmt::format("material \"{}\" must be defined before it is mixed", name));
   }
-  ParameterReader element_reader(element.entity);
-  if (IsInterfaceKind(KindOf(element, element_reader))) {
+  if (IsInterfaceKind(element.entity.kind)) {
     reader.FailAt("materials", fmt::format("material \"{}\" is an interface, which cannot be mixed", name));
   }
   return found->second;

@@ -1,0 +1,82 @@
+// One BxDF of every kind and condition, for tests that hold of all of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "material/bxdf.h"
+
+namespace tessera {
+
+struct BxdfExample {
+  std::string name;
+  Bxdf bxdf;
+};
+
+inline SampledSpectrum FourColors() {
+  return {0.9f, 0.6f, 0.3f, 0.1f};
+}
+
+// The tables of the coats, alive for the whole program.
+inline const CoatTable& TestCoat(float alpha, float thickness) {
+  static CoatTableCache cache;
+  static std::vector<std::shared_ptr<const CoatTable>> alive;
+  alive.push_back(cache.Constant(alpha, 1.5f, thickness));
+  return *alive.back();
+}
+
+inline DielectricBxdf TestInterface(float alpha_x, float alpha_y, float eta) {
+  return {MicrofacetDistribution(alpha_x, alpha_y), eta};
+}
+
+inline CoatedDiffuseBxdf TestCoated(float alpha, SampledSpectrum reflectance, float thickness = 0.01f,
+                                    int base_hits = 5) {
+  return {TestInterface(alpha, alpha, 1.5f), TestCoat(alpha, thickness).At(0), reflectance, base_hits};
+}
+
+inline CoatLayer TestLayer(float thickness, float albedo, float g) {
+  CoatLayer layer;
+  layer.thickness = thickness;
+  layer.albedo = SampledSpectrum(albedo);
+  layer.g = g;
+  return layer;
+}
+
+// Kinds with a density: everything but mirrors and panes.
+inline std::vector<BxdfExample> RoughExamples() {
+  const SampledSpectrum eta(0.2f, 0.9f, 1.1f, 1.5f), k(3.9f, 2.4f, 2.1f, 0.0f);
+  return {
+      {"diffuse", DiffuseBxdf(FourColors())},
+      {"diffuse transmission", DiffuseTransmissionBxdf(FourColors() * 0.5f, FourColors() * 0.25f)},
+      {"rough conductor", ConductorBxdf({0.3f, 0.3f}, eta, k)},
+      {"very rough conductor", ConductorBxdf({1, 1}, eta, k)},
+      {"brushed conductor", ConductorBxdf({0.1f, 0.5f}, eta, k)},
+      {"rough glass", TestInterface(0.3f, 0.3f, 1.5f)},
+      {"rough bubble", TestInterface(0.4f, 0.4f, 0.7f)},
+      {"brushed glass", TestInterface(0.2f, 0.6f, 1.33f)},
+      {"smooth coat", TestCoated(0, FourColors())},
+      {"rough coat", TestCoated(0.3f, FourColors())},
+      {"walked coat",
+       LayeredDiffuseBxdf(TestInterface(0.3f, 0.3f, 1.5f), FourColors(), TestLayer(0.1f, 0.5f, 0.3f))},
+      {"walked brushed coat",
+       LayeredDiffuseBxdf(TestInterface(0.2f, 0.4f, 1.5f), FourColors(), TestLayer(0.01f, 0, 0))},
+  };
+}
+
+inline std::vector<BxdfExample> SpecularExamples() {
+  return {
+      {"mirror", ConductorBxdf({}, SampledSpectrum(0.2f), SampledSpectrum(3.9f))},
+      {"glass", TestInterface(0, 0, 1.5f)},
+      {"bubble", TestInterface(0, 0, 0.7f)},
+      {"nothing", TestInterface(0.3f, 0.3f, 1)},
+      {"pane", ThinDielectricBxdf(1.5f)},
+  };
+}
+
+// A unit direction of this cosine with the normal.
+inline Vec3 DirectionAt(float cos_theta, float phi) {
+  const float r = SafeSqrt(1 - cos_theta * cos_theta);
+  return {r * std::cos(phi), r * std::sin(phi), cos_theta};
+}
+
+}  // namespace tessera

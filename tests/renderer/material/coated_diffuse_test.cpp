@@ -1,0 +1,171 @@
+// The closed form of a coated Lambertian base against the random walk that defines it.
+#include "material/coated_diffuse_bxdf.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/chi_square.h"
+#include "tests/renderer/material/bxdf_examples.h"
+#include "util/hash.h"
+
+namespace tessera {
+namespace {
+
+struct Mean {
+  double value = 0, error = 0;  // standard error
+};
+
+template <typename F>
+Mean Average(int count, const F& next) {
+  double sum = 0, squares = 0;
+  for (int n = 0; n < count; ++n) {
+    const double x = next(n);
+    sum += x;
+    squares += x * x;
+  }
+  const double mean = sum / count;
+  return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean) / count)};
+}
+
+struct Angles {
+  float cos_o, cos_i;
+};
+constexpr Angles kAngles[] = {{0.95f, 0.9f}, {0.9f, 0.2f}, {0.15f, 0.8f}, {0.1f, 0.12f}};
+
+// Everything but the reflection of the coat, which has a formula.
+float WithoutCoat(const BsdfEvaluation& value, const DielectricBxdf& coat, Vec3 wo, Vec3 wi) {
+  return value.f[0] - coat.Evaluate(wo, wi, TransportMode::kRadiance, Lobes::kReflection).f[0];
+}
+
+void ExpectAgreement(float alpha, float reflectance, float thickness, int depth_max, ExitWeights weights) {
+  const DielectricBxdf coat = TestInterface(alpha, alpha, 1.5f);
+  const CoatedDiffuseBxdf closed =
+      TestCoated(alpha, SampledSpectrum(reflectance), thickness, CoatedDiffuseBxdf::BaseHits(depth_max));
+  CoatLayer layer = TestLayer(thickness, 0, 0);
+  layer.depth_max = depth_max;
+  const LayeredDiffuseBxdf walked(coat, SampledSpectrum(reflectance), layer);
+  for (const Angles& angles : kAngles) {
+    const Vec3 wo = DirectionAt(angles.cos_o, 0), wi = DirectionAt(angles.cos_i, 2);
+    const Mean mean = Average(15000, [&](int n) { return walked.EstimateWalk(wo, wi, Hash(n), weights)[0]; });
+    const BsdfEvaluation value =
+        weights == ExitWeights::kExact ? closed.EvaluateExact(wo, wi) : closed.Evaluate(wo, wi);
+    const float f = WithoutCoat(value, coat, wo, wi);
+    EXPECT_NEAR(mean.value, f, 4 * mean.error + 0.002 * f + 1e-6)
+        << "alpha " << alpha << " reflectance " << reflectance << " thickness " << thickness << " depth "
+        << depth_max << " cosines " << angles.cos_o << " " << angles.cos_i;
+  }
+}
+
+TEST(CoatedDiffuse, ClosedFormIsTheMeanOfTheWalk) {
+  for (const float alpha : {0.0f, 0.03f, 0.3f, 1.0f}) {
+    ExpectAgreement(alpha, 0.8f, 0.01f, 10, ExitWeights::kExact);
+    ExpectAgreement(alpha, 0.4f, 0.1f, 10, ExitWeights::kExact);
+  }
+}
+
+TEST(CoatedDiffuse, ClosedFormCountsTheHitsOfAShortWalk) {
+  for (const int depth_max : {0, 1, 2, 3, 4, 30})
+    ExpectAgreement(0.2f, 1, 0.01f, depth_max, ExitWeights::kExact);
+}
+
+TEST(CoatedDiffuse, EvaluateIsTheMeanOfPbrtsEstimate) {
+  for (const float alpha : {0.0f, 0.03f, 0.3f, 1.0f})
+    ExpectAgreement(alpha, 0.8f, 0.01f, 10, ExitWeights::kPbrt);
+}
+
+TEST(CoatedDiffuse, PbrtsEstimateIsExactForSmoothCoatsOnly) {
+  const Vec3 wo = DirectionAt(0.9f, 0), wi = DirectionAt(0.2f, 2);
+  const CoatedDiffuseBxdf smooth = TestCoated(0, FourColors()), rough = TestCoated(0.3f, FourColors());
+  EXPECT_FLOAT_EQ(smooth.Evaluate(wo, wi).f[0], smooth.EvaluateExact(wo, wi).f[0]);
+  EXPECT_GT(rough.Evaluate(wo, wi).f[0], 1.05f * rough.EvaluateExact(wo, wi).f[0]);
+}
+
+// The albedo by sampling: what a uniform surrounding of radiance 1 makes of it.
+template <typename AnyBxdf>
+Mean Furnace(const AnyBxdf& bxdf, float cos_o, int sample_count) {
+  TestRandom random(17);
+  const Vec3 wo = DirectionAt(cos_o, 1);
+  return Average(sample_count, [&](int) {
+    const float uc = random.Next();
+    const auto s = bxdf.Sample(wo, uc, random.Next2<Point2>());
+    return s ? s->f[0] * AbsCosTheta(s->wi) / s->pdf : 0.0f;
+  });
+}
+
+TEST(CoatedDiffuse, WhiteFurnaceLosesNothingUnderASmoothThinCoat) {
+  const CoatedDiffuseBxdf white = TestCoated(0, SampledSpectrum(1.0f), 1e-6f, 500);
+  for (const float cos_o : {1.0f, 0.5f, 0.1f}) EXPECT_NEAR(Furnace(white, cos_o, 4000).value, 1, 0.005);
+}
+
+TEST(CoatedDiffuse, WhiteFurnaceLosesWhatSingleScatteringLosesUnderARoughCoat) {
+  // Of light that is reflected inside a rough interface again and again: much for rough ones, nearly nothing
+  // for sharp ones.
+  double last = 1;
+  for (const float alpha : {0.01f, 0.1f, 0.3f}) {
+    const Mean albedo = Furnace(TestCoated(alpha, SampledSpectrum(1.0f), 1e-6f, 500), 0.7f, 20000);
+    EXPECT_LT(albedo.value, last + 4 * albedo.error);
+    last = albedo.value;
+    EXPECT_GT(albedo.value, 1 - 1.3 * alpha);
+  }
+  EXPECT_LT(last, 0.9);
+}
+
+TEST(CoatedDiffuse, SamplingFollowsTheLightSoThatWeightsVaryLittle) {
+  const CoatedDiffuseBxdf grey = TestCoated(0.1f, SampledSpectrum(0.5f));
+  for (const float cos_o : {1.0f, 0.5f}) {
+    const Mean albedo = Furnace(grey, cos_o, 10000);
+    EXPECT_LT(albedo.error * 100, 0.35 * albedo.value) << "relative deviation of one sample";
+  }
+}
+
+TEST(CoatedDiffuse, ScatteringLayerWithoutAbsorptionKeepsItsEnergy) {
+  CoatLayer layer = TestLayer(1, 1, 0.4f);
+  layer.depth_max = 1000;
+  const LayeredDiffuseBxdf white(TestInterface(0, 0, 1.5f), SampledSpectrum(1.0f), layer);
+  const Mean albedo = Furnace(white, 0.6f, 30000);
+  EXPECT_NEAR(albedo.value, 1, 4 * albedo.error);
+  EXPECT_LT(albedo.error, 0.02);
+}
+
+TEST(CoatedDiffuse, WalkIsTheSameEveryTime) {
+  const LayeredDiffuseBxdf walked(TestInterface(0.3f, 0.3f, 1.5f), FourColors(), TestLayer(0.1f, 0.5f, 0));
+  const Vec3 wo = DirectionAt(0.7f, 0), wi = DirectionAt(0.4f, 2);
+  const SampledSpectrum once = walked.Evaluate(wo, wi).f, again = walked.Evaluate(wo, wi).f;
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(once[i], again[i]);
+}
+
+void ExpectSameCoat(const CoatLookup& a, const CoatLookup& b, float tolerance) {
+  for (float cos_theta = 0.05f; cos_theta <= 1; cos_theta += 0.05f) {
+    EXPECT_NEAR(a.At(cos_theta).transmittance, b.At(cos_theta).transmittance, tolerance) << cos_theta;
+    EXPECT_NEAR(a.At(cos_theta).reflectance, b.At(cos_theta).reflectance, tolerance) << cos_theta;
+  }
+  EXPECT_NEAR(a.internal_reflectance(), b.internal_reflectance(), tolerance);
+  EXPECT_NEAR(a.mean_transmittance(), b.mean_transmittance(), tolerance);
+}
+
+TEST(CoatTable, RowsBetweenTheTabulatedAreInterpolatedWell) {
+  const CoatTable over_alpha = CoatTable::OverAlpha(1.5f, 0.01f);
+  for (const float alpha : {0.0f, 0.11f, 0.52f, 0.97f}) {
+    ExpectSameCoat(over_alpha.At(alpha), TestCoat(alpha, 0.01f).At(0), 0.006f);
+  }
+  const CoatTable over_eta = CoatTable::OverEta(0, 1.4f, 1.6f, 0.01f);
+  ExpectSameCoat(over_eta.At(1.5f), TestCoat(0, 0.01f).At(0), 0.001f);
+}
+
+TEST(CoatTable, SmoothCoatIsFresnelsFormula) {
+  const CoatLookup coat = TestCoat(0, 0.01f).At(0);
+  for (float cos_theta = 0.005f; cos_theta <= 1; cos_theta += 0.01f) {
+    const float fresnel = FrDielectric(cos_theta, 1.5f);
+    const float cos_t = SafeSqrt(1 - (1 - cos_theta * cos_theta) / 2.25f);
+    EXPECT_NEAR(coat.At(cos_theta).reflectance, fresnel, 2e-4);
+    EXPECT_NEAR(coat.At(cos_theta).transmittance, (1 - fresnel) * std::exp(-0.01f / cos_t), 2e-4);
+  }
+}
+
+TEST(CoatTable, EqualCoatsShareTheirTable) {
+  CoatTableCache cache;
+  EXPECT_EQ(cache.Constant(0.1f, 1.5f, 0.01f), cache.Constant(0.1f, 1.5f, 0.01f));
+  EXPECT_NE(cache.Constant(0.1f, 1.5f, 0.01f), cache.Constant(0.1f, 1.5f, 0.02f));
+}
+
+}  // namespace
+}  // namespace tessera

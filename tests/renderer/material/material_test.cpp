@@ -1,0 +1,287 @@
+// From directives to Bsdfs, with relief, mixes and messages.
+#include "material/material.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "language/parser.h"
+#include "tests/chi_square.h"
+#include "tests/renderer/material/bxdf_examples.h"
+
+namespace tessera {
+namespace {
+
+class MemoryFiles : public FileSource {
+ public:
+  Result<std::string> Read(const std::string& name) override {
+    const auto found = files.find(name);
+    if (found == files.end()) return BadInput("there is no file \"" + name + "\"");
+    return found->second;
+  }
+  std::map<std::string, std::string> files;
+};
+
+// A picture of one normal, (n + 1) / 2, as a PFM of little-endian floats.
+std::string OnePixel(Vec3 value) {
+  std::string bytes = "PF\n1 1\n-1.0\n";
+  for (int c = 0; c < 3; ++c) {
+    const float channel = value[c];
+    bytes.append(reinterpret_cast<const char*>(&channel), sizeof channel);
+  }
+  return bytes;
+}
+
+// The materials and textures of a scene, and a point to look at them.
+class Materials {
+ public:
+  explicit Materials(const std::string& directives) {
+    files_.files["tilted.pfm"] = OnePixel({0.5f + 0.3f, 0.5f, 0.5f + 0.4f});
+    files_.files["grey.pfm"] = "Pf\n1 1\n-1.0\n" + std::string(4, '\0');
+    Result<SceneDescription> scene =
+        ParseSceneText(files_, "test.pbrt", "WorldBegin\n" + directives + "\nShape \"sphere\"\n");
+    if (!scene) {
+      error = scene.error().message;
+      return;
+    }
+    const Result<void> added = builder_.Add(*scene);
+    if (!added) error = added.error().message;
+    if (!added) return;
+    Result<MaterialTable> built = MaterialTable::Build(*scene, builder_);
+    if (!built) error = built.error().message;
+    if (!built) return;
+    table = std::move(*built);
+    textures = builder_.Finish();
+    last = scene->shapes.front().material.index;
+  }
+
+  // The last material at a point of the plane z = 0, seen from above.
+  Bsdf Evaluate() {
+    context.p = interaction.p;
+    context.uv = interaction.uv;
+    return table.Evaluate(last, textures, context, interaction, wavelengths);
+  }
+
+  std::string error;
+  MaterialTable table;
+  TextureTable textures;
+  int last = 0;
+  TextureContext context;
+  SurfaceInteraction interaction = FlatPoint();
+  SampledWavelengths wavelengths = SampledWavelengths::SampleVisible(0.3f);
+
+ private:
+  static SurfaceInteraction FlatPoint() {
+    SurfaceInteraction point;
+    point.p = {0.25f, 0.5f, 0};
+    point.uv = {0.25f, 0.5f};
+    point.n = point.shading.n = {0, 0, 1};
+    point.dpdu = point.shading.dpdu = {2, 0, 0};
+    point.dpdv = point.shading.dpdv = {0, 3, 0};
+    point.wo = Normalize({1, 1, 1});
+    return point;
+  }
+
+  MemoryFiles files_;
+  ImageCache images_{files_};
+  TextureBuilder builder_{files_, images_, Transform()};
+};
+
+const Vec3 kUp{0, 0, 1};
+
+float AlbedoOf(const Bsdf& bsdf) {
+  return bsdf.Evaluate(kUp, kUp).f[0] * kPi;
+}
+
+TEST(Material, DiffuseHasItsReflectanceAndDefaultsToHalf) {
+  Materials given(R"(Material "diffuse" "spectrum reflectance" [300 0.25 900 0.25])");
+  ASSERT_EQ(given.error, "");
+  EXPECT_NEAR(AlbedoOf(given.Evaluate()), 0.25f, 1e-5);
+  Materials otherwise("");
+  EXPECT_NEAR(AlbedoOf(otherwise.Evaluate()), 0.5f, 1e-5);
+}
+
+TEST(Material, EveryKindOfNowIsBuilt) {
+  for (const char* kind :
+       {"diffuse", "diffusetransmission", "conductor", "dielectric", "thindielectric", "coateddiffuse"}) {
+    Materials m("Material \"" + std::string(kind) + "\"");
+    ASSERT_EQ(m.error, "") << kind;
+    EXPECT_TRUE(m.Evaluate().Sample(m.interaction.wo, 0.01f, {0.3f, 0.6f})) << kind;
+    EXPECT_FALSE(m.table.IsInterface(m.last)) << kind;
+  }
+}
+
+TEST(Material, InterfaceIgnoresItsParameters) {
+  Materials m(R"(Material "interface" "float whatever" 3)");
+  ASSERT_EQ(m.error, "");
+  EXPECT_TRUE(m.table.IsInterface(m.last));
+}
+
+TEST(Material, RoughnessIsRemappedUnlessToldOtherwise) {
+  const auto pdf_at_peak = [](const std::string& parameters) {
+    Materials m("Material \"conductor\" " + parameters);
+    EXPECT_EQ(m.error, "");
+    return m.Evaluate().Evaluate(kUp, kUp).pdf;
+  };
+  EXPECT_NEAR(pdf_at_peak(R"("float roughness" 0.09)"),
+              pdf_at_peak(R"("float roughness" 0.3 "bool remaproughness" false)"), 1e-4);
+  Materials mirror(R"(Material "conductor")");
+  EXPECT_FALSE(mirror.Evaluate().HasNonSpecular()) << "no roughness is smooth";
+}
+
+TEST(Material, ConductorOfAReflectanceReflectsIt) {
+  Materials m(R"(Material "conductor" "spectrum reflectance" [300 0.6 900 0.6])");
+  ASSERT_EQ(m.error, "");
+  const auto sample = m.Evaluate().Sample(kUp, 0.5f, {0.5f, 0.5f});
+  ASSERT_TRUE(sample);
+  EXPECT_NEAR(sample->f[2], 0.6f, 1e-4);
+}
+
+TEST(Material, OnlyDispersionDropsWavelengths) {
+  Materials constant(R"(Material "dielectric" "float eta" 1.7)");
+  ASSERT_EQ(constant.error, "");
+  constant.Evaluate();
+  EXPECT_FALSE(constant.wavelengths.SecondaryTerminated());
+  for (const char* kind : {"dielectric", "thindielectric", "coateddiffuse"}) {
+    Materials glass("Material \"" + std::string(kind) + R"(" "spectrum eta" "glass-BK7")");
+    ASSERT_EQ(glass.error, "");
+    EXPECT_TRUE(glass.Evaluate().Sample(glass.interaction.wo, 0.01f, {0.3f, 0.6f}));
+    EXPECT_TRUE(glass.wavelengths.SecondaryTerminated()) << kind;
+  }
+}
+
+TEST(Material, CoatsWithoutClosedFormAreWalkedToTheSameMean) {
+  // A texture of thickness cannot be tabulated; its value is that of the constant one.
+  Materials tabulated(R"(Material "coateddiffuse" "float roughness" 0.04 "float thickness" 0.05)");
+  Materials walked(R"(Texture "t" "float" "scale" "float tex" 0.05 "float scale" 1
+                      Texture "u" "float" "checkerboard" "texture tex1" "t" "texture tex2" "t"
+                      Material "coateddiffuse" "float roughness" 0.04 "texture thickness" "u")");
+  ASSERT_EQ(tabulated.error + walked.error, "");
+  const Bsdf a = tabulated.Evaluate(), b = walked.Evaluate();
+  const Vec3 wi = DirectionAt(0.8f, 2.5f);
+  double sum = 0;
+  constexpr int kCount = 4000;
+  for (int n = 0; n < kCount; ++n)
+    sum += b.Evaluate(DirectionAt(0.5f, 1e-4f * static_cast<float>(n)), wi).f[0];
+  const float expected = a.Evaluate(DirectionAt(0.5f, 0.2f), wi).f[0];
+  EXPECT_NEAR(sum / kCount, expected, 0.03f * expected);
+}
+
+TEST(Material, TexturedCoatRoughnessUsesATableOfRoughnesses) {
+  Materials constant(R"(Material "coateddiffuse" "float roughness" 0.04)");
+  Materials textured(R"(Texture "u" "float" "checkerboard" "float tex1" 0.04 "float tex2" 0.04
+                        Material "coateddiffuse" "texture roughness" "u")");
+  ASSERT_EQ(constant.error + textured.error, "");
+  const Vec3 wo = DirectionAt(0.5f, 0), wi = DirectionAt(0.8f, 2.5f);
+  const float expected = constant.Evaluate().Evaluate(wo, wi).f[0];
+  EXPECT_NEAR(textured.Evaluate().Evaluate(wo, wi).f[0], expected, 0.01f * expected);
+}
+
+std::string MixOf(const std::string& amount) {
+  return R"(MakeNamedMaterial "dark" "string type" "diffuse" "spectrum reflectance" [300 0.1 900 0.1]
+            MakeNamedMaterial "light" "string type" "diffuse" "spectrum reflectance" [300 0.9 900 0.9]
+            MakeNamedMaterial "both" "string type" "mix" "string materials" ["dark" "light"] "float amount" )" +
+         amount + "\nNamedMaterial \"both\"";
+}
+
+TEST(Material, MixTakesEachMaterialAsOftenAsItsAmountSays) {
+  Materials m(MixOf("0.3"));
+  ASSERT_EQ(m.error, "");
+  int light = 0;
+  constexpr int kCount = 20000;
+  for (int n = 0; n < kCount; ++n) {
+    m.interaction.p = {0.001f * static_cast<float>(n), 1, 2};
+    light += AlbedoOf(m.Evaluate()) > 0.5f;
+  }
+  EXPECT_NEAR(light / static_cast<double>(kCount), 0.3, 0.015);
+}
+
+TEST(Material, MixAtItsEndsIsOneMaterial) {
+  Materials first(MixOf("0")), second(MixOf("1"));
+  for (int n = 0; n < 50; ++n) {
+    first.interaction.p.x = second.interaction.p.x = static_cast<float>(n);
+    EXPECT_NEAR(AlbedoOf(first.Evaluate()), 0.1f, 1e-5);
+    EXPECT_NEAR(AlbedoOf(second.Evaluate()), 0.9f, 1e-5);
+  }
+}
+
+TEST(Material, MixesNestAndChooseIndependently) {
+  Materials m(MixOf("0.5") + R"(
+      MakeNamedMaterial "outer" "string type" "mix" "string materials" ["both" "dark"] "float amount" 0.5
+      NamedMaterial "outer")");
+  ASSERT_EQ(m.error, "");
+  int light = 0;
+  for (int n = 0; n < 20000; ++n) {
+    m.interaction.p = {0.001f * static_cast<float>(n), 1, 2};
+    light += AlbedoOf(m.Evaluate()) > 0.5f;
+  }
+  EXPECT_NEAR(light / 20000.0, 0.25, 0.015);
+}
+
+TEST(Material, FlatDisplacementLeavesTheNormal) {
+  for (const char* height : {"0", "0.7"}) {
+    Materials m(R"(Texture "h" "float" "checkerboard" "float tex1" )" + std::string(height) +
+                R"( "float tex2" )" + height + R"( Material "diffuse" "texture displacement" "h")");
+    ASSERT_EQ(m.error, "");
+    m.Evaluate();
+    EXPECT_EQ(m.interaction.shading.n, kUp);
+    EXPECT_EQ(m.interaction.shading.dpdu, (Vec3{2, 0, 0}));
+  }
+}
+
+TEST(Material, SlopeOfTheDisplacementTiltsTheNormal) {
+  // Height u: over dpdu of length 2, a slope of 1/2 along x.
+  Materials m(R"(Texture "h" "float" "bilerp" "float v00" 0 "float v01" 0 "float v10" 1 "float v11" 1
+                 Material "diffuse" "texture displacement" "h")");
+  ASSERT_EQ(m.error, "");
+  m.Evaluate();
+  EXPECT_NEAR(Distance(m.interaction.shading.n, Normalize({-0.5f, 0, 1})), 0, 1e-3);
+  EXPECT_NEAR(Dot(m.interaction.shading.n, m.interaction.shading.dpdu), 0, 1e-3);
+  EXPECT_EQ(m.interaction.n, kUp) << "the true surface stays";
+}
+
+TEST(Material, NormalMapGivesTheNormalOfItsPicture) {
+  Materials m(R"(Material "diffuse" "string normalmap" "tilted.pfm")");
+  ASSERT_EQ(m.error, "");
+  m.Evaluate();
+  EXPECT_NEAR(Distance(m.interaction.shading.n, Vec3{0.6f, 0, 0.8f}), 0, 1e-5);
+  EXPECT_NEAR(Length(m.interaction.shading.dpdu), 2, 1e-4);
+  EXPECT_NEAR(Length(m.interaction.shading.dpdv), 3, 1e-4);
+  EXPECT_NEAR(Dot(m.interaction.shading.dpdu, m.interaction.shading.n), 0, 1e-4);
+}
+
+struct BadMaterial {
+  const char* directives;
+  const char* message;
+};
+
+TEST(Material, MistakesAreNamedWithTheirPlace) {
+  const BadMaterial bad[] = {
+      {R"(Material "hair")", "test.pbrt:2:1: material \"hair\" is not supported yet"},
+      {R"(Material "difuse")", "test.pbrt:2:1: unknown material \"difuse\" (did you mean \"diffuse\"?)"},
+      {R"(MakeNamedMaterial "x" "string type" "plastic")", "test.pbrt:2:1: unknown material \"plastic\""},
+      {R"(Material "diffuse" "float roughness" 1)", "roughness"},
+      {R"(Material "conductor" "rgb reflectance" [1 1 1] "rgb k" [1 1 1])", "not both"},
+      {R"(Material "dielectric" "float eta" -1)", "\"eta\" must be from 0 to 1000"},
+      {R"(Material "coateddiffuse" "integer nsamples" 0)", "\"nsamples\" of a coat must be from 1"},
+      {R"(Material "coateddiffuse" "integer maxdepth" 2000000)", "\"maxdepth\" of a coat must be from 0"},
+      {R"(Material "mix" "string materials" "one")", "needs 2 names, not 1"},
+      {R"(MakeNamedMaterial "wood" "string type" "diffuse" Material "mix" "string materials" ["wood" "wod"])",
+       "material \"wod\" is not defined (did you mean \"wood\"?)"},
+      {R"(MakeNamedMaterial "m" "string type" "mix" "string materials" ["m" "m"])",
+       "must be defined before it is mixed"},
+      {R"(MakeNamedMaterial "i" "string type" "interface" Material "mix" "string materials" ["i" "i"])",
+       "material \"i\" is an interface"},
+      {R"(Material "diffuse" "string normalmap" "none.png")", "none.png"},
+      {R"(Material "diffuse" "string normalmap" "grey.pfm")", "needs the channels R, G and B"},
+  };
+  for (const BadMaterial& example : bad) {
+    Materials m(example.directives);
+    EXPECT_THAT(m.error, testing::HasSubstr(example.message)) << example.directives;
+    EXPECT_THAT(m.error, testing::StartsWith("test.pbrt:2:")) << example.directives;
+  }
+}
+
+}  // namespace
+}  // namespace tessera
