@@ -92,10 +92,13 @@ std::optional<Transform> Transform::FromMatrix(const Matrix4& matrix) {
 }
 
 bool Transform::SwapsHandedness() const {
-  const auto& m = m_.m;
-  const double determinant = static_cast<double>(m[0][0]) * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
-                             static_cast<double>(m[0][1]) * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-                             static_cast<double>(m[0][2]) * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+  double m[3][3];  // double: the product of three small scales does not underflow
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) m[i][j] = m_.m[i][j];
+  }
+  const double determinant = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                             m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                             m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
   return determinant < 0;
 }
 
@@ -123,7 +126,8 @@ Normal3 Transform::ToNormal(Normal3 n) const {
 Bounds3 Transform::ToBounds(const Bounds3& b) const {
   Bounds3 r;
   for (int corner = 0; corner < 8; ++corner) {
-    r.Add(ToPoint({corner & 1 ? b.max.x : b.min.x, corner & 2 ? b.max.y : b.min.y, corner & 4 ? b.max.z : b.min.z}));
+    r.Add(ToPoint(
+        {corner & 1 ? b.max.x : b.min.x, corner & 2 ? b.max.y : b.min.y, corner & 4 ? b.max.z : b.min.z}));
   }
   return r;
 }

@@ -1,5 +1,5 @@
-// Two- and three-component vectors of floats. One type serves points, vectors and normals; the aliases say which
-// is meant, and Transform (transform.h) has one function for each.
+// Two- and three-component vectors of floats. One type serves points, vectors and normals; the aliases say
+// which is meant, and Transform (transform.h) has one function for each.
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,19 @@ constexpr float kInvPi = 0.31830988618379067154f;
 constexpr float kInv2Pi = 0.15915494309189533577f;
 constexpr float kInv4Pi = 0.07957747154594766788f;
 
-inline float Radians(float degrees) { return degrees * (kPi / 180.0f); }
-inline float Lerp(float t, float a, float b) { return (1 - t) * a + t * b; }
-inline float Sqr(float v) { return v * v; }
+inline float Radians(float degrees) {
+  return degrees * (kPi / 180.0f);
+}
+inline float Lerp(float t, float a, float b) {
+  return (1 - t) * a + t * b;
+}
+inline float Sqr(float v) {
+  return v * v;
+}
 // Square root that takes a rounding error below zero for zero.
-inline float SafeSqrt(float v) { return std::sqrt(std::max(0.0f, v)); }
+inline float SafeSqrt(float v) {
+  return std::sqrt(std::max(0.0f, v));
+}
 // a*b - c*d with an error of 1.5 ulp (Kahan; Jeannerod et al. 2013): no cancellation in cross products.
 inline float DifferenceOfProducts(float a, float b, float c, float d) {
   const float cd = c * d;
@@ -31,10 +39,18 @@ struct Vec2 {
 };
 using Point2 = Vec2;
 
-inline Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
-inline Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
-inline Vec2 operator*(Vec2 a, float s) { return {a.x * s, a.y * s}; }
-inline Vec2 operator*(float s, Vec2 a) { return a * s; }
+inline Vec2 operator+(Vec2 a, Vec2 b) {
+  return {a.x + b.x, a.y + b.y};
+}
+inline Vec2 operator-(Vec2 a, Vec2 b) {
+  return {a.x - b.x, a.y - b.y};
+}
+inline Vec2 operator*(Vec2 a, float s) {
+  return {a.x * s, a.y * s};
+}
+inline Vec2 operator*(float s, Vec2 a) {
+  return a * s;
+}
 
 struct Vec3 {
   float x = 0, y = 0, z = 0;
@@ -45,35 +61,81 @@ struct Vec3 {
 using Point3 = Vec3;
 using Normal3 = Vec3;
 
-inline Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
-inline Vec3 operator*(Vec3 a, float s) { return {a.x * s, a.y * s, a.z * s}; }
-inline Vec3 operator*(float s, Vec3 a) { return a * s; }
-inline Vec3 operator/(Vec3 a, float s) { return a * (1 / s); }
-inline Vec3& operator+=(Vec3& a, Vec3 b) { return a = a + b; }
-inline Vec3& operator*=(Vec3& a, float s) { return a = a * s; }
+inline Vec3 operator+(Vec3 a, Vec3 b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Vec3 operator-(Vec3 a, Vec3 b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Vec3 operator-(Vec3 a) {
+  return {-a.x, -a.y, -a.z};
+}
+inline Vec3 operator*(Vec3 a, float s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+inline Vec3 operator*(float s, Vec3 a) {
+  return a * s;
+}
+inline Vec3 operator/(Vec3 a, float s) {
+  return a * (1 / s);
+}
+inline Vec3& operator+=(Vec3& a, Vec3 b) {
+  return a = a + b;
+}
+inline Vec3& operator*=(Vec3& a, float s) {
+  return a = a * s;
+}
 
-inline float Dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline float AbsDot(Vec3 a, Vec3 b) { return std::abs(Dot(a, b)); }
+inline float Dot(Vec3 a, Vec3 b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline float AbsDot(Vec3 a, Vec3 b) {
+  return std::abs(Dot(a, b));
+}
 inline Vec3 Cross(Vec3 a, Vec3 b) {
   return {DifferenceOfProducts(a.y, b.z, a.z, b.y), DifferenceOfProducts(a.z, b.x, a.x, b.z),
           DifferenceOfProducts(a.x, b.y, a.y, b.x)};
 }
-inline float LengthSquared(Vec3 a) { return Dot(a, a); }
-inline float Length(Vec3 a) { return std::sqrt(LengthSquared(a)); }
-inline Vec3 Normalize(Vec3 a) { return a / Length(a); }
-inline float DistanceSquared(Vec3 a, Vec3 b) { return LengthSquared(a - b); }
-inline float Distance(Vec3 a, Vec3 b) { return Length(a - b); }
-inline Vec3 Abs(Vec3 a) { return {std::abs(a.x), std::abs(a.y), std::abs(a.z)}; }
-inline Vec3 Min(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
-inline Vec3 Max(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
-inline float MaxComponent(Vec3 a) { return std::max(a.x, std::max(a.y, a.z)); }
-inline Vec3 Lerp(float t, Vec3 a, Vec3 b) { return a * (1 - t) + b * t; }
+inline float LengthSquared(Vec3 a) {
+  return Dot(a, a);
+}
+inline float Length(Vec3 a) {
+  return std::sqrt(LengthSquared(a));
+}
+inline Vec3 Normalize(Vec3 a) {
+  return a / Length(a);
+}
+inline float DistanceSquared(Vec3 a, Vec3 b) {
+  return LengthSquared(a - b);
+}
+inline float Distance(Vec3 a, Vec3 b) {
+  return Length(a - b);
+}
+inline Vec3 Abs(Vec3 a) {
+  return {std::abs(a.x), std::abs(a.y), std::abs(a.z)};
+}
+inline Vec3 Min(Vec3 a, Vec3 b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+inline Vec3 Max(Vec3 a, Vec3 b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+inline float MaxComponent(Vec3 a) {
+  return std::max(a.x, std::max(a.y, a.z));
+}
+inline Vec3 Lerp(float t, Vec3 a, Vec3 b) {
+  return a * (1 - t) + b * t;
+}
 // n or -n, whichever lies in the hemisphere of v.
-inline Vec3 FaceForward(Vec3 n, Vec3 v) { return Dot(n, v) < 0 ? -n : n; }
-inline bool IsFinite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
-inline bool IsZero(Vec3 a) { return a.x == 0 && a.y == 0 && a.z == 0; }
+inline Vec3 FaceForward(Vec3 n, Vec3 v) {
+  return Dot(n, v) < 0 ? -n : n;
+}
+inline bool IsFinite(Vec3 a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+inline bool IsZero(Vec3 a) {
+  return a.x == 0 && a.y == 0 && a.z == 0;
+}
 
 // Angle in radians between unit vectors, accurate near 0 and pi.
 inline float AngleBetween(Vec3 a, Vec3 b) {
@@ -102,12 +164,13 @@ struct Frame {
   }
   // x is `x` made orthogonal to the unit vector `z`; an arbitrary one if they are parallel.
   static Frame FromXZ(Vec3 x, Vec3 z) {
-    const Vec3 orthogonal = x - z * Dot(x, z);
-    const float length = Length(orthogonal);
+    // By the cross product, which stays orthogonal to z where x is nearly parallel to it.
+    const Vec3 y = Cross(z, x);
+    const float length = Length(y);
     if (!(length > 1e-12f)) return FromZ(z);
     Frame frame;
-    frame.x = orthogonal / length;
-    frame.y = Cross(z, frame.x);
+    frame.y = y / length;
+    frame.x = Cross(frame.y, z);
     frame.z = z;
     return frame;
   }
@@ -116,11 +179,23 @@ struct Frame {
 };
 
 // Functions of a direction in a frame whose z axis is the surface normal.
-inline float CosTheta(Vec3 w) { return w.z; }
-inline float AbsCosTheta(Vec3 w) { return std::abs(w.z); }
-inline float Cos2Theta(Vec3 w) { return w.z * w.z; }
-inline float Sin2Theta(Vec3 w) { return std::max(0.0f, 1 - w.z * w.z); }
-inline float SinTheta(Vec3 w) { return std::sqrt(Sin2Theta(w)); }
-inline bool SameHemisphere(Vec3 a, Vec3 b) { return a.z * b.z > 0; }
+inline float CosTheta(Vec3 w) {
+  return w.z;
+}
+inline float AbsCosTheta(Vec3 w) {
+  return std::abs(w.z);
+}
+inline float Cos2Theta(Vec3 w) {
+  return w.z * w.z;
+}
+inline float Sin2Theta(Vec3 w) {
+  return std::max(0.0f, 1 - w.z * w.z);
+}
+inline float SinTheta(Vec3 w) {
+  return std::sqrt(Sin2Theta(w));
+}
+inline bool SameHemisphere(Vec3 a, Vec3 b) {
+  return a.z * b.z > 0;
+}
 
 }  // namespace tessera

@@ -6,6 +6,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -48,7 +49,8 @@ bool WriteAll(int descriptor, std::string_view bytes) {
 }  // namespace
 
 Result<std::string> ReadFile(const std::string& path, uint64_t size_max) {
-  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  // Not blocking: a pipe must be refused, not waited for.
+  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file.valid()) return BadInput(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
   struct stat status {};
   if (::fstat(file.number(), &status) != 0) return SystemError(path, "cannot be examined");
@@ -75,11 +77,16 @@ Result<std::string> Gunzip(std::string_view compressed, const std::string& path,
   constexpr int kGzipOnly = 15 + 16;  // the largest window, with a gzip header
   if (inflateInit2(&stream, kGzipOnly) != Z_OK) return Failed(path + ": cannot start to decompress");
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(compressed.data()));
-  stream.avail_in = static_cast<uInt>(compressed.size());
+  size_t rest = compressed.size();
   std::string bytes;
   int status = Z_OK;
   char piece[1 << 16];
   while (status == Z_OK && bytes.size() <= size_max) {
+    if (stream.avail_in == 0) {
+      constexpr size_t kFeedMax = size_t{1} << 30;  // zlib counts in 32 bits
+      stream.avail_in = static_cast<uInt>(std::min(rest, kFeedMax));
+      rest -= stream.avail_in;
+    }
     stream.next_out = reinterpret_cast<Bytef*>(piece);
     stream.avail_out = sizeof piece;
     status = inflate(&stream, Z_NO_FLUSH);

@@ -1,0 +1,94 @@
+#include "util/file.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+// "hello hello hello" packed by gzip.
+constexpr unsigned char kPacked[] = {0x1f, 0x8b, 0x08, 0x00, 0x00, 0x00, 0x00, 0x00, 0x02, 0x03,
+                                     0xcb, 0x48, 0xcd, 0xc9, 0xc9, 0x57, 0xc8, 0x40, 0x90, 0x00,
+                                     0x80, 0x88, 0xf9, 0xe5, 0x11, 0x00, 0x00, 0x00};
+
+class FileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("tessera_file_test_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  size_t FileCount() const {
+    size_t count = 0;
+    for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder_)) ++count;
+    return count;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(FileTest, WhatIsWrittenIsRead) {
+  const std::string bytes("a\0b\n", 4);
+  ASSERT_TRUE(WriteFileAtomically(Path("f"), bytes).has_value());
+  const Result<std::string> read = ReadFile(Path("f"), 4);
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(*read, bytes);
+  EXPECT_EQ(FileCount(), 1u);
+}
+
+TEST_F(FileTest, AnExistingFileIsReplacedWhole) {
+  ASSERT_TRUE(WriteFileAtomically(Path("f"), "a long first version").has_value());
+  ASSERT_TRUE(WriteFileAtomically(Path("f"), "second").has_value());
+  EXPECT_EQ(*ReadFile(Path("f"), 100), "second");
+  EXPECT_EQ(FileCount(), 1u);
+}
+
+TEST_F(FileTest, AFailedWriteLeavesNothingBehind) {
+  fs::create_directories(Path("taken/inner"));  // a folder that no file can replace
+  const Result<void> result = WriteFileAtomically(Path("taken"), "bytes");
+  ASSERT_FALSE(result.has_value());
+  EXPECT_NE(result.error().message.find(Path("taken")), std::string::npos);
+  EXPECT_EQ(FileCount(), 1u);
+  EXPECT_FALSE(WriteFileAtomically(Path("none/f"), "bytes").has_value());
+}
+
+TEST_F(FileTest, UnreadableThingsAreToldByTheirPath) {
+  EXPECT_EQ(ReadFile(Path("none"), 10).error().message,
+            Path("none") + ": cannot be opened: No such file or directory");
+  EXPECT_EQ(ReadFile(folder_.string(), 10).error().message, folder_.string() + ": is not a regular file");
+  ASSERT_TRUE(WriteFileAtomically(Path("f"), "12345").has_value());
+  EXPECT_EQ(ReadFile(Path("f"), 4).error().message, Path("f") + ": holds 5 bytes, more than the limit of 4");
+  EXPECT_EQ(ReadFile(Path("f"), 4).error().kind, ErrorKind::kBadInput);
+}
+
+TEST_F(FileTest, APipeIsRefusedWithoutWaitingForAWriter) {
+  ASSERT_EQ(::mkfifo(Path("pipe").c_str(), 0600), 0);
+  EXPECT_FALSE(ReadFile(Path("pipe"), 10).has_value());
+}
+
+TEST(Gunzip, UnpacksWhole) {
+  const std::string_view packed(reinterpret_cast<const char*>(kPacked), sizeof kPacked);
+  EXPECT_EQ(*Gunzip(packed, "f.gz", 17), "hello hello hello");
+  EXPECT_EQ(Gunzip(packed, "f.gz", 16).error().message, "f.gz: unpacks to more than the limit of 16 bytes");
+}
+
+TEST(Gunzip, DamageIsToldByThePath) {
+  const std::string packed(reinterpret_cast<const char*>(kPacked), sizeof kPacked);
+  const char* const message = "f.gz: the compressed data is damaged or cut short";
+  for (size_t length = 0; length < packed.size(); ++length) {
+    EXPECT_EQ(Gunzip(packed.substr(0, length), "f.gz", 100).error().message, message) << length;
+  }
+  std::string damaged = packed;
+  damaged[packed.size() - 6] = static_cast<char>(damaged[packed.size() - 6] ^ 1);  // in the checksum
+  EXPECT_EQ(Gunzip(damaged, "f.gz", 100).error().message, message);
+  EXPECT_EQ(Gunzip("not packed at all", "f.gz", 100).error().message, message);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,33 @@
+#include "util/text.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace tessera {
+namespace {
+
+constexpr std::array<std::string_view, 5> kWords{"sphere", "disk", "cylinder", "trianglemesh", "plymesh"};
+
+TEST(Text, NearestWordForgivesTypingMistakes) {
+  EXPECT_EQ(NearestWord("sphere", kWords), "sphere");
+  EXPECT_EQ(NearestWord("spere", kWords), "sphere");
+  EXPECT_EQ(NearestWord("SPHERE", kWords), "sphere");
+  EXPECT_EQ(NearestWord("dsik", kWords), "disk");
+  EXPECT_EQ(NearestWord("trianglmesh", kWords), "trianglemesh");
+}
+
+TEST(Text, WordsThatResembleNoneHaveNoNearest) {
+  EXPECT_EQ(NearestWord("torus", kWords), "");
+  EXPECT_EQ(NearestWord("", kWords), "");
+  EXPECT_EQ(NearestWord(std::string(1000, 's'), kWords), "");
+  EXPECT_EQ(NearestWord("sphere", {}), "");
+}
+
+TEST(Text, SuggestionsAreQuestionsOrNothing) {
+  EXPECT_EQ(DidYouMean("spheer", kWords), " (did you mean \"sphere\"?)");
+  EXPECT_EQ(DidYouMean("xyzzy", kWords), "");
+}
+
+}  // namespace
+}  // namespace tessera
