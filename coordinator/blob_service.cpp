@@ -1,0 +1,167 @@
+#include "coordinator/blob_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "terms/terms.h"
+#include "wire/channel.h"
+#include "wire/convert.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kTransfersMax = 1024;  // at the same time: each has a file open
+
+// Deletes itself when the call is over.
+class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
+ public:
+  UploadCall(const BlobStore& blobs, std::atomic<int>& transfers) : blobs_(blobs), transfers_(transfers) {
+    if (++transfers_ > kTransfersMax) {
+      Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers at the same time; try again"});
+      return;
+    }
+    StartRead(&chunk_);
+  }
+  ~UploadCall() override { --transfers_; }
+
+ private:
+  void OnReadDone(bool ok) override {
+    const auto status = ok ? Take() : End();
+    if (status) {
+      Finish(*status);
+    } else {
+      StartRead(&chunk_);
+    }
+  }
+  void OnDone() override { delete this; }
+
+  // The answer, if it is known by now.
+  std::optional<grpc::Status> Take() {
+    if (upload_ == nullptr) {
+      const auto digest = ReadDigest(chunk_.digest(), "digest");
+      if (!digest) return ToStatus(digest.error());
+      if (blobs_.Has(*digest)) return grpc::Status::OK;
+      auto begun = blobs_.Begin(*digest, chunk_.size());
+      if (!begun) return Refusal(begun.error());
+      upload_ = std::move(*begun);
+    }
+    if (static_cast<int64_t>(chunk_.data().size()) > kChunkBytesMax) {
+      return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "message refused: data is longer than a chunk");
+    }
+    if (const auto added = upload_->Add(chunk_.data()); !added) return Refusal(added.error());
+    return std::nullopt;
+  }
+  grpc::Status End() {
+    if (upload_ == nullptr)
+      return {grpc::StatusCode::INVALID_ARGUMENT, "message refused: an upload without chunks"};
+    const auto finished = upload_->Finish();
+    return finished ? grpc::Status::OK : Refusal(finished.error());
+  }
+  static grpc::Status Refusal(const Error& error) {
+    const bool is_data = error.kind == ErrorKind::kBadInput;
+    return {is_data ? grpc::StatusCode::DATA_LOSS : grpc::StatusCode::RESOURCE_EXHAUSTED, error.message};
+  }
+
+  const BlobStore& blobs_;
+  std::atomic<int>& transfers_;
+  proto::UploadChunk chunk_;
+  std::unique_ptr<BlobStore::Upload> upload_;
+};
+
+// Deletes itself when the call is over.
+class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk> {
+ public:
+  DownloadCall(const BlobStore& blobs, const proto::DownloadRequest& request, std::atomic<int>& transfers)
+      : transfers_(transfers) {
+    if (++transfers_ > kTransfersMax) {
+      Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers at the same time; try again"});
+      return;
+    }
+    const grpc::Status status = Open(blobs, request);
+    if (!status.ok()) {
+      Finish(status);
+      return;
+    }
+    chunk_.set_size(size_);
+    SendNext();
+  }
+  ~DownloadCall() override { --transfers_; }
+
+ private:
+  grpc::Status Open(const BlobStore& blobs, const proto::DownloadRequest& request) {
+    const auto digest = ReadDigest(request.digest(), "digest");
+    if (!digest) return ToStatus(digest.error());
+    const auto size = blobs.Size(*digest);
+    if (!size) return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no blob {}", digest->Hex())};
+    if (request.offset() > *size)
+      return {grpc::StatusCode::OUT_OF_RANGE, "the offset is beyond the blob's end"};
+    size_ = *size;
+    left_ = *size - request.offset();
+    file_.open(blobs.Path(*digest), std::ios::binary);
+    file_.seekg(static_cast<std::streamoff>(request.offset()));
+    if (!file_) return {grpc::StatusCode::UNAVAILABLE, "the blob cannot be opened"};
+    return grpc::Status::OK;
+  }
+  void SendNext() {
+    std::string& data = *chunk_.mutable_data();
+    data.resize(std::min(left_, static_cast<uint64_t>(kChunkBytesMax)));
+    if (!file_.read(data.data(), static_cast<std::streamsize>(data.size()))) {
+      Finish({grpc::StatusCode::UNAVAILABLE, "the blob cannot be read"});
+      return;
+    }
+    left_ -= data.size();
+    StartWrite(&chunk_);
+  }
+  void OnWriteDone(bool ok) override {
+    if (!ok) {
+      Finish(grpc::Status::CANCELLED);
+    } else if (left_ == 0) {
+      Finish(grpc::Status::OK);
+    } else {
+      chunk_.clear_size();
+      SendNext();
+    }
+  }
+  void OnDone() override { delete this; }
+
+  std::atomic<int>& transfers_;
+  std::ifstream file_;
+  uint64_t size_ = 0, left_ = 0;
+  proto::DownloadChunk chunk_;
+};
+
+}  // namespace
+
+grpc::ServerUnaryReactor* BlobService::FindMissing(grpc::CallbackServerContext* context,
+                                                   const proto::FindMissingRequest* request,
+                                                   proto::FindMissingAnswer* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  if (request->digests_size() > kDigestsPerCallMax) {
+    reactor->Finish({grpc::StatusCode::INVALID_ARGUMENT, "message refused: digests are too many"});
+    return reactor;
+  }
+  for (const std::string& bytes : request->digests()) {
+    const auto digest = ReadDigest(bytes, "digest");
+    if (!digest) {
+      reactor->Finish(ToStatus(digest.error()));
+      return reactor;
+    }
+    if (!blobs_.Has(*digest)) answer->add_missing(bytes);
+  }
+  reactor->Finish(grpc::Status::OK);
+  return reactor;
+}
+
+grpc::ServerReadReactor<proto::UploadChunk>* BlobService::Upload(grpc::CallbackServerContext*,
+                                                                 proto::UploadAnswer*) {
+  return new UploadCall(blobs_, transfers_);
+}
+
+grpc::ServerWriteReactor<proto::DownloadChunk>* BlobService::Download(grpc::CallbackServerContext*,
+                                                                      const proto::DownloadRequest* request) {
+  return new DownloadCall(blobs_, *request, transfers_);
+}
+
+}  // namespace tessera

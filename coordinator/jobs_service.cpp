@@ -1,0 +1,137 @@
+#include "coordinator/jobs_service.h"
+
+#include <fmt/format.h>
+
+#include "coordinator/core_thread.h"
+#include "coordinator/picture_stream.h"
+#include "coordinator/submission.h"
+#include "coordinator/watch_stream.h"
+#include "wire/channel.h"
+#include "wire/convert.h"
+
+namespace tessera {
+namespace {
+
+grpc::Status NoJob(JobId job) {
+  return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no job {}", Number(job))};
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* context,
+                                              const proto::JobSpec* request, proto::SubmitAnswer* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  auto spec = ReadJobSpec(*request);
+  if (!spec) {
+    reactor->Finish(ToStatus(spec.error()));
+    return reactor;
+  }
+  if (const auto checked = CheckSubmission(*spec, blobs_); !checked) {
+    reactor->Finish(ToStatus(checked.error()));
+    return reactor;
+  }
+  const auto shared = std::make_shared<const JobSpec>(std::move(*spec));
+  core_.Post([=](CoreContext& core) {
+    const auto job = core.farm.Submit(core.now, shared);
+    core.answers.AfterSync([=] {
+      if (job) answer->set_job(Number(*job));
+      reactor->Finish(job ? grpc::Status::OK : ToStatus(job.error()));
+    });
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* JobsService::List(grpc::CallbackServerContext* context, const proto::ListRequest*,
+                                            proto::ListAnswer* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  core_.Post([=](CoreContext& core) {
+    for (const JobStatus& status : core.farm.Jobs(core.now)) Write(status, *answer->add_jobs());
+    reactor->Finish(grpc::Status::OK);
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* JobsService::Status(grpc::CallbackServerContext* context,
+                                              const proto::JobRequest* request, proto::JobStatus* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  core_.Post([=, job = JobId{request->job()}](CoreContext& core) {
+    const auto status = core.farm.Status(core.now, job);
+    if (status) Write(*status, *answer);
+    reactor->Finish(status ? grpc::Status::OK : NoJob(job));
+  });
+  return reactor;
+}
+
+grpc::ServerWriteReactor<proto::JobStatus>* JobsService::Watch(grpc::CallbackServerContext*,
+                                                               const proto::JobRequest* request) {
+  auto* const stream = new WatchStream;
+  const auto link = stream->link();
+  core_.Post([=, job = JobId{request->job()}](CoreContext& core) {
+    if (!core.farm.Status(core.now, job)) {
+      link->Finish(NoJob(job));
+      return;
+    }
+    core.answers.Watch(job, [link](const JobStatus* status, bool last) { return link->Offer(status, last); });
+  });
+  return stream;
+}
+
+grpc::ServerUnaryReactor* JobsService::Cancel(grpc::CallbackServerContext* context,
+                                              const proto::JobRequest* request, proto::JobStatus* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  core_.Post([=, job = JobId{request->job()}](CoreContext& core) {
+    const auto status = core.farm.Cancel(core.now, job);
+    core.answers.AfterSync([=] {
+      if (status) Write(*status, *answer);
+      reactor->Finish(status ? grpc::Status::OK : NoJob(job));
+    });
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* JobsService::Workers(grpc::CallbackServerContext* context,
+                                               const proto::WorkersRequest*, proto::WorkersAnswer* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  core_.Post([=](CoreContext& core) {
+    for (const WorkerStatus& status : core.farm.Workers(core.now)) Write(status, *answer->add_workers());
+    reactor->Finish(grpc::Status::OK);
+  });
+  return reactor;
+}
+
+grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::CallbackServerContext*,
+                                                                         const proto::FetchRequest* request) {
+  auto* const stream = new PictureStream;
+  const JobId job{request->job()};
+  const uint32_t frame = request->frame();
+  core_.Post([=, this, preview = request->preview()](CoreContext& core) {
+    const auto status = core.farm.Status(core.now, job);
+    if (!status || frame >= status->frames_total) {
+      const std::string what = status ? fmt::format("job {} has no frame {}", Number(job), frame) : "";
+      stream->Refuse(status ? grpc::Status(grpc::StatusCode::NOT_FOUND, what) : NoJob(job));
+    } else if (core.farm.FinishedFile(job, frame)) {
+      background_.Post([=, path = directory_.PicturePath(job, frame)] { stream->SendFile(path); });
+    } else if (auto picture = preview ? core.farm.Preview(job, frame) : std::nullopt) {
+      const auto shared = std::make_shared<const FinishedPicture>(std::move(*picture));
+      background_.Post([=] { stream->SendPicture(*shared); });
+    } else {
+      const char* const state = JobStateName(status->state);
+      stream->Refuse(
+          {grpc::StatusCode::FAILED_PRECONDITION,
+           fmt::format("frame {} of job {} is not finished: the job is {}, {} of {} samples are done", frame,
+                       Number(job), state, status->samples_done, status->samples_total)});
+    }
+  });
+  return stream;
+}
+
+grpc::ServerUnaryReactor* JobsService::Health(grpc::CallbackServerContext* context,
+                                              const proto::HealthRequest*, proto::HealthAnswer* answer) {
+  answer->set_software_version(kSoftwareVersion);
+  answer->set_protocol(kProtocolVersion);
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  reactor->Finish(grpc::Status::OK);
+  return reactor;
+}
+
+}  // namespace tessera

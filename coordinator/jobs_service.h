@@ -1,0 +1,47 @@
+// Serves proto/jobs.proto: turns calls into events of the core thread. Thread safe.
+#pragma once
+
+#include "coordinator/background_thread.h"
+#include "proto/jobs.grpc.pb.h"
+#include "store/blob_store.h"
+#include "store/data_dir.h"
+#include "terms/terms.h"
+#include "util/result.h"
+
+namespace tessera {
+
+class CoreThread;
+
+class JobsService final : public proto::Jobs::CallbackService {
+ public:
+  JobsService(CoreThread& core, const BlobStore& blobs, const DataDir& directory)
+      : core_(core), blobs_(blobs), directory_(directory) {}
+  // Ends what runs in the background: call it before the server's end, so that no call is left unanswered.
+  void Stop() { background_.Stop(); }
+
+  grpc::ServerUnaryReactor* Submit(grpc::CallbackServerContext* context, const proto::JobSpec* request,
+                                   proto::SubmitAnswer* answer) override;
+  grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context, const proto::ListRequest* request,
+                                 proto::ListAnswer* answer) override;
+  grpc::ServerUnaryReactor* Status(grpc::CallbackServerContext* context, const proto::JobRequest* request,
+                                   proto::JobStatus* answer) override;
+  grpc::ServerWriteReactor<proto::JobStatus>* Watch(grpc::CallbackServerContext* context,
+                                                    const proto::JobRequest* request) override;
+  grpc::ServerUnaryReactor* Cancel(grpc::CallbackServerContext* context, const proto::JobRequest* request,
+                                   proto::JobStatus* answer) override;
+  grpc::ServerUnaryReactor* Workers(grpc::CallbackServerContext* context,
+                                    const proto::WorkersRequest* request,
+                                    proto::WorkersAnswer* answer) override;
+  grpc::ServerWriteReactor<proto::PictureChunk>* FetchPicture(grpc::CallbackServerContext* context,
+                                                              const proto::FetchRequest* request) override;
+  grpc::ServerUnaryReactor* Health(grpc::CallbackServerContext* context, const proto::HealthRequest* request,
+                                   proto::HealthAnswer* answer) override;
+
+ private:
+  CoreThread& core_;
+  const BlobStore& blobs_;
+  const DataDir& directory_;
+  BackgroundThread background_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,70 @@
+#include "coordinator/options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "terms/terms.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kListenMax = 16;
+
+Result<CoordinatorOptions> Check(CoordinatorOptions options, const std::vector<std::string>& listen) {
+  for (const std::string& text : listen) {
+    auto address = ParseAddress(text, "--listen");
+    if (!address) return address.error();
+    if (!address->IsLocal() && !options.insecure) {
+      return BadInput(
+          fmt::format("--listen {}: other machines could reach this address and nobody has to log in; listen "
+                      "on 127.0.0.1 or unix:PATH, or say --insecure if the network is trusted",
+                      text));
+    }
+    options.listen.push_back(std::move(*address));
+  }
+  if (options.data_dir.empty()) return BadInput("--data-dir: is empty");
+  return options;
+}
+
+}  // namespace
+
+std::string CoordinatorOptions::Text() const {
+  std::string text =
+      fmt::format("data_dir=\"{}\" insecure={} exit_with_parent={}", data_dir, insecure, exit_with_parent);
+  for (const Address& address : listen) text += fmt::format(" listen={}", address.Text());
+  return text;
+}
+
+Result<std::optional<CoordinatorOptions>> ParseCoordinatorOptions(int argc, char** argv) {
+  CLI::App app("Leases the tiles of frames to tessera-workers and merges what they return.",
+               "tessera-coordinator");
+  app.set_version_flag("--version", std::string("tessera-coordinator ") + kSoftwareVersion);
+  CoordinatorOptions options;
+  std::vector<std::string> listen;
+  app.add_option("--listen", listen,
+                 "where clients and workers connect: HOST:PORT or unix:PATH; may be repeated")
+      ->required()
+      ->expected(1, kListenMax)
+      ->allow_extra_args(false);
+  app.add_option("--data-dir", options.data_dir, "folder for everything that outlives this process")
+      ->required();
+  app.add_flag("--insecure", options.insecure, "listen on addresses that other machines can reach");
+  app.add_flag("--exit-with-parent", options.exit_with_parent,
+               "end when the process that started this one ends");
+  app.add_option("--log-level", options.log_level, "how much goes to stderr")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    app.exit(success);
+    return std::optional<CoordinatorOptions>();
+  } catch (const CLI::ParseError& error) {
+    return BadInput(error.what());
+  }
+  auto checked = Check(std::move(options), listen);
+  if (!checked) return checked.error();
+  return std::optional(std::move(*checked));
+}
+
+}  // namespace tessera

@@ -1,0 +1,27 @@
+// What tessera-coordinator is told on its command line. Parsed once, checked once, logged once.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "util/result.h"
+#include "wire/address.h"
+
+namespace tessera {
+
+struct CoordinatorOptions {
+  std::vector<Address> listen;
+  std::string data_dir;
+  bool insecure = false;          // listen where other machines can reach it, though nobody has to log in
+  bool exit_with_parent = false;  // end when the process that started this one ends
+  std::string log_level = "info";
+
+  std::string Text() const;  // for the log
+};
+
+// An error (kBadInput) for bad usage. Prints help or version itself when asked for; then there are no options
+// and no error either.
+Result<std::optional<CoordinatorOptions>> ParseCoordinatorOptions(int argc, char** argv);
+
+}  // namespace tessera

@@ -1,0 +1,44 @@
+#include "coordinator/picture_writer.h"
+
+#include "coordinator/core_thread.h"
+#include "film/picture_file.h"
+#include "util/file.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::milliseconds kRetry{2000};  // a full disk empties slowly
+
+Result<Digest> EncodeAndWrite(const DataDir& directory, const FinishedPicture& finished) {
+  const auto bytes = EncodeExr(finished.spec->frames[finished.frame].spec, finished.picture);
+  if (!bytes) return bytes.error();
+  if (const auto prepared = directory.PreparePicture(finished.job); !prepared) return prepared.error();
+  const auto written = WriteFileAtomically(directory.PicturePath(finished.job, finished.frame), *bytes);
+  if (!written) return written.error();
+  return Sha256(*bytes);
+}
+
+}  // namespace
+
+void PictureWriter::Write(CoreThread& core, FinishedPicture picture) {
+  const auto shared = std::make_shared<const FinishedPicture>(std::move(picture));
+  thread_.Post([this, &core, shared] { WriteNow(core, *shared); });
+}
+
+void PictureWriter::WriteNow(CoreThread& core, const FinishedPicture& picture) {
+  const JobId job = picture.job;
+  const uint32_t frame = picture.frame;
+  while (true) {
+    const auto written = EncodeAndWrite(directory_, picture);
+    if (written) {
+      core.Post(
+          [=](CoreContext& context) { context.farm.PictureWritten(context.now, job, frame, *written); });
+      return;
+    }
+    const std::string reason = written.error().message;
+    core.Post([=](CoreContext& context) { context.farm.PictureDelayed(job, reason); });
+    if (!thread_.Sleep(kRetry)) return;  // the process ends; the next one renders the frame again
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,79 @@
+#include "coordinator/server.h"
+
+#include <fmt/format.h>
+#include <grpc/support/log.h>
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cstring>
+
+#include "coordinator/blob_service.h"
+#include "coordinator/jobs_service.h"
+#include "coordinator/work_service.h"
+#include "wire/channel.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::milliseconds kShutdownPatience{1000};
+
+// Whether somebody answers at a Unix socket: gRPC would take the name away from a running coordinator.
+bool IsTaken(const Address& address) {
+  if (address.kind != Address::Kind::kUnix) return false;
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (socket < 0) return false;
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  std::memcpy(name.sun_path, address.path.c_str(), address.path.size() + 1);
+  const bool taken = ::connect(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0;
+  ::close(socket);
+  return taken;
+}
+
+Error CannotListen(const Address& address) {
+  return Failed(
+      fmt::format("cannot listen on {}: it is in use or not an address of this machine", address.Text()));
+}
+
+}  // namespace
+
+CoordinatorServer::CoordinatorServer() = default;
+CoordinatorServer::~CoordinatorServer() = default;
+
+Result<std::unique_ptr<CoordinatorServer>> CoordinatorServer::Start(const std::vector<Address>& listen,
+                                                                    WorkService& work, BlobService& blobs,
+                                                                    JobsService& jobs) {
+  gpr_set_log_function([](gpr_log_func_args*) {});  // errors reach the user through us, on one line
+  grpc::ServerBuilder builder;
+  ConfigureServer(builder);
+  std::vector<int> ports(listen.size(), -1);
+  for (size_t i = 0; i < listen.size(); ++i) {
+    if (IsTaken(listen[i])) return CannotListen(listen[i]);
+    builder.AddListeningPort(listen[i].Target(), grpc::InsecureServerCredentials(), &ports[i]);
+  }
+  builder.RegisterService(&work);
+  builder.RegisterService(&blobs);
+  builder.RegisterService(&jobs);
+  std::unique_ptr<CoordinatorServer> server(new CoordinatorServer);
+  server->server_ = builder.BuildAndStart();
+  if (server->server_ == nullptr) {
+    size_t failed = 0;
+    while (failed + 1 < listen.size() && ports[failed] > 0) ++failed;
+    return CannotListen(listen[failed]);
+  }
+  server->addresses_ = listen;
+  for (size_t i = 0; i < listen.size(); ++i) {
+    if (listen[i].kind == Address::Kind::kTcp) server->addresses_[i].port = ports[i];
+  }
+  return server;
+}
+
+void CoordinatorServer::Shutdown() {
+  server_->Shutdown(std::chrono::system_clock::now() + kShutdownPatience);
+}
+
+}  // namespace tessera

@@ -1,0 +1,28 @@
+#include "coordinator/submission.h"
+
+#include <fmt/format.h>
+
+#include "terms/scene_package.h"
+
+namespace tessera {
+
+Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs) {
+  if (!blobs.Has(spec.package)) return Failed("the scene package's manifest was not uploaded");
+  const auto manifest = blobs.Read(spec.package, kManifestBytesMax);
+  if (!manifest) return manifest.error();
+  const auto package = DecodeScenePackage(*manifest);
+  if (!package) return package.error();
+  for (const FrameOrder& frame : spec.frames) {
+    if (!package->files.contains(frame.scene_file)) {
+      return BadInput(fmt::format("{}: the scene file is not in the scene package", frame.scene_file));
+    }
+  }
+  for (const auto& [path, file] : package->files) {
+    const auto size = blobs.Size(file.digest);
+    if (!size) return Failed(fmt::format("{}: was not uploaded", path));
+    if (*size != file.size) return BadInput(fmt::format("{}: its size in the scene package is wrong", path));
+  }
+  return {};
+}
+
+}  // namespace tessera
