@@ -23,7 +23,7 @@ struct Recovered {
 };
 
 // The farm as its journal tells.
-Result<Recovered> Recover(const DataDir& directory) {
+Result<Recovered> Recover(const DataDir& directory, int attempts_max) {
   std::vector<Fact> facts;
   uint32_t epoch = 1;
   auto journal = FileJournal::Open(directory.JournalPath(), [&](const Fact& fact) {
@@ -31,7 +31,7 @@ Result<Recovered> Recover(const DataDir& directory) {
     facts.push_back(fact);
   });
   if (!journal) return journal.error();
-  Recovered recovered{std::make_unique<Farm>(epoch), std::move(*journal)};
+  Recovered recovered{std::make_unique<Farm>(SchedulerOptions{epoch, attempts_max}), std::move(*journal)};
   for (const Fact& fact : facts) recovered.farm->Restore(fact);
   return recovered;
 }
@@ -53,7 +53,7 @@ Result<void> RunCoordinator(const CoordinatorOptions& options) {
   if (!directory) return directory.error();
   auto blobs = BlobStore::Open(directory->BlobsPath());
   if (!blobs) return blobs.error();
-  auto recovered = Recover(*directory);
+  auto recovered = Recover(*directory, options.attempts_max);
   if (!recovered) return recovered.error();
 
   PictureWriter writer(*directory);

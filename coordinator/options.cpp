@@ -10,6 +10,7 @@ namespace tessera {
 namespace {
 
 constexpr int kListenMax = 16;
+constexpr int kAttemptsMax = 100;
 
 Result<CoordinatorOptions> Check(CoordinatorOptions options, const std::vector<std::string>& listen) {
   for (const std::string& text : listen) {
@@ -52,6 +53,10 @@ Result<std::optional<CoordinatorOptions>> ParseCoordinatorOptions(int argc, char
   app.add_flag("--insecure", options.insecure, "listen on addresses that other machines can reach");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "end when the process that started this one ends");
+  app.add_option(
+         "--attempts-max", options.attempts_max,
+         "different workers that may fail a unit before its job fails (3); for a farm of fewer: how many")
+      ->check(CLI::Range(1, kAttemptsMax));
   app.add_option("--log-level", options.log_level, "how much goes to stderr")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
   try {

@@ -15,6 +15,7 @@ struct CoordinatorOptions {
   std::string data_dir;
   bool insecure = false;          // listen where other machines can reach it, though nobody has to log in
   bool exit_with_parent = false;  // end when the process that started this one ends
+  int attempts_max = 3;           // different workers that may fail a unit before its job fails
   std::string log_level = "info";
 
   std::string Text() const;  // for the log

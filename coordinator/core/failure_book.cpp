@@ -59,10 +59,10 @@ std::map<WorkerId, const FailureBook::Entry*> FailureBook::Against(const Entry& 
   return failures;
 }
 
-std::optional<std::string> FailureBook::Condemned() const {
+std::optional<std::string> FailureBook::Condemned(int attempts_max) const {
   for (const Entry& entry : entries_) {
     const auto failures = Against(entry);
-    if (failures.size() >= static_cast<size_t>(kWorkersFailedMax)) return Words(failures);
+    if (failures.size() >= static_cast<size_t>(attempts_max)) return Words(failures);
   }
   return std::nullopt;
 }

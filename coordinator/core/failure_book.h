@@ -33,9 +33,9 @@ class FailureBook {
   // Takes out what has been shown to be the worker's own fault, because `by` did it: of the samples of a tile
   // those that `is_done`, and failures of the whole scene by others. The workers at fault, once per failure.
   std::vector<WorkerId> Disprove(uint32_t tile, WorkerId by, const std::function<bool(TileSamples)>& is_done);
-  // The words of the failures that condemn a tile or the scene: kWorkersFailedMax different workers failed
-  // it. Otherwise nothing.
-  std::optional<std::string> Condemned() const;
+  // The words of the failures that condemn a tile or the scene: `attempts_max` different workers failed it.
+  // Otherwise nothing.
+  std::optional<std::string> Condemned(int attempts_max) const;
   // The same if all of `workers` (not empty) failed the same tile or the scene, the last of them before
   // `before`.
   std::optional<std::string> CondemnedByAll(const std::set<WorkerId>& workers, Instant before) const;

@@ -26,8 +26,8 @@ std::string Mismatch(const RadianceTile& tile, const WorkUnit& unit, PixelBounds
 
 }  // namespace
 
-Farm::Farm(uint32_t epoch) : scheduler_(epoch) {
-  output_.facts.emplace_back(CoordinatorStarted{epoch});
+Farm::Farm(SchedulerOptions options) : scheduler_(options) {
+  output_.facts.emplace_back(CoordinatorStarted{options.epoch});
 }
 
 Farm::JobEntry* Farm::FindJob(JobId id) {

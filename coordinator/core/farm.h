@@ -59,7 +59,7 @@ struct FarmOutput {
 
 class Farm {
  public:
-  explicit Farm(uint32_t epoch);
+  explicit Farm(SchedulerOptions options);
 
   // ---- After a start: all facts of former processes in order, then Begin ----
   void Restore(const Fact& fact);

@@ -69,10 +69,11 @@ constexpr int kCopiesMax = 2;
 constexpr int kSplitMax = 8;
 
 // ---- Failure ----
-// Different workers that fail a unit before its job fails: two may be ill, three are a poisonous unit.
-constexpr int kWorkersFailedMax = 3;
-// If all workers there are have failed a unit: how long another may take to join.
-constexpr Instant kPoisonGrace = seconds(2);
+// Different workers that fail a unit before its job fails: two may be ill, three are a poisonous unit. A farm
+// that will never have three says so (SchedulerOptions).
+constexpr int kAttemptsMaxDefault = 3;
+// If all workers there are have failed a unit: how long another may take to join or come back.
+constexpr Instant kPoisonGrace = seconds(60);
 // Units a worker failed that others finished, or results refused, before it is quarantined.
 constexpr int kStrikesMax = 3;
 // Units in a row accepted from a worker after which its strikes are forgiven.

@@ -11,7 +11,7 @@
 
 namespace tessera {
 
-Scheduler::Scheduler(uint32_t epoch) : epoch_(epoch) {}
+Scheduler::Scheduler(SchedulerOptions options) : options_(options) {}
 Scheduler::~Scheduler() = default;
 
 WorkerRecord* Scheduler::FindWorker(WorkerId id) {
@@ -169,7 +169,8 @@ void Scheduler::FailUnit(Instant now, WorkerId worker_id, LeaseId lease, const W
   Log(fmt::format("unit_failed worker={:016x} name=\"{}\" unit=\"{}\" reason=\"{}\"", Number(worker_id),
                   worker->name, unit.Text(), words));
   frame.failures.Record({samples, worker_id, worker->name + ": " + words, now});
-  if (const auto condemned = frame.failures.Condemned()) Condemn(*FindJob(unit.job), *condemned);
+  if (const auto condemned = frame.failures.Condemned(options_.attempts_max))
+    Condemn(*FindJob(unit.job), *condemned);
 }
 
 void Scheduler::FailScene(Instant now, WorkerId worker_id, const Digest& scene, const std::string& words) {
@@ -188,7 +189,7 @@ void Scheduler::FailScene(Instant now, WorkerId worker_id, const Digest& scene, 
       if (frame.scene.key != scene) continue;
       ++worker->units_failed;
       frame.failures.Record({std::nullopt, worker_id, worker->name + ": " + words, now});
-      if (const auto condemned = frame.failures.Condemned()) Condemn(job, *condemned);
+      if (const auto condemned = frame.failures.Condemned(options_.attempts_max)) Condemn(job, *condemned);
     }
   }
 }

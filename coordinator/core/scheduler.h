@@ -11,15 +11,22 @@
 #include <vector>
 
 #include "core/instant.h"
+#include "core/policy.h"
 #include "core/records.h"
 #include "terms/terms.h"
 
 namespace tessera {
 
+struct SchedulerOptions {
+  // Differs for every process that works on a data directory, so that lease ids never meet again.
+  uint32_t epoch = 1;
+  // Different workers that may fail a unit before its job fails.
+  int attempts_max = kAttemptsMaxDefault;
+};
+
 class Scheduler {
  public:
-  // `epoch` differs for every process that works on a data directory, so that lease ids never meet again.
-  explicit Scheduler(uint32_t epoch);
+  explicit Scheduler(SchedulerOptions options);
   ~Scheduler();
 
   // ---- Jobs ----
@@ -126,7 +133,7 @@ class Scheduler {
   std::optional<double> OpenCost(const JobRecord& job) const;
   LeaseRecord& Grant(Instant now, WorkerRecord& worker, JobRecord& job, FrameRecord& frame,
                      const WorkUnit& unit, LeaseId id);
-  LeaseId NextLease() { return LeaseId{uint64_t{epoch_} << 32 | lease_next_++}; }
+  LeaseId NextLease() { return LeaseId{uint64_t{options_.epoch} << 32 | lease_next_++}; }
   void Forget(LeaseId id);
   void Return(LeaseId id);
 
@@ -137,7 +144,7 @@ class Scheduler {
   std::optional<SampleRange> PieceFor(const LeaseRecord& slow, const FrameRecord& frame, double whole_s,
                                       int idle_slots) const;
 
-  uint32_t epoch_;
+  SchedulerOptions options_;
   uint64_t lease_next_ = 1;
   std::map<JobId, JobRecord> jobs_;
   std::map<int, std::set<JobId>, std::greater<int>> priorities_;

@@ -85,7 +85,7 @@ void Scheduler::Renew(Instant now, LeaseRecord& record, const HeldLease& held) {
 
 // A lease that a former process gave, or that had expired: if its unit is open, it is valid again.
 bool Scheduler::TakeOver(Instant now, WorkerRecord& worker, const HeldLease& held) {
-  const bool is_ours = Number(held.id) >> 32 == epoch_;
+  const bool is_ours = Number(held.id) >> 32 == options_.epoch;
   const bool may_be = !is_ours || (Number(held.id) & 0xffffffff) < lease_next_;
   if (!worker.MayWork() || !may_be || leases_.contains(held.id) || !IsKnown(held.unit)) return false;
   FrameRecord& frame = *FindFrame(held.unit);

@@ -1,0 +1,47 @@
+#include "tests/simulation/picture_model.h"
+
+#include "film/dyadic_sum.h"
+#include "util/hash.h"
+
+namespace tessera {
+
+FrameSpec SmallFrame(int width, int height, int tile_size, uint32_t samples_per_pixel) {
+  FrameSpec spec;
+  spec.width = width;
+  spec.height = height;
+  spec.crop = {0, 0, width, height};
+  spec.tile_size = tile_size;
+  spec.samples_per_pixel = samples_per_pixel;
+  spec.channels = {"R", "W"};
+  return spec;
+}
+
+RadianceTile RenderModel(uint64_t seed, PixelBounds bounds, SampleRange range) {
+  RadianceTile tile{bounds, range, 2, {}};
+  for (int y = bounds.y0; y < bounds.y1; ++y) {
+    for (int x = bounds.x0; x < bounds.x1; ++x) {
+      DyadicSum<float> radiance, weight;
+      for (uint32_t s = range.begin; s < range.end(); ++s) {
+        const uint64_t place = Hash(seed, static_cast<uint64_t>(x), static_cast<uint64_t>(y), s);
+        const float w = 0.5f + UniformFloat(static_cast<uint32_t>(place));
+        radiance.Add(w * UniformFloat(static_cast<uint32_t>(place >> 32)));
+        weight.Add(w);
+      }
+      tile.sums.push_back(radiance.Node());
+      tile.sums.push_back(weight.Node());
+    }
+  }
+  return tile;
+}
+
+FramePicture ReferencePicture(uint64_t seed, const FrameSpec& spec) {
+  Merger merger(spec);
+  for (int tile = 0; tile < spec.TileCount(); ++tile) {
+    for (const SampleRange range : DyadicPartition(spec.samples_per_pixel)) {
+      TESSERA_CHECK(merger.Add(tile, RenderModel(seed, spec.TileBounds(tile), range)).has_value());
+    }
+  }
+  return merger.Picture();
+}
+
+}  // namespace tessera

@@ -1,0 +1,18 @@
+// A renderer for simulations: every sample is a number that follows from its place, so that pictures can be
+// compared to the last bit with what one machine alone would make.
+#pragma once
+
+#include "film/frame_spec.h"
+#include "film/merger.h"
+#include "film/radiance_tile.h"
+
+namespace tessera {
+
+// A frame of a few tiles with channels "R" and "W".
+FrameSpec SmallFrame(int width, int height, int tile_size, uint32_t samples_per_pixel);
+// The sums of a unit of the picture named by `seed`.
+RadianceTile RenderModel(uint64_t seed, PixelBounds bounds, SampleRange range);
+// The whole picture, merged tile by tile in one piece each.
+FramePicture ReferencePicture(uint64_t seed, const FrameSpec& spec);
+
+}  // namespace tessera
