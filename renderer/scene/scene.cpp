@@ -57,11 +57,13 @@ class SceneLoader {
   Result<void> ReadSettings();
   Result<void> DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator);
   Result<void> BuildAccelerator();
+  Result<void> CheckLights(const std::string& name);
 
   FileSource& files_;
   const RenderOptions& options_;
   ImageCache images_;
   SceneDescription scene_;
+  bool wavefront_ = false;  // the scene asks for pbrt's wavefront renderer
   std::unique_ptr<Scene::Data> data_ = std::make_unique<Scene::Data>();
 };
 
@@ -70,6 +72,7 @@ Result<void> SceneLoader::ReadSettings() {
   std::vector<std::string>& warnings = data.summary.warnings;
   const Result<SceneOptions> scene_options = ReadSceneOptions(scene_, &warnings);
   if (!scene_options) return scene_options.error();
+  wavefront_ = scene_options->wavefront;
   const Result<FilmSettings> film = ReadFilm(scene_.film, options_);
   if (!film) return film.error();
   Result<Camera> camera = Camera::Read(scene_.camera, scene_.camera_from_world, film->width, film->height);
@@ -116,6 +119,15 @@ Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const Integrat
   return data.frame.Check();
 }
 
+// A scene without light is rendered black, as pbrt does, but for its wavefront renderer, which refuses it.
+Result<void> SceneLoader::CheckLights(const std::string& name) {
+  if (!data_->world.lights.empty()) return {};
+  if (wavefront_)
+    return BadInput(name + ": the scene asks for the wavefront renderer but has no light source");
+  data_->summary.warnings.push_back(name + ": the scene has no light source: every pixel will be black");
+  return {};
+}
+
 Result<void> SceneLoader::BuildAccelerator() {
   Scene::Data& data = *data_;
   const auto start = std::chrono::steady_clock::now();
@@ -135,9 +147,7 @@ Result<std::unique_ptr<Scene::Data>> SceneLoader::Load(const std::string& name, 
   scene_ = std::move(*scene);
   data_->summary.warnings = scene_.warnings;
   if (Result<void> settings = ReadSettings(); !settings) return settings.error();
-  if (data_->world.lights.empty()) {
-    return BadInput(name + ": the scene has no light source: every pixel would be black");
-  }
+  if (Result<void> lit = CheckLights(name); !lit) return lit.error();
   const Result<std::string> accelerator = ChooseAccelerator(scene_.accelerator, options_.accelerator);
   if (!accelerator) return accelerator.error();
   data_->summary.accelerator = *accelerator;

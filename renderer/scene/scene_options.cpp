@@ -47,7 +47,9 @@ Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, std::vector
       return ErrorAt(option.location,
                      "unknown option \"" + option.name + "\"" + DidYouMean(option.name, kNames));
     }
-    if (option.name == "seed") {
+    if (option.name == "wavefront") {
+      options.wavefront = !IsFalse(option);
+    } else if (option.name == "seed") {
       const Result<uint64_t> seed = ReadSeed(option);
       if (!seed) return seed.error();
       options.seed = *seed;

@@ -11,6 +11,7 @@ namespace tessera {
 
 struct SceneOptions {
   uint64_t seed = 0;
+  bool wavefront = false;
 };
 
 // Options that we do not have are warnings, values that make no sense are errors.

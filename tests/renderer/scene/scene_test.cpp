@@ -252,14 +252,21 @@ TEST(Scene, WhatIsWrongIsNamedWithItsPlace) {
             "scene.pbrt:1:1: film \"gbuffer\" is not supported yet");
   EXPECT_EQ(LoadError("Sampler \"sobel\"\nWorldBegin\n"),
             "scene.pbrt:1:1: unknown sampler \"sobel\" (did you mean \"sobol\"?)");
-  EXPECT_EQ(LoadError(head + "WorldBegin\nShape \"sphere\"\n"),
-            "scene.pbrt: the scene has no light source: every pixel would be black");
+  EXPECT_EQ(LoadError("Option \"wavefront\" true\n" + head + "WorldBegin\nShape \"sphere\"\n"),
+            "scene.pbrt: the scene asks for the wavefront renderer but has no light source");
   RenderOptions options;
   options.samples_per_pixel = 0;
   EXPECT_EQ(LoadError(Room(), options), "--spp: must lie between 1 and 1048576");
   options = {};
   options.accelerator = "quadtree";
   EXPECT_EQ(LoadError(Room(), options), "--accelerator: unknown accelerator \"quadtree\"");
+}
+
+TEST(Scene, ASceneWithoutLightOrShapesIsBlackWithAWarning) {
+  const auto scene = LoadText(std::string(kHead) + "WorldBegin\n");
+  ASSERT_TRUE(scene);
+  ASSERT_EQ(scene->summary().warnings.size(), 1u);
+  ExpectMean(RenderWhole(*scene), 0, 0, "no light");
 }
 
 TEST(Scene, IntegratorsWeDoNotHaveAreReplacedWithAWarning) {
@@ -272,7 +279,7 @@ Shape "sphere"
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene->summary().integrator, "volpath");
   ASSERT_EQ(scene->summary().warnings.size(), 1u);
-  EXPECT_EQ(scene->summary().warnings[0].substr(0, 34), "scene.pbrt:5:1: integrator \"mlt\" i");
+  EXPECT_EQ(scene->summary().warnings[0].substr(0, 34), "scene.pbrt:6:1: integrator \"mlt\" i");
 }
 
 }  // namespace
