@@ -3,8 +3,8 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <sys/pidfd.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,6 +19,11 @@ namespace tessera {
 namespace {
 
 constexpr uint64_t kLogSizeMax = 64 << 20;  // of which only the last line is wanted
+
+// glibc 2.36 declares its own wrapper without C linkage.
+int OpenPidfd(pid_t pid) {
+  return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
+}
 
 // Runs in the child between fork and exec: only calls that are safe there (signal-safety(7)). Returns on
 // failure.
@@ -92,7 +97,7 @@ Result<ChildProcess> ChildProcess::Start(const std::string& program,
   const int reason = pid < 0 ? fork_reason : AwaitExec(report[0]);
   ::close(report[0]);
   if (pid < 0) return Failed(fmt::format("{}: cannot be started: {}", program, std::strerror(reason)));
-  ChildProcess process(pid, ::pidfd_open(pid, 0), log);
+  ChildProcess process(pid, OpenPidfd(pid), log);
   if (reason != 0) return Failed(fmt::format("{}: cannot be started: {}", program, std::strerror(reason)));
   if (process.ended_fd_ < 0)
     return Failed(fmt::format("{}: cannot be watched: {}", program, std::strerror(errno)));

@@ -1,6 +1,7 @@
 // `tessera`: the command line of the farm.
 #include <fmt/format.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <exception>
@@ -8,7 +9,7 @@
 
 #include "client/command_line.h"
 #include "client/commands.h"
-#include "client/interrupt.h"
+#include "util/ending_signals.h"
 
 namespace tessera {
 namespace {
@@ -20,6 +21,12 @@ const std::map<std::string, Command>& Commands() {
       {"info", RunInfo},     {"compare", RunCompare},
   };
   return kCommands;
+}
+
+// The first signal cancels; the second ends us at once, and the kernel our child processes with us.
+void OnSignal(Cancellation& cancellation, int count) {
+  if (count > 1) ::_exit(static_cast<int>(ErrorKind::kInterrupted));
+  cancellation.Cancel({ErrorKind::kInterrupted, "interrupted"});
 }
 
 int Report(Error error) {
@@ -46,7 +53,8 @@ int Run(const std::vector<std::string>& arguments, Cancellation& cancellation) {
 int main(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error of write, not our end
   tessera::Cancellation cancellation;
-  const tessera::Interrupt interrupt(cancellation);
+  const tessera::EndingSignals signals(
+      [&cancellation](int count) { tessera::OnSignal(cancellation, count); });
   try {
     return tessera::Run({argv + 1, argv + argc}, cancellation);
   } catch (const std::exception& e) {  // out of memory and the like

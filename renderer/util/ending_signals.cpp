@@ -1,13 +1,14 @@
-#include "client/interrupt.h"
+#include "util/ending_signals.h"
 
 #include <pthread.h>
 #include <signal.h>
-#include <unistd.h>
+
+#include "util/check.h"
 
 namespace tessera {
 namespace {
 
-sigset_t EndingSignals() {
+sigset_t TheSignals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -17,27 +18,25 @@ sigset_t EndingSignals() {
 
 }  // namespace
 
-Interrupt::Interrupt(Cancellation& cancellation) : cancellation_(cancellation) {
-  const sigset_t signals = EndingSignals();
+EndingSignals::EndingSignals(std::function<void(int count)> action) : action_(std::move(action)) {
+  const sigset_t signals = TheSignals();
   TESSERA_CHECK(pthread_sigmask(SIG_BLOCK, &signals, nullptr) == 0);
   thread_ = std::thread([this] { WaitForSignals(); });
 }
 
-Interrupt::~Interrupt() {
+EndingSignals::~EndingSignals() {
   closing_ = true;
   pthread_kill(thread_.native_handle(), SIGTERM);
   thread_.join();
 }
 
-void Interrupt::WaitForSignals() {
-  const sigset_t signals = EndingSignals();
+void EndingSignals::WaitForSignals() {
+  const sigset_t signals = TheSignals();
   for (int count = 0;;) {
     int signal = 0;
     if (sigwait(&signals, &signal) != 0) continue;
     if (closing_) return;
-    if (++count > 1)
-      _exit(static_cast<int>(ErrorKind::kInterrupted));  // the kernel ends our children with us
-    cancellation_.Cancel({ErrorKind::kInterrupted, "interrupted"});
+    action_(++count);
   }
 }
 

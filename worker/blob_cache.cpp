@@ -1,0 +1,123 @@
+#include "worker/blob_cache.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "language/file_source.h"
+#include "util/file.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kTemporaryMark = ".tmp-";
+constexpr std::chrono::hours kTemporaryAgeMax{24};  // older ones were left behind by a crash
+
+struct CachedFile {
+  fs::path path;
+  uint64_t size = 0;
+  fs::file_time_type used;
+};
+
+std::vector<CachedFile> ListFiles(const std::string& folder) {
+  std::vector<CachedFile> files;
+  std::error_code error;
+  fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error), end;
+  while (!error && it != end) {
+    std::error_code ignored;  // another process may remove the file under our eyes
+    if (it->is_regular_file(ignored)) {
+      const uint64_t size = it->file_size(ignored);
+      const auto used = it->last_write_time(ignored);
+      if (!ignored) files.push_back({it->path(), size, used});
+    }
+    it.increment(error);
+  }
+  return files;
+}
+
+uint64_t TotalSize(const std::vector<CachedFile>& files) {
+  uint64_t total = 0;
+  for (const CachedFile& file : files) total += file.size;
+  return total;
+}
+
+}  // namespace
+
+Result<void> BlobCache::Prepare(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || ::access(folder.c_str(), W_OK) != 0) {
+    return BadInput(fmt::format("--cache-dir: {} cannot be written to", folder));
+  }
+  return {};
+}
+
+BlobCache::BlobCache(std::string folder, uint64_t bytes_max)
+    : folder_(std::move(folder)), bytes_max_(bytes_max), bytes_(TotalSize(ListFiles(folder_))) {}
+
+std::string BlobCache::PathOf(const Digest& digest) const {
+  const std::string hex = digest.Hex();
+  return fmt::format("{}/{}/{}", folder_, hex.substr(0, 2), hex);
+}
+
+std::optional<std::string> BlobCache::Get(const Digest& digest) {
+  const std::string path = PathOf(digest);
+  std::error_code error;
+  if (!fs::exists(path, error)) return std::nullopt;
+  auto bytes = ReadFile(path, kSceneFileSizeMax);
+  if (!bytes) return std::nullopt;
+  if (Sha256(*bytes) != digest) {
+    fs::remove(path, error);
+    return std::nullopt;
+  }
+  fs::last_write_time(path, fs::file_time_type::clock::now(), error);  // marks the use
+  return std::move(*bytes);
+}
+
+Result<void> BlobCache::Put(const Digest& digest, std::string_view bytes) {
+  if (bytes.size() > bytes_max_) return {};
+  bytes_ += bytes.size();
+  if (bytes_ > bytes_max_) MakeRoomFor(bytes.size());
+  const fs::path path = PathOf(digest);
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  const fs::path beside = fmt::format("{}{}{}-{}", path.string(), kTemporaryMark, ::getpid(), written_++);
+  {
+    std::ofstream file(beside, std::ios::binary | std::ios::trunc);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (!file) error = std::make_error_code(std::errc::io_error);
+  }
+  if (!error) fs::rename(beside, path, error);
+  if (!error) return {};
+  std::error_code ignored;
+  fs::remove(beside, ignored);
+  return Failed(fmt::format("{}: cannot be written: {}", path.string(), error.message()));
+}
+
+void BlobCache::MakeRoomFor(uint64_t bytes) {
+  if (making_room_.exchange(true)) return;
+  std::vector<CachedFile> files = ListFiles(folder_);
+  uint64_t total = TotalSize(files) + bytes;
+  std::ranges::sort(files, {}, &CachedFile::used);
+  const uint64_t target = bytes_max_ - bytes_max_ / 10;  // some room, so that not every write has to look
+  const auto stale = fs::file_time_type::clock::now() - kTemporaryAgeMax;
+  for (const CachedFile& file : files) {
+    const bool temporary = file.path.filename().string().find(kTemporaryMark) != std::string::npos;
+    if (temporary ? file.used > stale : total <= target) continue;
+    std::error_code error;
+    fs::remove(file.path, error);
+    total -= file.size;
+  }
+  bytes_ = total;
+  making_room_ = false;
+}
+
+}  // namespace tessera

@@ -1,0 +1,12 @@
+// Which build of the program this is.
+#pragma once
+
+#include <string>
+
+namespace tessera {
+
+// The linker's build id of the running executable, raw bytes: a hash of all that was linked into it. Empty if
+// it was linked without one.
+std::string BuildId();
+
+}  // namespace tessera

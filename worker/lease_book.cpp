@@ -1,0 +1,115 @@
+#include "worker/lease_book.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+// Leases remembered after they have gone: far more than can be in flight in messages of any age.
+constexpr size_t kPastMax = 100'000;
+
+}  // namespace
+
+bool LeaseBook::Add(const Lease& lease, TimePoint now) {
+  if (Holds(lease.id) || past_.contains(lease.id)) return false;
+  entries_.push_back({lease, LeaseStage::kWaiting, now, std::make_shared<std::atomic<bool>>(false)});
+  return true;
+}
+
+std::optional<LeaseBook::Started> LeaseBook::Start(const std::function<bool(const Digest&)>& is_ready,
+                                                   TimePoint now) {
+  for (Entry& entry : entries_) {
+    if (entry.stage != LeaseStage::kWaiting || !is_ready(entry.lease.scene)) continue;
+    entry.stage = LeaseStage::kRunning;
+    entry.since = now;
+    return Started{entry.lease, entry.stop};
+  }
+  return std::nullopt;
+}
+
+bool LeaseBook::Finish(LeaseId id, TimePoint now) {
+  const auto entry = Find(id);
+  if (entry == entries_.end()) return false;
+  entry->stage = LeaseStage::kReturning;
+  entry->since = now;
+  return true;
+}
+
+void LeaseBook::Forget(LeaseId id) {
+  const auto entry = Find(id);
+  if (entry == entries_.end()) {
+    Bury(id);  // it may still be on its way to us
+    return;
+  }
+  *entry->stop = true;
+  entries_.erase(entry);
+  Bury(id);
+}
+
+std::vector<LeaseId> LeaseBook::Take(const std::function<bool(const Entry&)>& which) {
+  std::vector<LeaseId> taken;
+  for (const Entry& entry : entries_) {
+    if (which(entry)) taken.push_back(entry.lease.id);
+  }
+  for (const LeaseId id : taken) Forget(id);
+  return taken;
+}
+
+std::vector<LeaseId> LeaseBook::TakeWaiting() {
+  return Take([](const Entry& entry) { return entry.stage == LeaseStage::kWaiting; });
+}
+
+std::vector<LeaseId> LeaseBook::TakeRunning() {
+  return Take([](const Entry& entry) { return entry.stage == LeaseStage::kRunning; });
+}
+
+std::vector<LeaseId> LeaseBook::TakeScene(const Digest& scene) {
+  return Take([&](const Entry& entry) {
+    return entry.lease.scene == scene && entry.stage != LeaseStage::kReturning;
+  });
+}
+
+std::list<LeaseBook::Entry>::iterator LeaseBook::Find(LeaseId id) {
+  return std::ranges::find(entries_, id, [](const Entry& entry) { return entry.lease.id; });
+}
+
+void LeaseBook::Bury(LeaseId id) {
+  if (!past_.insert(id).second) return;
+  past_order_.push_back(id);
+  if (past_order_.size() <= kPastMax) return;
+  past_.erase(past_order_.front());
+  past_order_.pop_front();
+}
+
+bool LeaseBook::Holds(LeaseId id) const {
+  return std::ranges::any_of(entries_, [id](const Entry& entry) { return entry.lease.id == id; });
+}
+
+bool LeaseBook::Uses(const Digest& scene) const {
+  return std::ranges::any_of(entries_, [&](const Entry& entry) { return entry.lease.scene == scene; });
+}
+
+size_t LeaseBook::running() const {
+  return static_cast<size_t>(std::ranges::count_if(
+      entries_, [](const Entry& entry) { return entry.stage == LeaseStage::kRunning; }));
+}
+
+std::vector<HeldLease> LeaseBook::Held(TimePoint now) const {
+  std::vector<HeldLease> held;
+  held.reserve(entries_.size());
+  for (const Entry& entry : entries_) {
+    const auto duration = std::chrono::duration_cast<std::chrono::milliseconds>(now - entry.since);
+    held.push_back({entry.lease.id, entry.lease.unit, entry.stage, duration});
+  }
+  return held;
+}
+
+std::optional<std::chrono::milliseconds> LeaseBook::ShortestDuration() const {
+  std::optional<std::chrono::milliseconds> shortest;
+  for (const Entry& entry : entries_) {
+    if (!shortest || entry.lease.duration < *shortest) shortest = entry.lease.duration;
+  }
+  return shortest;
+}
+
+}  // namespace tessera

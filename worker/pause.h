@@ -1,0 +1,20 @@
+// Waiting that ends when the worker does.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
+
+namespace tessera {
+
+// Waits for `duration` or until a stop is requested; whether it is worth going on.
+inline bool Pause(std::stop_token stop, std::chrono::milliseconds duration) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  never.wait_for(lock, stop, duration, [] { return false; });
+  return !stop.stop_requested();
+}
+
+}  // namespace tessera

@@ -1,0 +1,152 @@
+#include "worker/synchronizer.h"
+
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "proto/work.grpc.pb.h"
+#include "wire/channel.h"
+#include "wire/convert.h"
+
+namespace tessera {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kAnswerPatience{
+    20};                             // beyond the wait that was agreed: then the call counts as lost
+constexpr size_t kOpenCallsMax = 3;  // news that comes faster than answers waits for one
+constexpr std::chrono::milliseconds kCallAgainMax{10'000};
+
+// Whether the coordinator will never take this worker as it is.
+bool IsRefusal(const grpc::Status& status) {
+  const auto code = status.error_code();
+  return code == grpc::StatusCode::FAILED_PRECONDITION || code == grpc::StatusCode::INVALID_ARGUMENT ||
+         code == grpc::StatusCode::UNIMPLEMENTED;
+}
+
+}  // namespace
+
+// One Synchronize on its way. Shared with gRPC's thread, which touches it once: to say that it is done.
+struct Synchronizer::Call {
+  uint64_t sequence = 0;
+  std::vector<LeaseId> returned;
+  std::unique_ptr<proto::Work::Stub> stub;
+  grpc::ClientContext context;
+  proto::WorkerState request;
+  proto::WorkerDirective answer;
+  grpc::Status status;
+};
+
+Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState self, Workbench& bench,
+                           std::function<void(Error)> on_refusal)
+    : channel_(std::move(channel)),
+      self_(std::move(self)),
+      bench_(bench),
+      on_refusal_(std::move(on_refusal)),
+      backoff_(Number(self_.worker)),
+      next_call_(Clock::now()) {}
+
+// gRPC calls us back once for every call, so wait for that.
+Synchronizer::~Synchronizer() {
+  for (const auto& call : open_) call->context.TryCancel();
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return finished_.size() == open_.size(); });
+}
+
+void Synchronizer::Ring() {
+  {
+    const std::lock_guard lock(mutex_);
+    news_ = true;
+  }
+  changed_.notify_all();
+}
+
+void Synchronizer::Start() {
+  auto call = std::make_shared<Call>();
+  WorkerState state = self_;
+  state.sequence = call->sequence = ++self_.sequence;
+  bench_.FillState(state);
+  call->returned = state.returned_leases;
+  Write(state, call->request);
+  SetDeadline(call->context, state.wait + kAnswerPatience);
+  call->stub = proto::Work::NewStub(channel_);
+  open_.push_back(call);
+  call->stub->async()->Synchronize(
+      &call->context, &call->request, &call->answer, [this, call](grpc::Status status) {
+        const std::lock_guard lock(mutex_);
+        call->status = std::move(status);
+        finished_.push_back(call);
+        changed_.notify_all();  // under the lock: the destructor waits for this and then ends us
+      });
+}
+
+std::chrono::steady_clock::time_point Synchronizer::NextWakeup() const {
+  // With a call open the next is not due before its answer; the bound is only a bound.
+  return open_.empty() ? next_call_ : Clock::now() + kSynchronizeWaitMax + kAnswerPatience;
+}
+
+void Synchronizer::Run(std::stop_token stop) {
+  while (!stop.stop_requested()) {
+    bool news = false;
+    std::deque<std::shared_ptr<Call>> finished;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait_until(lock, stop, NextWakeup(),
+                          [&] { return !finished_.empty() || (news_ && open_.size() < kOpenCallsMax); });
+      finished.swap(finished_);
+      news = std::exchange(news_, false);
+    }
+    for (const auto& call : finished) {
+      std::erase(open_, call);
+      Handle(*call);
+    }
+    const bool due = Clock::now() >= next_call_;
+    if (!stop.stop_requested() && due && (open_.empty() || (news && open_.size() < kOpenCallsMax))) Start();
+  }
+}
+
+void Synchronizer::Handle(const Call& call) {
+  if (call.status.ok()) return HandleDirective(call);
+  if (IsRefusal(call.status)) return on_refusal_(ToError(call.status, "join the farm"));
+  if (connected_) spdlog::warn("disconnected reason=\"{}\"", call.status.error_message());
+  connected_ = false;
+  next_call_ = Clock::now() + backoff_.Next();
+}
+
+void Synchronizer::HandleDirective(const Call& call) {
+  auto directive = ReadWorkerDirective(call.answer);
+  if (!directive) return on_refusal_(Failed(directive.error().message));
+  if (!connected_) spdlog::info("connected worker={:016x}", Number(self_.worker));
+  connected_ = true;
+  backoff_.Reset();
+  bench_.ReturnsHeard(call.returned);
+  // The answer to a call that a later one overtook holds no wishes, only, perhaps, leases.
+  if (call.sequence != self_.sequence) return bench_.AddLeases(directive->leases, directive->drop);
+  if (directive->notice != notice_) {
+    notice_ = directive->notice;
+    spdlog::warn("notice text=\"{}\"", notice_);
+  }
+  next_call_ = Clock::now() + std::min(directive->call_again, kCallAgainMax);
+  bench_.Apply(*directive);
+}
+
+void Synchronizer::SayGoodbye(std::chrono::milliseconds patience) {
+  WorkerState state = self_;
+  state.sequence = ++self_.sequence;
+  bench_.FillState(state);
+  state.draining = true;
+  state.leaving = true;
+  state.wait = {};
+  proto::WorkerState request;
+  Write(state, request);
+  proto::WorkerDirective answer;
+  grpc::ClientContext context;
+  SetDeadline(context, patience);
+  const grpc::Status status = proto::Work::NewStub(channel_)->Synchronize(&context, request, &answer);
+  spdlog::info("left heard={}", status.ok());
+}
+
+}  // namespace tessera

@@ -1,0 +1,68 @@
+// The conversation of states with the coordinator: "this is what I have and do" -> "this is what you should
+// have and do".
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "terms/terms.h"
+#include "util/result.h"
+#include "worker/backoff.h"
+#include "worker/workbench.h"
+
+namespace grpc {
+class Channel;
+}
+
+namespace tessera {
+
+// Keeps one call open all the time, makes another when there is news, and calls again, with back-off, when
+// the connection breaks. Ring is thread safe; everything else belongs to the thread that runs it.
+class Synchronizer {
+ public:
+  // `self` holds what never changes: worker, name, slots, versions. `on_refusal` is called when the
+  // coordinator does not admit this worker: there is no use in going on.
+  Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState self, Workbench& bench,
+               std::function<void(Error)> on_refusal);
+  ~Synchronizer();
+  Synchronizer(const Synchronizer&) = delete;
+  Synchronizer& operator=(const Synchronizer&) = delete;
+
+  // There is news that the coordinator should hear.
+  void Ring();
+  // Talks until a stop is requested.
+  void Run(std::stop_token stop);
+  // Last words, after Run; waits for the answer at most this long.
+  void SayGoodbye(std::chrono::milliseconds patience);
+
+ private:
+  struct Call;
+  void Start();
+  void Handle(const Call& call);
+  void HandleDirective(const Call& call);
+  std::chrono::steady_clock::time_point NextWakeup() const;
+
+  std::shared_ptr<grpc::Channel> channel_;
+  WorkerState self_;
+  Workbench& bench_;
+  const std::function<void(Error)> on_refusal_;
+  Backoff backoff_;
+  std::chrono::steady_clock::time_point next_call_;
+  std::vector<std::shared_ptr<Call>> open_;
+  std::string notice_;
+  bool connected_ = false;
+
+  std::mutex mutex_;  // of the members below
+  std::condition_variable_any changed_;
+  bool news_ = false;
+  std::deque<std::shared_ptr<Call>> finished_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,174 @@
+#include "worker/worker.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <condition_variable>
+#include <cstdlib>
+#include <exception>
+#include <random>
+
+#include "film/radiance_tile.h"
+#include "wire/channel.h"
+#include "worker/build_id.h"
+#include "worker/scene_loader.h"
+
+namespace tessera {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// The parts of a drain; together below the 10 s that are promised.
+constexpr std::chrono::milliseconds kFinishPatience{5000};  // for units that are being rendered
+constexpr std::chrono::milliseconds kReturnPatience{2500};  // for what is left to be returned
+constexpr std::chrono::milliseconds kGoodbyePatience{1000};
+constexpr std::chrono::milliseconds kLoaderPatience{500};
+
+uint64_t RandomNumber() {
+  std::random_device device;
+  const uint64_t high = device();
+  const uint64_t low = device();
+  return (high << 32 | low) | 1;  // not 0
+}
+
+WorkerState Introduce(const WorkerOptions& options) {
+  WorkerState self;
+  self.worker = WorkerId{RandomNumber()};
+  self.name = options.name;
+  self.slots = options.threads;
+  self.build_digest = BuildId();
+  return self;
+}
+
+// Waits until one of them asks to stop.
+void AwaitEither(std::stop_token one, std::stop_token other) {
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  const std::stop_callback on_other(other, [&] {
+    const std::lock_guard lock(mutex);
+    stopped.notify_all();
+  });
+  std::unique_lock lock(mutex);
+  stopped.wait(lock, one, [&] { return other.stop_requested(); });
+}
+
+// Whether the lease asks for a unit of the scene's frame.
+bool Fits(const Lease& lease, const FrameSpec& frame) {
+  const auto tiles = static_cast<uint32_t>(frame.TileCount());
+  return lease.unit.tile < tiles && lease.bounds == frame.TileBounds(static_cast<int>(lease.unit.tile)) &&
+         lease.unit.range.IsDyadic() && lease.unit.range.end() <= frame.samples_per_pixel;
+}
+
+// Renders one unit on this thread.
+void RenderUnit(const UnitTask& task, Workbench& bench) {
+  const auto start = Clock::now();
+  if (!Fits(task.lease, task.scene->frame())) {
+    return bench.UnitFailed(task.lease, task.lease.unit.Text() + " is not a unit of its scene");
+  }
+  const auto tile = task.scene->Render(task.lease.bounds, task.lease.unit.range, task.stop.get());
+  if (!tile) return bench.UnitStopped(task.lease.id);
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  bench.UnitFinished({task.lease.id, task.lease.unit, EncodeRadianceTile(*tile), seconds});
+}
+
+}  // namespace
+
+Worker::Worker(const WorkerOptions& options)
+    : states_channel_(OpenChannel(options.coordinator)),
+      bulk_channel_(OpenChannel(options.coordinator)),
+      self_(Introduce(options)),
+      threads_(options.threads),
+      cache_(options.cache_dir, options.cache_bytes),
+      fetcher_(bulk_channel_, cache_, closing_.get_token(), Number(self_.worker) + 2),
+      bench_([this] { synchronizer_.Ring(); }),
+      synchronizer_(states_channel_, self_, bench_, [this](Error why) { OnRefusal(std::move(why)); }),
+      returner_(bulk_channel_, self_.worker, bench_, [this](Error why) { OnRefusal(std::move(why)); }) {}
+
+Worker::~Worker() {
+  closing_.request_stop();
+  bench_.StopRendering();
+  for (std::thread& thread : crew_) thread.join();
+  if (loader_.joinable()) loader_.join();
+}
+
+void Worker::OnRefusal(Error why) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!refusal_) refusal_ = std::move(why);
+  }
+  refused_.request_stop();
+}
+
+Result<void> Worker::Run(std::stop_token stop) {
+  spdlog::info("start worker={:016x} name=\"{}\" slots={}", Number(self_.worker), self_.name, threads_);
+  loader_ = std::thread([this] { LoadScenes(); });
+  crew_.emplace_back([this] { synchronizer_.Run(closing_.get_token()); });
+  crew_.emplace_back([this] { returner_.Run(closing_.get_token()); });
+  for (int i = 0; i < threads_; ++i) crew_.emplace_back([this] { Render(); });
+  AwaitEither(stop, refused_.get_token());
+  if (!refused_.stop_requested()) Drain();
+  closing_.request_stop();
+  bench_.StopRendering();
+  for (std::thread& thread : crew_) thread.join();
+  crew_.clear();
+  std::optional<Error> refusal;
+  {
+    const std::lock_guard lock(mutex_);
+    refusal = refusal_;
+  }
+  if (refusal) return *refusal;
+  synchronizer_.SayGoodbye(kGoodbyePatience);
+  return {};
+}
+
+bool Worker::IsLoading() {
+  std::unique_lock lock(mutex_);
+  return !loader_ended_.wait_for(lock, kLoaderPatience, [this] { return loader_is_done_; });
+}
+
+void Worker::Drain() {
+  spdlog::info("drain");
+  bench_.Drain();
+  if (bench_.AwaitIdle(kFinishPatience)) return;
+  bench_.StopRendering();
+  if (!bench_.AwaitIdle(kReturnPatience)) spdlog::warn("drain reason=\"not everything could be returned\"");
+}
+
+void Worker::Render() {
+  while (const auto task = bench_.AwaitUnit(closing_.get_token())) {
+    try {
+      RenderUnit(*task, bench_);
+    } catch (const std::exception& e) {  // out of memory
+      bench_.UnitFailed(task->lease, fmt::format("{}: {}", task->lease.unit.Text(), e.what()));
+    }
+  }
+}
+
+void Worker::LoadScenes() {
+  const FetchBlob fetch = [this](const Digest& digest, uint64_t size_max) {
+    return fetcher_.Get(digest, size_max);
+  };
+  while (const auto order = bench_.AwaitSceneOrder(closing_.get_token())) {
+    const auto start = Clock::now();
+    try {
+      auto scene = LoadOrderedScene(*order, fetch);
+      if (closing_.stop_requested()) break;
+      if (!scene) {
+        spdlog::warn("scene key={} reason=\"{}\"", order->key.Hex(), scene.error().message);
+        bench_.SceneFailed(order->key, scene.error().message);
+        continue;
+      }
+      bench_.SceneLoaded(order->key, std::move(*scene));
+    } catch (const std::exception& e) {  // out of memory
+      bench_.SceneFailed(order->key, fmt::format("{}: {}", order->scene_file, e.what()));
+      continue;
+    }
+    spdlog::info("scene key={} load_s={:.3f}", order->key.Hex(),
+                 std::chrono::duration<double>(Clock::now() - start).count());
+  }
+  const std::lock_guard lock(mutex_);
+  loader_is_done_ = true;
+  loader_ended_.notify_all();
+}
+
+}  // namespace tessera
