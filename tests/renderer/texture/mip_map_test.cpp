@@ -24,7 +24,7 @@ Image FloatImage(int width, int height, int channels, const std::vector<float>& 
   image.channel_names =
       channels == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
   image.bytes.resize(values.size() * sizeof(float));
-  std::memcpy(image.bytes.data(), values.data(), image.bytes.size());
+  if (!values.empty()) std::memcpy(image.bytes.data(), values.data(), image.bytes.size());
   return image;
 }
 

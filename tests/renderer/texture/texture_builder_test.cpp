@@ -12,7 +12,7 @@ float FloatOf(const std::string& textures, const TextureContext& context,
               std::map<std::string, std::string> files = {}) {
   TextureScene scene(std::move(files));
   EXPECT_EQ(scene.Build(textures, "\"texture a\" \"t\""), "");
-  const FloatInput input = scene.Float_("a");
+  const FloatInput input = scene.FloatInputOf("a");
   EXPECT_EQ(scene.error(), "");
   return scene.Finish().Evaluate(input, context);
 }
@@ -22,7 +22,7 @@ float SpectrumOf(const std::string& textures, const TextureContext& context, Spe
                  std::map<std::string, std::string> files = {}) {
   TextureScene scene(std::move(files));
   EXPECT_EQ(scene.Build(textures, "\"texture a\" \"t\""), "");
-  const SpectrumInput input = scene.Spectrum_("a", use);
+  const SpectrumInput input = scene.SpectrumInputOf("a", use);
   EXPECT_EQ(scene.error(), "");
   return Average(scene.Finish().Evaluate(input, context, SampledWavelengths::SampleVisible(0.3f)));
 }
@@ -43,13 +43,13 @@ TEST(TextureBuilder, ConstantsNeedNoNode) {
                            Texture "ss" "spectrum" "scale" "texture tex" "s" "texture scale" "c")",
                         R"("texture a" "t" "texture b" "m" "texture c" "ss" "float d" 3)"),
             "");
-  EXPECT_TRUE(scene.Float_("a").IsConstant());
-  EXPECT_EQ(scene.Float_("a").constant, 0.5f);
-  EXPECT_EQ(scene.Float_("b").constant, 0.75f);
-  EXPECT_EQ(scene.Float_("d").constant, 3);
-  EXPECT_EQ(scene.Float_("absent").constant, -1);
-  ASSERT_TRUE(scene.Spectrum_("c").IsConstant());
-  EXPECT_NEAR(scene.Spectrum_("c").constant.At(550), 0.125f, 1e-3f);
+  EXPECT_TRUE(scene.FloatInputOf("a").IsConstant());
+  EXPECT_EQ(scene.FloatInputOf("a").constant, 0.5f);
+  EXPECT_EQ(scene.FloatInputOf("b").constant, 0.75f);
+  EXPECT_EQ(scene.FloatInputOf("d").constant, 3);
+  EXPECT_EQ(scene.FloatInputOf("absent").constant, -1);
+  ASSERT_TRUE(scene.SpectrumInputOf("c").IsConstant());
+  EXPECT_NEAR(scene.SpectrumInputOf("c").constant.At(550), 0.125f, 1e-3f);
 }
 
 TEST(TextureBuilder, MixBlendsByItsAmount) {
@@ -103,7 +103,7 @@ TEST(TextureBuilder, RenderingSpaceIsUndoneBeforeTheTexturesOwnSpace) {
       Texture "t" "float" "bilerp" "string mapping" "planar" "float v10" 1 "float v01" 0)",
                         R"("texture a" "t")"),
             "");
-  const FloatInput input = scene.Float_("a");
+  const FloatInput input = scene.FloatInputOf("a");
   const TextureTable table = scene.Finish();
   TextureContext context;
   context.p = {100.25f, 1000, 0};  // in the texture's space: (0.25, 0, 0)
@@ -161,7 +161,7 @@ TEST(TextureBuilder, AColorPictureLooksLikeTheSameColorGivenAsConstant) {
   ASSERT_EQ(scene.Build(R"(Texture "t" "spectrum" "imagemap" "string filename" "a.pfm")",
                         R"("texture a" "t" "rgb b" [0.8 0.3 0.1])"),
             "");
-  const SpectrumInput image = scene.Spectrum_("a"), constant = scene.Spectrum_("b");
+  const SpectrumInput image = scene.SpectrumInputOf("a"), constant = scene.SpectrumInputOf("b");
   EXPECT_FALSE(image.IsConstant());
   const TextureTable table = scene.Finish();
   const SampledWavelengths wavelengths = SampledWavelengths::SampleVisible(0.6f);
@@ -220,17 +220,17 @@ TEST(TextureBuilder, NamesOfTheTwoTypesDoNotMeet) {
                            Texture "t" "spectrum" "constant" "rgb value" [0.5 0.5 0.5])",
                         R"("texture a" "t")"),
             "");
-  EXPECT_EQ(scene.Float_("a").constant, 2);
-  EXPECT_NEAR(scene.Spectrum_("a").constant.At(500), 0.5f, 1e-3f);
+  EXPECT_EQ(scene.FloatInputOf("a").constant, 2);
+  EXPECT_NEAR(scene.SpectrumInputOf("a").constant.At(500), 0.5f, 1e-3f);
 }
 
 TEST(TextureBuilder, AnAlbedoAboveOneIsAnErrorOnlyWhereAnAlbedoIsWanted) {
   TextureScene scene;
   ASSERT_EQ(scene.Build(R"(Texture "t" "spectrum" "constant" "rgb value" [2 2 2])", R"("texture a" "t")"),
             "");
-  EXPECT_NEAR(scene.Spectrum_("a", SpectrumUse::kUnbounded).constant.At(500), 2, 1e-2f);
+  EXPECT_NEAR(scene.SpectrumInputOf("a", SpectrumUse::kUnbounded).constant.At(500), 2, 1e-2f);
   EXPECT_EQ(scene.error(), "");
-  scene.Spectrum_("a", SpectrumUse::kAlbedo);
+  scene.SpectrumInputOf("a", SpectrumUse::kAlbedo);
   EXPECT_THAT(scene.error(), testing::StartsWith("a.pbrt:2:35: "));
 }
 
@@ -240,11 +240,11 @@ TEST(TextureErrors, NameTheirPlaceAndWhatWasMeant) {
 Texture "bump" "float" "constant")",
                         R"("texture a" "wod" "texture b" "bump" "texture c" "wood")"),
             "");
-  scene.Spectrum_("a");
+  scene.SpectrumInputOf("a");
   EXPECT_EQ(scene.error(), "a.pbrt:4:20: unknown spectrum texture \"wod\" (did you mean \"wood\"?)");
-  scene.Spectrum_("b");
+  scene.SpectrumInputOf("b");
   EXPECT_EQ(scene.error(), "a.pbrt:4:38: texture \"bump\" is a float texture, expected a spectrum texture");
-  scene.Float_("c");
+  scene.FloatInputOf("c");
   EXPECT_EQ(scene.error(), "a.pbrt:4:57: texture \"wood\" is a spectrum texture, expected a float texture");
 }
 

@@ -53,13 +53,13 @@ class TextureScene {
   }
 
   // Parameters of the material. Call before Finish; the last error is kept.
-  SpectrumInput Spectrum_(std::string_view name, SpectrumUse use = SpectrumUse::kAlbedo) {
+  SpectrumInput SpectrumInputOf(std::string_view name, SpectrumUse use = SpectrumUse::kAlbedo) {
     ParameterReader reader(scene_.materials.back().entity);
     const SpectrumInput input = builder_->SpectrumOf(reader, name, use, Spectrum::Constant(-1));
     Keep(reader);
     return input;
   }
-  FloatInput Float_(std::string_view name) {
+  FloatInput FloatInputOf(std::string_view name) {
     ParameterReader reader(scene_.materials.back().entity);
     const FloatInput input = builder_->Float(reader, name, -1);
     Keep(reader);
