@@ -125,7 +125,7 @@ void AreaLights::AddProfiles(std::vector<LightProfile>* profiles) const {
     bounds.strength = strength * std::abs(light.scale) * ShapeArea(*emitter.shape, light.primitive);
     bounds.two_sided = emitter.two_sided;
     if (cone.cos_angle >= 1 && !emitter.two_sided) bounds.plane_min = SupportMin(bounds.box, cone.axis);
-    profiles->push_back({true, bounds.strength * kPi * (emitter.two_sided ? 2.0f : 1.0f), bounds});
+    profiles->push_back({true, bounds.strength * kPi * (emitter.two_sided ? 2.0f : 1.0f), bounds, 0});
   }
 }
 

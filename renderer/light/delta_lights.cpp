@@ -75,7 +75,7 @@ LightProfile PointLight::Profile() const {
   bounds.cos_theta_o = -1;
   bounds.cos_theta_e = 0;
   bounds.strength = strength;
-  return {true, 4 * kPi * strength, bounds};
+  return {true, 4 * kPi * strength, bounds, 0};
 }
 
 SpotLight SpotLight::Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files) {
@@ -123,7 +123,7 @@ LightProfile SpotLight::Profile() const {
   bounds.cos_theta_o = cos_falloff_start;
   bounds.cos_theta_e = std::cos(fade) - kRimSlack;
   bounds.strength = Strength(I);
-  return {true, bounds.strength * UnitPower(), bounds};
+  return {true, bounds.strength * UnitPower(), bounds, 0};
 }
 
 DistantLight DistantLight::Read(ParameterReader& reader, const Transform& render_from_light,
@@ -149,7 +149,7 @@ LightSample DistantLight::Sample(const ReferencePoint& reference, float scene_ra
 }
 
 LightProfile DistantLight::Profile(float scene_radius) const {
-  return {true, Strength(L) * kPi * Sqr(scene_radius), std::nullopt};
+  return {true, Strength(L) * kPi * Sqr(scene_radius), std::nullopt, Strength(L)};
 }
 
 }  // namespace tessera

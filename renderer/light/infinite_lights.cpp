@@ -74,7 +74,9 @@ ImageInfiniteLight ImageInfiniteLight::Read(ParameterReader& reader, const Trans
   const std::vector<float> excess = ExcessOverMean(image, &mean);
   light.brighter =
       Distribution2D(excess, static_cast<uint32_t>(image.width()), static_cast<uint32_t>(image.height()));
-  light.mean_strength = mean * Strength(Spectrum::Table(image.color_space().illuminant(), scale));
+  const float white = Strength(Spectrum::Table(image.color_space().illuminant(), scale));
+  light.mean_strength = mean * white;
+  light.sampled_strength = light.brighter.mean() * white;
   return light;
 }
 
@@ -104,7 +106,7 @@ float ImageInfiniteLight::Pdf(Vec3 wi) const {
 }
 
 LightProfile ImageInfiniteLight::Profile(float scene_radius) const {
-  return {true, 4 * kPi * kPi * Sqr(scene_radius) * mean_strength, std::nullopt};
+  return {true, 4 * kPi * kPi * Sqr(scene_radius) * mean_strength, std::nullopt, kPi * sampled_strength};
 }
 
 }  // namespace tessera

@@ -24,7 +24,8 @@ struct ImageInfiniteLight {
   EmissionMap map;
   // Of what exceeds the mean: what is below it is left to rays that miss (Karlik et al. 2019).
   Distribution2D brighter;
-  float mean_strength = 0;
+  float mean_strength = 0;     // of the whole picture
+  float sampled_strength = 0;  // of `brighter`
 
   // Expects parameter `filename`.
   static ImageInfiniteLight Read(ParameterReader& reader, const Transform& render_from_light,

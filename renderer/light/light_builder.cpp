@@ -46,7 +46,7 @@ struct SourceProfiler {
   }
   LightProfile operator()(const DistantLight& light) const { return light.Profile(scene_radius); }
   LightProfile operator()(const ImageInfiniteLight& light) const { return light.Profile(scene_radius); }
-  LightProfile operator()(const ConstantInfiniteLight&) const { return {false, 0, std::nullopt}; }
+  LightProfile operator()(const ConstantInfiniteLight&) const { return {false, 0, std::nullopt, 0}; }
 };
 
 SourceLight LightBuilder::ReadKind(ParameterReader& reader, const Transform& render_from_light) {

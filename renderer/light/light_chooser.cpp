@@ -7,62 +7,84 @@ namespace {
 
 constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 
+// What share of the chances is given evenly, not by estimates that ignore occlusion. Keeps any light's chance
+// within this factor of an even one.
+constexpr float kEvenShare = 0.5f;
+
+bool IsSampled(const LightProfile& profile) {
+  return profile.is_sampled && profile.power > 0;
+}
+
+std::vector<float> Weights(LightChooser::Method method, const std::vector<LightProfile>& profiles,
+                           const std::vector<uint32_t>& candidates) {
+  const float count = static_cast<float>(candidates.size());
+  float irradiance = 0;
+  for (const uint32_t light : candidates) irradiance += profiles[light].irradiance;
+  std::vector<float> weights;
+  for (const uint32_t light : candidates) {
+    const LightProfile& profile = profiles[light];
+    float weight = 1 / count;
+    if (method == LightChooser::Method::kPower) weight = profile.power;
+    if (method == LightChooser::Method::kTree && irradiance > 0) {
+      weight = kEvenShare / count + (1 - kEvenShare) * profile.irradiance / irradiance;
+    }
+    weights.push_back(weight);
+  }
+  return weights;
+}
+
 }  // namespace
 
-LightChooser::LightChooser(Method method, const std::vector<LightProfile>& profiles) : method_(method) {
+LightChooser::LightChooser(Method method, const std::vector<LightProfile>& profiles) {
   std::vector<uint32_t> placed;
   std::vector<LightBounds> bounds;
   for (uint32_t i = 0; i < profiles.size(); ++i) {
     const LightProfile& profile = profiles[i];
-    if (!profile.is_sampled || !(profile.power > 0)) continue;
+    if (!IsSampled(profile)) continue;
     if (method == Method::kTree && profile.bounds) {
       placed.push_back(i);
       bounds.push_back(*profile.bounds);
     } else {
       candidates_.push_back(i);
+      irradiance_ += profile.irradiance;
     }
   }
   if (placed.size() == 1 && candidates_.empty()) candidates_.swap(placed);  // nothing to choose
   places_.assign(profiles.size(), kNowhere);
   for (uint32_t i = 0; i < candidates_.size(); ++i) places_[candidates_[i]] = i;
+  if (!candidates_.empty()) choice_ = Distribution1D(Weights(method, profiles, candidates_));
   if (!placed.empty()) tree_ = LightTree(bounds, placed, profiles.size());
-  const float candidate_count = static_cast<float>(candidates_.size());
-  if (!tree_.empty()) candidates_pmf_ = candidate_count / (candidate_count + 1);
-  if (method == Method::kPower && !candidates_.empty()) {
-    std::vector<float> powers;
-    for (const uint32_t light : candidates_) powers.push_back(profiles[light].power);
-    power_ = Distribution1D(powers);
-  }
 }
 
-std::optional<ChosenLight> LightChooser::ChooseByTree(const ReferencePoint& reference, float u) const {
-  u = std::clamp((u - candidates_pmf_) / (1 - candidates_pmf_), 0.0f, kOneMinusEpsilon);
-  std::optional<ChosenLight> chosen = tree_.Choose(reference.p, reference.shading_n, u);
-  if (chosen) chosen->pmf *= 1 - candidates_pmf_;
-  return chosen;
+float LightChooser::TreeShare(const ReferencePoint& reference) const {
+  if (tree_.empty()) return 0;
+  if (candidates_.empty()) return 1;
+  const float arriving = tree_.Importance(reference.p, reference.shading_n);
+  if (!(arriving > 0)) return 0;
+  const float even = 1 / (static_cast<float>(candidates_.size()) + 1);
+  return kEvenShare * even + (1 - kEvenShare) * arriving / (arriving + irradiance_);
 }
 
 std::optional<ChosenLight> LightChooser::Choose(const ReferencePoint& reference, float u) const {
   if (candidates_.size() == 1 && tree_.empty()) return ChosenLight{static_cast<int>(candidates_[0]), 1};
-  if (u >= candidates_pmf_ || candidates_.empty())
-    return tree_.empty() ? std::nullopt : ChooseByTree(reference, u);
-  if (method_ == Method::kPower) {
-    const Distribution1D::Drawn drawn = power_.Sample(u);
-    return ChosenLight{static_cast<int>(candidates_[drawn.cell]), power_.Pmf(drawn.cell)};
+  const float tree_share = TreeShare(reference);
+  if (u < tree_share) {
+    u = std::min(u / tree_share, kOneMinusEpsilon);
+    std::optional<ChosenLight> chosen = tree_.Choose(reference.p, reference.shading_n, u);
+    if (chosen) chosen->pmf *= tree_share;
+    return chosen;
   }
-  const float count = static_cast<float>(candidates_.size());
-  const size_t place = std::min(static_cast<size_t>(u / candidates_pmf_ * count), candidates_.size() - 1);
-  return ChosenLight{static_cast<int>(candidates_[place]), candidates_pmf_ / count};
+  if (candidates_.empty()) return std::nullopt;
+  const Distribution1D::Drawn drawn =
+      choice_.Sample(std::min((u - tree_share) / (1 - tree_share), kOneMinusEpsilon));
+  return ChosenLight{static_cast<int>(candidates_[drawn.cell]), (1 - tree_share) * choice_.Pmf(drawn.cell)};
 }
 
 float LightChooser::Pmf(const ReferencePoint& reference, int light) const {
   const uint32_t place = places_[light];
-  if (place == kNowhere) {
-    if (!tree_.Contains(light)) return 0;
-    return tree_.Pmf(reference.p, reference.shading_n, light) * (1 - candidates_pmf_);
-  }
-  if (method_ == Method::kPower) return power_.Pmf(place);
-  return candidates_pmf_ / static_cast<float>(candidates_.size());
+  if (place != kNowhere) return (1 - TreeShare(reference)) * choice_.Pmf(place);
+  if (!tree_.Contains(light)) return 0;
+  return TreeShare(reference) * tree_.Pmf(reference.p, reference.shading_n, light);
 }
 
 }  // namespace tessera

@@ -18,6 +18,7 @@ struct LightProfile {
   bool is_sampled = true;             // false: never to be chosen
   float power = 0;                    // emitted by the light, not negative
   std::optional<LightBounds> bounds;  // nothing: a light at infinity
+  float irradiance = 0;               // of a light at infinity, on a surface that faces it
 };
 
 class LightChooser {
@@ -37,15 +38,14 @@ class LightChooser {
  private:
   static constexpr uint32_t kNowhere = 0xffffffffu;
 
-  std::optional<ChosenLight> ChooseByTree(const ReferencePoint& reference, float u) const;
+  // The chance that the tree is asked, not `candidates_`.
+  float TreeShare(const ReferencePoint& reference) const;
 
-  Method method_ = Method::kUniform;
-  // The lights that are chosen without a tree: all, or with a tree those at infinity.
-  std::vector<uint32_t> candidates_;
-  std::vector<uint32_t> places_;  // of each light in candidates_, or kNowhere
-  Distribution1D power_;          // over candidates_
+  std::vector<uint32_t> candidates_;  // lights that are chosen without a tree
+  std::vector<uint32_t> places_;      // of each light in candidates_, or kNowhere
+  Distribution1D choice_;             // over candidates_
+  float irradiance_ = 0;              // of all candidates_ beside a tree
   LightTree tree_;
-  float candidates_pmf_ = 1;  // the chance that one of candidates_ is taken; the rest is the tree's
 };
 
 }  // namespace tessera

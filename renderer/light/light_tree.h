@@ -40,6 +40,8 @@ class LightTree {
 
   bool empty() const { return nodes_.empty(); }
   bool Contains(int light) const { return !places_.empty() && places_[light] != kNowhere; }
+  // An upper estimate of the irradiance at p from all lights.
+  float Importance(Point3 p, Normal3 n) const { return empty() ? 0 : Sum(nodes_[0].Importance(p, n)); }
   std::optional<ChosenLight> Choose(Point3 p, Normal3 n, float u) const;
   // The probability with which Choose takes `light`, which the tree contains.
   float Pmf(Point3 p, Normal3 n, int light) const;

@@ -101,7 +101,7 @@ LightProfile GoniometricLight::Profile() const {
   bounds.cos_theta_o = -1;
   bounds.cos_theta_e = 0;
   bounds.strength = Strength(I) * std::abs(mean);
-  return {true, 4 * kPi * bounds.strength, bounds};
+  return {true, 4 * kPi * bounds.strength, bounds, 0};
 }
 
 template <typename Value>
@@ -170,7 +170,7 @@ LightProfile ProjectionLight::Profile() const {
   bounds.axis = axis;
   bounds.cos_theta_e = 1 / std::sqrt(1 + Sqr(tan_half_fov) * (width * width + height * height)) - kRimSlack;
   bounds.strength = strength;
-  return {true, power, bounds};
+  return {true, power, bounds, 0};
 }
 
 }  // namespace tessera
