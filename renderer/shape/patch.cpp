@@ -135,6 +135,8 @@ void FillPatchInteraction(const BilinearMesh& mesh, uint32_t primitive, Point2 u
     if (LengthSquared(cross) == 0) cross = {0, 0, 1};
     CoordinateSystem(Normalize(cross), &dpdu, &dpdv);
   }
+  const Vec3 d2pduv = (patch.p00 - patch.p01) + (patch.p11 - patch.p10);
+  const NormalDerivatives dn = DifferentiateNormal(dpdu, dpdv, {}, d2pduv, {});
   ParameterDerivatives parameters;
   if (!mesh.uv.empty()) {
     parameters = DifferentiateParameters(PatchUvAt(mesh, primitive), uv);
@@ -151,8 +153,6 @@ void FillPatchInteraction(const BilinearMesh& mesh, uint32_t primitive, Point2 u
   interaction->dpdv = dpdv;
   interaction->n = Normalize(cross);
   if (mesh.flip_normals) interaction->n = -interaction->n;
-  const Vec3 d2pduv = (patch.p00 - patch.p01) + (patch.p11 - patch.p10);
-  const NormalDerivatives dn = DifferentiateNormal(dpdu, dpdv, {}, d2pduv, {});
   interaction->shading = {interaction->n, dpdu, dpdv, parameters.ByS(dn.dndu, dn.dndv),
                           parameters.ByT(dn.dndu, dn.dndv)};
   if (!mesh.N.empty()) FillShading(mesh, primitive, uv, parameters, interaction);

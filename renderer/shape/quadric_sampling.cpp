@@ -144,6 +144,11 @@ float QuadricPdf(const Quadric& quadric, const ReferencePoint& reference,
   return PerSolidAngle(pdf, reference.p, on_light.p, on_light.n);
 }
 
+bool SamplesByCone(const Quadric& quadric, const ReferencePoint& reference) {
+  const std::optional<RenderSphere> sphere = AsRenderSphere(quadric);
+  return sphere && IsOutside(*sphere, reference);
+}
+
 float QuadricArea(const Quadric& quadric) {
   const float object_area = ObjectArea(quadric);
   if (const std::optional<RenderSphere> sphere = AsRenderSphere(quadric))

@@ -10,6 +10,8 @@ namespace tessera {
 // uniform over the area in object space, with the density that this is in rendering space.
 std::optional<ShapeSample> SampleQuadric(const Quadric& quadric, const ReferencePoint& reference, Point2 u);
 float QuadricPdf(const Quadric& quadric, const ReferencePoint& reference, const SurfaceInteraction& on_light);
+// Whether it is a cone that would be sampled: then only the nearest point along each direction is.
+bool SamplesByCone(const Quadric& quadric, const ReferencePoint& reference);
 
 // In rendering space; of stretched spheres and cylinders by quadrature.
 float QuadricArea(const Quadric& quadric);

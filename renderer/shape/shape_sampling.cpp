@@ -25,6 +25,11 @@ float ShapePdf(const Shape& shape, uint32_t primitive, const ReferencePoint& ref
   return QuadricPdf(std::get<Quadric>(shape.form), reference, on_light);
 }
 
+bool SamplesNearestOnly(const Shape& shape, const ReferencePoint& reference) {
+  const auto* quadric = std::get_if<Quadric>(&shape.form);
+  return quadric != nullptr && SamplesByCone(*quadric, reference);
+}
+
 float ShapeArea(const Shape& shape, uint32_t primitive) {
   if (const auto* mesh = std::get_if<TriangleMesh>(&shape.form))
     return TriangleArea(TriangleAt(*mesh, primitive));

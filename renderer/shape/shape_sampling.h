@@ -34,6 +34,9 @@ std::optional<ShapeSample> SampleShape(const Shape& shape, uint32_t primitive,
 float ShapePdf(const Shape& shape, uint32_t primitive, const ReferencePoint& reference, Vec3 wi,
                const SurfaceInteraction& on_light);
 
+// Whether SampleShape, of two points of a primitive in one direction, only ever gives the nearer one.
+bool SamplesNearestOnly(const Shape& shape, const ReferencePoint& reference);
+
 float ShapeArea(const Shape& shape, uint32_t primitive);
 Bounds3 ShapeBounds(const Shape& shape, uint32_t primitive);
 
