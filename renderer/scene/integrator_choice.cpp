@@ -12,10 +12,10 @@ namespace {
 
 constexpr int kMaxDepthMax = 1 << 20;  // scattering events; roulette ends paths long before
 
-constexpr std::string_view kKinds[] = {"path", "volpath"};
+constexpr std::string_view kKinds[] = {"path",       "volpath",       "mixture",
+                                       "simplepath", "simplevolpath", "randomwalk"};
 // Estimators of the same picture that we do not have: ours takes their place.
-constexpr std::string_view kReplacedKinds[] = {"bdpt",       "lightpath",     "mlt", "randomwalk",
-                                               "simplepath", "simplevolpath", "sppm"};
+constexpr std::string_view kReplacedKinds[] = {"bdpt", "lightpath", "mlt", "sppm"};
 constexpr std::string_view kRefusedKinds[] = {"ambientocclusion", "function"};
 
 template <size_t N>
@@ -28,6 +28,39 @@ Error UnknownIntegrator(const std::string& where, const std::string& kind) {
     return BadInput(where + ": integrator \"" + kind + "\" is not supported yet");
   }
   return BadInput(where + ": unknown integrator \"" + kind + "\"" + DidYouMean(kind, kKinds));
+}
+
+// The parameters of a kind that we have.
+void ReadKind(ParameterReader& reader, IntegratorChoice* choice, std::vector<std::string>* warnings) {
+  const Entity& entity = reader.entity();
+  if (entity.kind == "simplepath") {
+    choice->sample_lights = reader.Bool("samplelights", true);
+    choice->sample_bsdf = reader.Bool("samplebsdf", true);
+  }
+  if (entity.kind != "path" && entity.kind != "volpath" && entity.kind != "mixture") return;
+  static constexpr std::string_view kLightSamplers[] = {"uniform", "power", "bvh", "exhaustive"};
+  choice->light_sampler = reader.Choice("lightsampler", "bvh", kLightSamplers);
+  if (choice->light_sampler == "exhaustive")
+    reader.FailAt("lightsampler", "\"exhaustive\" is not supported yet");
+  if (entity.kind != "mixture" && reader.Bool("regularize", false)) {
+    warnings->push_back(entity.location.Text() +
+                        ": \"regularize\" is not available: the picture is not biased by it");
+  }
+}
+
+// The command line's word over the scene's.
+Result<void> Override(const RenderOptions& options, IntegratorChoice* choice) {
+  if (!options.integrator.empty()) {
+    if (!Contains(kKinds, options.integrator)) return UnknownIntegrator("--integrator", options.integrator);
+    choice->name = options.integrator;
+  }
+  if (options.max_depth) {
+    if (*options.max_depth < 0 || *options.max_depth > kMaxDepthMax) {
+      return BadInput(fmt::format("--max-depth: must lie between 0 and {}", kMaxDepthMax));
+    }
+    choice->max_depth = *options.max_depth;
+  }
+  return {};
 }
 
 }  // namespace
@@ -51,26 +84,10 @@ Result<IntegratorChoice> ChooseIntegrator(const SceneDescription& scene, const R
   } else if (!Contains(kKinds, entity.kind)) {
     return UnknownIntegrator(entity.location.Text(), entity.kind);
   } else {
-    static constexpr std::string_view kLightSamplers[] = {"uniform", "power", "bvh", "exhaustive"};
-    choice.light_sampler = reader.Choice("lightsampler", "bvh", kLightSamplers);
-    if (choice.light_sampler == "exhaustive")
-      reader.FailAt("lightsampler", "\"exhaustive\" is not supported yet");
-    if (reader.Bool("regularize", false)) {
-      warnings->push_back(entity.location.Text() +
-                          ": \"regularize\" is not available: the picture is not biased by it");
-    }
+    ReadKind(reader, &choice, warnings);
   }
   if (Result<void> done = reader.Finish(); !done) return done.error();
-  if (!options.integrator.empty()) {
-    if (!Contains(kKinds, options.integrator)) return UnknownIntegrator("--integrator", options.integrator);
-    choice.name = options.integrator;
-  }
-  if (options.max_depth) {
-    if (*options.max_depth < 0 || *options.max_depth > kMaxDepthMax) {
-      return BadInput(fmt::format("--max-depth: must lie between 0 and {}", kMaxDepthMax));
-    }
-    choice.max_depth = *options.max_depth;
-  }
+  if (Result<void> overridden = Override(options, &choice); !overridden) return overridden.error();
   return choice;
 }
 

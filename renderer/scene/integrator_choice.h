@@ -10,8 +10,9 @@
 namespace tessera {
 
 struct IntegratorChoice {
-  std::string name;   // "path" or "volpath": what is done
-  int max_depth = 5;  // scattering events
+  std::string name;                               // of an IntegratorKind: what is done
+  int max_depth = 5;                              // scattering events
+  bool sample_lights = true, sample_bsdf = true;  // of simplepath
   std::string light_sampler = "bvh";
 };
 

@@ -6,6 +6,7 @@
 #include "language/parser.h"
 #include "scene/film_settings.h"
 #include "scene/integrator_choice.h"
+#include "scene/light_check.h"
 #include "scene/scene_data.h"
 #include "scene/scene_options.h"
 #include "scene/summary.h"
@@ -88,14 +89,19 @@ Result<void> SceneLoader::ReadSettings() {
   data.sampler = *sampler;
   const Result<IntegratorChoice> integrator = ChooseIntegrator(scene_, options_, &warnings);
   if (!integrator) return integrator.error();
-  data.path.max_depth = integrator->max_depth;
   const float spacing = 1 / std::sqrt(static_cast<float>(data.sampler.samples_per_pixel));
-  data.path.footprint_scale = std::max(0.125f, spacing);
+  data.estimator.kind = *IntegratorNamed(integrator->name);
+  data.estimator.path = {integrator->max_depth, std::max(0.125f, spacing)};
+  data.estimator.sample_lights = integrator->sample_lights;
+  data.estimator.sample_bsdf = integrator->sample_bsdf;
 
   if (Result<void> described = DescribeFrame(*film, *integrator); !described) return described;
-  const bool with_media = integrator->name == "volpath";
+  const bool with_media =
+      integrator->name != "path" && integrator->name != "simplepath" && integrator->name != "randomwalk";
   const WorldRequest request{scene_, files_, images_, integrator->light_sampler, with_media};
-  return BuildWorld(request, &data.world, &warnings);
+  if (Result<void> built = BuildWorld(request, &data.world, &warnings); !built) return built;
+  if (data.estimator.kind == IntegratorKind::kMixture) data.estimator.lights.emplace(data.world);
+  return CheckLightsFor(data.estimator, scene_, data.world.geometry, &warnings);
 }
 
 Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator) {

@@ -6,7 +6,7 @@
 #include "camera/camera.h"
 #include "film/frame_spec.h"
 #include "filter/filter.h"
-#include "integrator/path_integrator.h"
+#include "integrator/estimator.h"
 #include "integrator/world.h"
 #include "sampler/sampler_settings.h"
 #include "scene/film_sensor.h"
@@ -19,7 +19,7 @@ struct Scene::Data {
   World world;
   Filter filter;
   SamplerSettings sampler;
-  PathSettings path;
+  Estimator estimator;
   FilmSensor sensor{ColorSpace::Srgb(), 1, 0, 1};
   FrameSpec frame;
   SceneSummary summary;

@@ -34,7 +34,8 @@ class PixelRenderer {
     const Point2 film{static_cast<float>(x) + 0.5f + filter.offset.x,
                       static_cast<float>(y) + 0.5f + filter.offset.y};
     const Ray ray = camera.GenerateRay(film, u_lens, 0.5f);
-    const SampledSpectrum radiance = PathRadiance(data_.world, data_.path, ray, wavelengths, sampler_, rays_);
+    const SampledSpectrum radiance =
+        EstimateRadiance(data_.world, data_.estimator, ray, wavelengths, sampler_, rays_);
     const Rgb rgb = data_.sensor.ToRgb(radiance, wavelengths);
     if (!IsFinite(rgb)) {
       ++statistics_.discarded_samples;

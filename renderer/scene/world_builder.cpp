@@ -66,6 +66,7 @@ Result<void> WorldBuilder::AddShape(const ShapeDescription& description, const T
   for (Shape& shape : *built) {
     shape.surface.material = description.material.index;
     shape.surface.is_interface = world_.materials.IsInterface(description.material.index);
+    if (sources != nullptr) shape.description = static_cast<int>(&description - scene_.shapes.data());
     shapes->push_back(std::move(shape));
     if (sources != nullptr) sources->push_back(&description);
   }

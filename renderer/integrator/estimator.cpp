@@ -1,0 +1,38 @@
+#include "integrator/estimator.h"
+
+#include "integrator/mixture_integrator.h"
+#include "integrator/random_walk_integrator.h"
+#include "integrator/simple_path_integrator.h"
+
+namespace tessera {
+
+std::optional<IntegratorKind> IntegratorNamed(std::string_view name) {
+  if (name == "path") return IntegratorKind::kPath;
+  if (name == "volpath") return IntegratorKind::kVolPath;
+  if (name == "mixture") return IntegratorKind::kMixture;
+  if (name == "simplepath") return IntegratorKind::kSimplePath;
+  if (name == "simplevolpath") return IntegratorKind::kSimpleVolPath;
+  if (name == "randomwalk") return IntegratorKind::kRandomWalk;
+  return std::nullopt;
+}
+
+SampledSpectrum EstimateRadiance(const World& world, const Estimator& estimator, const Ray& camera_ray,
+                                 SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts) {
+  const PathSettings& path = estimator.path;
+  switch (estimator.kind) {
+    case IntegratorKind::kPath:
+    case IntegratorKind::kVolPath: return PathRadiance(world, path, camera_ray, wavelengths, sampler, counts);
+    case IntegratorKind::kMixture:
+      return MixtureRadiance(world, *estimator.lights, path, camera_ray, wavelengths, sampler, counts);
+    case IntegratorKind::kSimplePath:
+      return SimplePathRadiance(world, {path, estimator.sample_lights, estimator.sample_bsdf}, camera_ray,
+                                wavelengths, sampler, counts);
+    case IntegratorKind::kSimpleVolPath:
+      return SimplePathRadiance(world, {path, false, true}, camera_ray, wavelengths, sampler, counts);
+    case IntegratorKind::kRandomWalk:
+      return RandomWalkRadiance(world, path, camera_ray, wavelengths, sampler, counts);
+  }
+  return SampledSpectrum(0.0f);
+}
+
+}  // namespace tessera

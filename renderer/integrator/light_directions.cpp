@@ -1,0 +1,79 @@
+#include "integrator/light_directions.h"
+
+#include "shape/ray_crossings.h"
+#include "shape/shape_interaction.h"
+#include "shape/shape_sampling.h"
+
+namespace tessera {
+
+LightDirections::LightDirections(const World& world) : world_(world) {
+  std::vector<Bounds3> boxes;
+  const std::vector<Shape>& shapes = world.geometry.shapes;
+  for (uint32_t s = 0; s < shapes.size(); ++s) {
+    const int light = shapes[s].surface.area_light;
+    if (light < 0) continue;
+    const uint32_t count = shapes[s].PrimitiveCount();
+    for (uint32_t i = 0; i < count; ++i) {
+      emitters_.push_back({s, i, light + static_cast<int>(i)});
+      boxes.push_back(ShapeBounds(shapes[s], i));
+    }
+  }
+  tree_ = EmitterTree(boxes);
+  constexpr float kAnyChoice = 0.5f;
+  empty_ = emitters_.empty() && !world.lights.Choose({}, kAnyChoice);
+}
+
+std::optional<LightDirections::Drawn> LightDirections::Sample(const ReferencePoint& reference, float u_choice,
+                                                              Point2 u,
+                                                              const SampledWavelengths& wavelengths) const {
+  const std::optional<ChosenLight> chosen = world_.lights.Choose(reference, u_choice);
+  if (!chosen) return std::nullopt;
+  if (emitters_.empty() || chosen->light < emitters_.front().light) {  // at infinity
+    const auto sample = world_.lights.Sample(chosen->light, reference, u, wavelengths);
+    if (!sample) return std::nullopt;
+    return Drawn{sample->wi, chosen->pmf * sample->pdf};
+  }
+  const Emitter& emitter = emitters_[static_cast<size_t>(chosen->light - emitters_.front().light)];
+  const Shape& shape = world_.geometry.shapes[emitter.shape];
+  const std::optional<ShapeSample> on_shape = SampleShape(shape, emitter.primitive, reference, u);
+  if (!on_shape || !(on_shape->pdf > 0)) return std::nullopt;
+  const Vec3 to_light = on_shape->p - reference.p;
+  if (!(LengthSquared(to_light) > 0)) return std::nullopt;
+  const Vec3 wi = Normalize(to_light);
+  SurfaceInteraction on_light;
+  on_light.p = on_shape->p;
+  on_light.n = on_shape->n;
+  on_light.uv = on_shape->uv;
+  if (!AnyNonZero(world_.lights.EmittedRadiance(emitter.light, on_light, -wi, wavelengths)))
+    return std::nullopt;
+  return Drawn{wi, chosen->pmf * on_shape->pdf};
+}
+
+float LightDirections::EmitterPdf(const Emitter& emitter, const ReferencePoint& reference, const Ray& ray,
+                                  const SampledWavelengths& wavelengths) const {
+  const Shape& shape = world_.geometry.shapes[emitter.shape];
+  Hit hits[kCrossingsMax];
+  int count = RayCrossings(shape, emitter.shape, emitter.primitive, ray, hits);
+  if (count > 1 && SamplesNearestOnly(shape, reference)) count = 1;
+  float pdf = 0;
+  for (int i = 0; i < count; ++i) {
+    const SurfaceInteraction on_light = MakeInteraction(world_.geometry, hits[i], ray);
+    if (!AnyNonZero(world_.lights.EmittedRadiance(emitter.light, on_light, -ray.d, wavelengths))) continue;
+    pdf += world_.lights.AreaLightPdf(emitter.light, reference, ray.d, on_light);
+  }
+  return pdf > 0 ? pdf * world_.lights.ChoosePmf(reference, emitter.light) : 0;
+}
+
+float LightDirections::Pdf(const ReferencePoint& reference, const Ray& ray,
+                           const SampledWavelengths& wavelengths) const {
+  float pdf = 0;
+  tree_.ForEachAlong(
+      ray, [&](uint32_t index) { pdf += EmitterPdf(emitters_[index], reference, ray, wavelengths); });
+  for (const int light : world_.lights.infinite_lights()) {
+    const float infinite_pdf = world_.lights.InfiniteLightPdf(light, ray.d);
+    if (infinite_pdf > 0) pdf += infinite_pdf * world_.lights.ChoosePmf(reference, light);
+  }
+  return pdf;
+}
+
+}  // namespace tessera

@@ -1,0 +1,36 @@
+// Path tracing with one ray per vertex: a direction is drawn half from the surface's BSDF, half towards the
+// lights, and weighted by the density of that mixture; there are no shadow rays, light is what the rays hit
+// (P. Shirley, "Ray Tracing: The Rest of Your Life"). It is Veach and Guibas's one-sample model of multiple
+// importance sampling with the balance heuristic (1995). Specular lobes bypass the mixture. There is no
+// Russian roulette: paths end at the depth limit, or when nothing is left of them.
+#pragma once
+
+#include "color/wavelengths.h"
+#include "integrator/light_directions.h"
+#include "integrator/path_integrator.h"
+#include "integrator/world.h"
+
+namespace tessera {
+
+// The direction that the mixture draws at one vertex.
+struct MixtureSample {
+  SampledSpectrum weight;  // of the radiance that arrives: f |cos| / density
+  Ray ray;                 // starts at the surface
+  float density = 0;  // per solid angle, of the mixture; of a specular sample: the probability of the choice
+  bool is_specular = false;
+};
+
+// Draws from u_choice (technique, and light or lobe) and u, all in [0, 1). Nothing if the light is absorbed.
+std::optional<MixtureSample> SampleMixture(const LightDirections& lights,
+                                           const SurfaceInteraction& interaction, const Bsdf& bsdf,
+                                           float u_choice, Point2 u, const SampledWavelengths& wavelengths);
+// The density per solid angle of SampleMixture's non-specular directions; `wi` is of unit length.
+float MixturePdf(const LightDirections& lights, const SurfaceInteraction& interaction, const Bsdf& bsdf,
+                 Vec3 wi, const SampledWavelengths& wavelengths);
+
+// As PathRadiance. Lights that no ray can hit (points, spots, distant ones) are not seen.
+SampledSpectrum MixtureRadiance(const World& world, const LightDirections& lights,
+                                const PathSettings& settings, const Ray& camera_ray,
+                                SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts);
+
+}  // namespace tessera

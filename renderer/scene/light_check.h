@@ -1,0 +1,18 @@
+// Whether an integrator finds all lights of a scene.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "integrator/estimator.h"
+#include "language/scene_description.h"
+#include "util/result.h"
+
+namespace tessera {
+
+// Lights that no ray can hit (points, directions, emitters of alpha 0) need shadow rays. `mixture`, which has
+// none, refuses them by name and place; other estimators that would miss them get a warning for each.
+Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& scene,
+                            const Geometry& geometry, std::vector<std::string>* warnings);
+
+}  // namespace tessera
