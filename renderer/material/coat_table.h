@@ -4,6 +4,7 @@
 // in pbrt-v4.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -38,7 +39,7 @@ struct CoatRow {
 
   // cos_theta in [0, 1], up to rounding.
   Float4 At(float cos_theta) const {
-    const float x = std::sqrt(cos_theta) * kSteps;
+    const float x = std::sqrt(std::max(0.0f, cos_theta)) * kSteps;  // 0 for what is not a number
     const int i = std::min(static_cast<int>(x), kSteps - 1);
     return angles[i] + (x - static_cast<float>(i)) * (angles[i + 1] - angles[i]);
   }

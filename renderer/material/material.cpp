@@ -69,7 +69,7 @@ Bxdf MakeBxdf(const CoatedDiffuseMaterial& m, const MaterialContext& at) {
                              CoatedDiffuseBxdf::BaseHits(m.depth_max));
   }
   CoatLayer layer;
-  layer.thickness = std::max(at(m.thickness), std::numeric_limits<float>::min());
+  layer.thickness = std::max(std::numeric_limits<float>::min(), at(m.thickness));
   layer.albedo = Clamp(at(m.albedo), 0, 1);
   layer.g = std::clamp(at(m.g), -1.0f, 1.0f);
   layer.depth_max = m.depth_max;

@@ -14,12 +14,17 @@ class MicrofacetDistribution {
  public:
   static constexpr float kAlphaSmooth = 1e-3f;  // below: a mirror, as in pbrt-v4
   static constexpr float kAlphaMin = 1e-4f;     // of the narrow axis of a rough one: keeps densities finite
+  static constexpr float kAlphaMax = 100;       // rougher than any surface; keeps products finite
 
   MicrofacetDistribution() = default;  // smooth
-  MicrofacetDistribution(float alpha_x, float alpha_y) : smooth_(std::max(alpha_x, alpha_y) < kAlphaSmooth) {
+  // Any values, as textures may hold them: what is not a number counts as 0.
+  MicrofacetDistribution(float alpha_x, float alpha_y) {
+    const float x = std::min(kAlphaMax, std::max(0.0f, alpha_x));
+    const float y = std::min(kAlphaMax, std::max(0.0f, alpha_y));
+    smooth_ = std::max(x, y) < kAlphaSmooth;
     if (smooth_) return;
-    alpha_x_ = std::max(alpha_x, kAlphaMin);
-    alpha_y_ = std::max(alpha_y, kAlphaMin);
+    alpha_x_ = std::max(x, kAlphaMin);
+    alpha_y_ = std::max(y, kAlphaMin);
     inverse_x_ = 1 / alpha_x_;
     inverse_y_ = 1 / alpha_y_;
   }

@@ -161,6 +161,13 @@ TEST(CoatTable, SmoothCoatIsFresnelsFormula) {
   }
 }
 
+TEST(CoatTable, AnglesOutOfRangeStayInside) {
+  const CoatLookup coat = TestCoat(0, 0.01f).At(0);
+  EXPECT_EQ(coat.At(NAN).reflectance, 1);
+  EXPECT_EQ(coat.At(-1).reflectance, 1);
+  EXPECT_NEAR(coat.At(1.0000005f).reflectance, 0.04f, 1e-5);
+}
+
 TEST(CoatTable, EqualCoatsShareTheirTable) {
   CoatTableCache cache;
   EXPECT_EQ(cache.Constant(0.1f, 1.5f, 0.01f), cache.Constant(0.1f, 1.5f, 0.01f));

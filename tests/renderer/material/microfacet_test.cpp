@@ -71,5 +71,11 @@ TEST(Microfacets, SmoothIsDecidedByTheRougherAxis) {
   EXPECT_FLOAT_EQ(MicrofacetDistribution::AlphaFromRoughness(0.09f), 0.3f);
 }
 
+TEST(Microfacets, WhatATextureShouldNotHoldIsHarmless) {
+  EXPECT_TRUE(MicrofacetDistribution(NAN, -1).IsSmooth());
+  EXPECT_EQ(MicrofacetDistribution(INFINITY, NAN).alpha_x(), MicrofacetDistribution::kAlphaMax);
+  EXPECT_EQ(MicrofacetDistribution::AlphaFromRoughness(NAN), 0);
+}
+
 }  // namespace
 }  // namespace tessera
