@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace tessera {
 namespace {
@@ -19,6 +20,72 @@ struct BinaryNode {
   uint32_t light = 0;
   int left = -1, right = -1;  // -1: a leaf
 };
+
+// Finds the bounds of many lights without their cones growing at each step: axes are averaged first, then the
+// cone about the mean is opened until it holds them all. Show each light to AddPlace, then each to AddCone.
+class BoundsSum {
+ public:
+  bool empty() const { return count_ == 0; }
+  void AddPlace(const LightBounds& b);
+  void AddCone(const LightBounds& b);
+  LightBounds Result() const;
+
+ private:
+  Vec3 MeanAxis() const;
+  // Whether light is emitted along -axis as along axis, so that the sign of an axis means nothing.
+  bool IsFlipped(const LightBounds& b, Vec3 towards) const { return b.two_sided && Dot(b.axis, towards) < 0; }
+
+  LightBounds sum_;
+  Vec3 axis_sum_;
+  int count_ = 0;
+  bool same_axis_ = true;
+  bool whole_sphere_ = false;
+  float plane_min_ = std::numeric_limits<float>::infinity();
+};
+
+void BoundsSum::AddPlace(const LightBounds& b) {
+  same_axis_ = same_axis_ && (count_ == 0 || b.axis == sum_.axis);
+  if (count_ == 0) sum_.axis = b.axis;
+  sum_.box.Add(b.box);
+  sum_.strength += b.strength;
+  sum_.cos_theta_e = count_ == 0 ? b.cos_theta_e : std::min(sum_.cos_theta_e, b.cos_theta_e);
+  sum_.two_sided = sum_.two_sided || b.two_sided;
+  plane_min_ = std::min(plane_min_, b.plane_min);
+  axis_sum_ += IsFlipped(b, axis_sum_) ? -b.axis : b.axis;
+  ++count_;
+}
+
+Vec3 BoundsSum::MeanAxis() const {
+  if (same_axis_) return sum_.axis;
+  const float length = Length(axis_sum_);
+  return length > 0 ? axis_sum_ / length : sum_.axis;
+}
+
+void BoundsSum::AddCone(const LightBounds& b) {
+  const Vec3 mean = MeanAxis();
+  const float cos_between =
+      std::clamp(IsFlipped(b, mean) ? -Dot(b.axis, mean) : Dot(b.axis, mean), -1.0f, 1.0f);
+  // cos(between + theta_o), where that is below pi: the far rim of this cone as seen from the mean axis.
+  whole_sphere_ = whole_sphere_ || cos_between < -b.cos_theta_o;
+  const float cos_rim =
+      b.cos_theta_o * cos_between - SafeSqrt(1 - Sqr(cos_between)) * SafeSqrt(1 - Sqr(b.cos_theta_o));
+  sum_.cos_theta_o = std::min(sum_.cos_theta_o, same_axis_ ? b.cos_theta_o : cos_rim);
+}
+
+LightBounds BoundsSum::Result() const {
+  LightBounds result = sum_;
+  result.axis = MeanAxis();
+  if (whole_sphere_ && !same_axis_) result.cos_theta_o = -1;
+  if (same_axis_ && !result.two_sided) result.plane_min = plane_min_;
+  return result;
+}
+
+LightBounds BoundsOf(std::span<const Item> items) {
+  BoundsSum sum;
+  for (const Item& item : items) sum.AddPlace(item.bounds);
+  for (const Item& item : items) sum.AddCone(item.bounds);
+  return sum.Result();
+}
 
 struct Split {
   int axis = -1;  // -1: none found
@@ -48,20 +115,23 @@ int BucketOf(const Item& item, const Bounds3& centers, int axis) {
 
 // Replaces `best` if a split across `axis` is cheaper.
 void TryAxis(std::span<const Item> items, const Bounds3& centers, float stretch, int axis, Split& best) {
-  std::array<LightBounds, kBucketCount> buckets;
-  for (const Item& item : items) {
-    LightBounds& bucket = buckets[BucketOf(item, centers, axis)];
-    bucket = Union(bucket, item.bounds);
-  }
+  std::array<BoundsSum, kBucketCount> buckets;
+  for (const Item& item : items) buckets[BucketOf(item, centers, axis)].AddPlace(item.bounds);
+  for (const Item& item : items) buckets[BucketOf(item, centers, axis)].AddCone(item.bounds);
   std::array<float, kBucketCount> cost_above{};  // [i]: of buckets i, i + 1, ...
   LightBounds above;
   for (int i = kBucketCount - 1; i > 0; --i) {
-    above = Union(above, buckets[i]);
+    if (buckets[i].empty()) {
+      cost_above[i] = i + 1 < kBucketCount ? cost_above[i + 1] : 0;
+      continue;
+    }
+    above = Union(above, buckets[i].Result());
     cost_above[i] = ClusterCost(above);
   }
   LightBounds below;
   for (int i = 0; i + 1 < kBucketCount; ++i) {
-    below = Union(below, buckets[i]);
+    if (buckets[i].empty()) continue;  // no other split than the one before
+    below = Union(below, buckets[i].Result());
     const float cost = (ClusterCost(below) + cost_above[i + 1]) * stretch;
     if (best.axis < 0 || cost < best.cost) best = {axis, i, cost};
   }
@@ -69,6 +139,7 @@ void TryAxis(std::span<const Item> items, const Bounds3& centers, float stretch,
 
 // How many of `items`, reordered, go to the left.
 size_t SplitItems(std::span<Item> items) {
+  if (items.size() == 2) return 1;
   Bounds3 centers, box;
   for (const Item& item : items) {
     centers.Add(item.bounds.box.Center());
@@ -96,10 +167,11 @@ int Builder::AddLeaf(const Item& item) {
 
 int Builder::BuildBinary(std::span<Item> items) {
   if (items.size() == 1) return AddLeaf(items[0]);
+  const LightBounds bounds = BoundsOf(items);
   const size_t middle = SplitItems(items);
   const int left = BuildBinary(items.first(middle));
   const int right = BuildBinary(items.subspan(middle));
-  binary_.push_back({Union(binary_[left].bounds, binary_[right].bounds), 0, left, right});
+  binary_.push_back({bounds, 0, left, right});
   return static_cast<int>(binary_.size() - 1);
 }
 

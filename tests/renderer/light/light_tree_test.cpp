@@ -124,9 +124,12 @@ TEST(LightTree, FrequenciesAreTheProbabilities) {
   EXPECT_GT(chi_square::PooledPValue(cells, text), 1e-4) << text;
 }
 
-TEST(LightTree, WhatLightsAPointCanBeChosen) {
+class LightTreeSides : public testing::TestWithParam<bool> {};
+
+TEST_P(LightTreeSides, WhatLightsAPointCanBeChosen) {
   const std::vector<Triangle> triangles = RandomTriangles(400, 9);
-  const LightTree tree = TreeOf(BoundsOf(triangles, false));
+  const bool two_sided = GetParam();
+  const LightTree tree = TreeOf(BoundsOf(triangles, two_sided));
   TestRandom random(10);
   for (int i = 0; i < 50; ++i) {
     const Point3 p = InBox(random, 12);
@@ -134,13 +137,16 @@ TEST(LightTree, WhatLightsAPointCanBeChosen) {
     for (int light = 0; light < 400; ++light) {
       const Vec3 to_light = triangles[light].Center() - p;
       const Vec3 wi = Normalize(to_light);
-      const bool lit = Dot(wi, triangles[light].Normal()) < -1e-3f && AbsDot(wi, n) > 1e-3f;
+      const float cosine = -Dot(wi, triangles[light].Normal());
+      const bool lit = (two_sided ? std::abs(cosine) : cosine) > 1e-3f && AbsDot(wi, n) > 1e-3f;
       if (lit) {
         ASSERT_GT(tree.Pmf(p, n, light), 0) << light;
       }
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(OneAndTwo, LightTreeSides, testing::Bool());
 
 TEST(LightTree, ImportanceFollowsIrradianceOfSmallLights) {
   // Two lights of equal strength, one twice as far: a quarter of the light.
