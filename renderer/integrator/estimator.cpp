@@ -3,6 +3,7 @@
 #include "integrator/mixture_integrator.h"
 #include "integrator/random_walk_integrator.h"
 #include "integrator/simple_path_integrator.h"
+#include "integrator/volume_path_integrator.h"
 
 namespace tessera {
 
@@ -20,8 +21,12 @@ SampledSpectrum EstimateRadiance(const World& world, const Estimator& estimator,
                                  SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts) {
   const PathSettings& path = estimator.path;
   switch (estimator.kind) {
-    case IntegratorKind::kPath:
-    case IntegratorKind::kVolPath: return PathRadiance(world, path, camera_ray, wavelengths, sampler, counts);
+    case IntegratorKind::kVolPath:
+      // Without media both integrators make the same picture, and the simple one makes it faster.
+      if (!world.media.empty())
+        return VolumePathRadiance(world, path, camera_ray, wavelengths, sampler, counts);
+      [[fallthrough]];
+    case IntegratorKind::kPath: return PathRadiance(world, path, camera_ray, wavelengths, sampler, counts);
     case IntegratorKind::kMixture:
       return MixtureRadiance(world, *estimator.lights, path, camera_ray, wavelengths, sampler, counts);
     case IntegratorKind::kSimplePath:

@@ -1,20 +1,11 @@
 #include "integrator/path_integrator.h"
 
-#include <algorithm>
-
-#include "integrator/texture_context.h"
+#include "integrator/path_vertex.h"
 #include "math/sampling.h"
 #include "shape/shape_interaction.h"
 
 namespace tessera {
 namespace {
-
-constexpr int kInterfacesMax =
-    1000;  // without scattering in between: more are a ray caught in rounding errors
-
-ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
-  return {interaction.p, interaction.p_error, interaction.n, interaction.shading.n};
-}
 
 // One path from the camera, extended vertex by vertex.
 class Path {
@@ -68,9 +59,7 @@ SampledSpectrum Path::Trace() {
       continue;
     }
     if (depth_++ == settings_.max_depth) break;
-    const TextureContext context = MakeTextureContext(interaction, world_.camera, settings_.footprint_scale);
-    const Bsdf bsdf =
-        world_.materials.Evaluate(interaction.material, world_.textures, context, interaction, wavelengths_);
+    const Bsdf bsdf = BsdfAt(world_, settings_, interaction, wavelengths_);
     if (bsdf.HasNonSpecular()) radiance_ += throughput_ * DirectLight(interaction, bsdf);
     if (!Scatter(interaction, bsdf) || !SurvivesRoulette()) break;
   }
@@ -80,49 +69,34 @@ SampledSpectrum Path::Trace() {
 void Path::AddInfiniteLights() {
   for (int light : world_.lights.infinite_lights()) {
     const SampledSpectrum emitted = world_.lights.InfiniteRadiance(light, ray_.d, wavelengths_);
-    float weight = 1;
-    if (weigh_) {
-      const float light_pdf =
-          world_.lights.ChoosePmf(previous_, light) * world_.lights.InfiniteLightPdf(light, ray_.d);
-      weight = PowerHeuristic(bsdf_pdf_, light_pdf);
-    }
+    const float weight =
+        weigh_ ? PowerHeuristic(bsdf_pdf_, InfiniteLightPdf(world_, previous_, ray_.d, light)) : 1;
     radiance_ += throughput_ * emitted * weight;
   }
 }
 
 void Path::AddEmission(const SurfaceInteraction& interaction) {
-  const int light = interaction.area_light;
-  const SampledSpectrum emitted = world_.lights.EmittedRadiance(light, interaction, -ray_.d, wavelengths_);
+  const SampledSpectrum emitted =
+      world_.lights.EmittedRadiance(interaction.area_light, interaction, -ray_.d, wavelengths_);
   if (!AnyNonZero(emitted)) return;
-  float weight = 1;
-  if (weigh_) {
-    const float choice = world_.lights.ChoosePmf(previous_, light);
-    if (choice > 0) {
-      const float light_pdf = choice * world_.lights.AreaLightPdf(light, previous_, ray_.d, interaction);
-      weight = PowerHeuristic(bsdf_pdf_, light_pdf);
-    }
-  }
+  const float weight =
+      weigh_ ? PowerHeuristic(bsdf_pdf_, EmitterPdf(world_, previous_, ray_.d, interaction)) : 1;
   radiance_ += throughput_ * emitted * weight;
 }
 
 SampledSpectrum Path::DirectLight(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
-  const float u_choice = sampler_.Get1D();
-  const Point2 u_light = sampler_.Get2D();
-  const ReferencePoint reference = ReferenceAt(interaction);
-  const std::optional<ChosenLight> chosen = world_.lights.Choose(reference, u_choice);
-  if (!chosen) return SampledSpectrum(0.0f);
-  const std::optional<LightSample> light =
-      world_.lights.Sample(chosen->light, reference, u_light, wavelengths_);
-  if (!light || light->pdf <= 0 || !AnyNonZero(light->L)) return SampledSpectrum(0.0f);
-  const BsdfEvaluation evaluation = bsdf.Evaluate(interaction.wo, light->wi);
+  const std::optional<SampledLight> sampled =
+      SampleOneLight(world_, ReferenceAt(interaction), wavelengths_, sampler_);
+  if (!sampled) return SampledSpectrum(0.0f);
+  const LightSample& light = sampled->light;
+  const BsdfEvaluation evaluation = bsdf.Evaluate(interaction.wo, light.wi);
   if (!AnyNonZero(evaluation.f)) return SampledSpectrum(0.0f);
-  const Ray shadow = SpawnRayTo(interaction.p, interaction.p_error, interaction.n, light->p, light->p_error,
-                                light->n, interaction.time);
+  const Ray shadow = SpawnRayTo(interaction.p, interaction.p_error, interaction.n, light.p, light.p_error,
+                                light.n, interaction.time);
   ++counts_.shadow;
   if (world_.accelerator->Occluded(shadow)) return SampledSpectrum(0.0f);
-  const float light_pdf = chosen->pmf * light->pdf;
-  const float weight = light->is_delta ? 1 : PowerHeuristic(light_pdf, evaluation.pdf);
-  return evaluation.f * light->L * (AbsDot(light->wi, interaction.shading.n) * weight / light_pdf);
+  const float weight = light.is_delta ? 1 : PowerHeuristic(sampled->pdf, evaluation.pdf);
+  return evaluation.f * light.L * (AbsDot(light.wi, interaction.shading.n) * weight / sampled->pdf);
 }
 
 // Chooses the next direction; false if the light is absorbed.
@@ -142,12 +116,11 @@ bool Path::Scatter(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
 
 // Ends paths of little throughput with a probability that keeps the mean.
 bool Path::SurvivesRoulette() {
-  if (depth_ <= 1) return true;
-  const float expected = MaxElement(throughput_) * eta_scale_;
-  if (!(expected < 1)) return true;
-  const float end_probability = std::max(0.0f, 1 - expected);
-  if (sampler_.Get1D() < end_probability) return false;
-  throughput_ /= 1 - end_probability;
+  const float end_probability = EndProbability(MaxElement(throughput_) * eta_scale_, depth_);
+  if (end_probability > 0) {
+    if (sampler_.Get1D() < end_probability) return false;
+    throughput_ /= 1 - end_probability;
+  }
   return true;
 }
 

@@ -1,5 +1,5 @@
-// What the vertices of all path tracers have in common: the reference for light sampling, the Bsdf, one sampled
-// light, densities of light sampling, Russian roulette.
+// What the vertices of all path tracers have in common: the reference for light sampling, the Bsdf, one
+// sampled light, densities of light sampling, Russian roulette.
 #pragma once
 
 #include <algorithm>
@@ -36,7 +36,8 @@ inline std::optional<SampledLight> SampleOneLight(const World& world, const Refe
   const Point2 u_light = sampler.Get2D();
   const std::optional<ChosenLight> chosen = world.lights.Choose(reference, u_choice);
   if (!chosen) return std::nullopt;
-  const std::optional<LightSample> light = world.lights.Sample(chosen->light, reference, u_light, wavelengths);
+  const std::optional<LightSample> light =
+      world.lights.Sample(chosen->light, reference, u_light, wavelengths);
   if (!light || light->pdf <= 0 || !AnyNonZero(light->L)) return std::nullopt;
   return SampledLight{*light, chosen->pmf * light->pdf};
 }
@@ -52,11 +53,11 @@ inline float InfiniteLightPdf(const World& world, const ReferencePoint& referenc
   return world.lights.ChoosePmf(reference, light) * world.lights.InfiniteLightPdf(light, wi);
 }
 
-// The probability with which a path goes on that is expected to bring `expected` of what it would find; 1 before
-// its second vertex.
-inline float SurvivalProbability(float expected, int depth) {
-  if (depth <= 1 || !(expected < 1)) return 1;
-  return 1 - std::max(0.0f, 1 - expected);
+// The probability of ending a path that is expected to bring `expected` of what it would find; 0 before its
+// second vertex.
+inline float EndProbability(float expected, int depth) {
+  if (depth <= 1 || !(expected < 1)) return 0;
+  return std::max(0.0f, 1 - expected);
 }
 
 }  // namespace tessera

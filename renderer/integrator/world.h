@@ -7,6 +7,7 @@
 #include "camera/camera.h"
 #include "light/light.h"
 #include "material/material.h"
+#include "medium/medium.h"
 #include "shape/geometry.h"
 #include "texture/texture.h"
 
@@ -20,6 +21,9 @@ struct World {
   TextureTable textures;
   MaterialTable materials;
   LightTable lights;
+  MediumTable media;            // empty if rays meet none, or the integrator does not follow them
+  int camera_medium = -1;       // index into media; -1: vacuum
+  bool has_interfaces = false;  // whether any surface is `interface`
   std::unique_ptr<Accelerator> accelerator;  // null if the scene was only checked
 };
 

@@ -21,7 +21,8 @@ class WorldBuilder {
   Result<void> Build();
 
  private:
-  Result<void> RefuseMedia() const;
+  Result<void> AddMedia();
+  int MediumIndex(const std::string& name) const;
   // Appends the shapes of one directive; each is remembered in `sources` if it is not null.
   Result<void> AddShape(const ShapeDescription& description, const Transform& transform,
                         std::vector<Shape>* shapes, std::vector<const ShapeDescription*>* sources);
@@ -34,27 +35,32 @@ class WorldBuilder {
   std::vector<std::string>& warnings_;
   Transform render_from_world_;
   TextureBuilder textures_;
-  std::map<std::string, int> group_index_;
+  std::map<std::string, int> group_index_, medium_index_;
+  bool has_media_ = false;  // whether any ray can be in a medium
 };
 
-// Media that an integrator would have to follow.
-Result<void> WorldBuilder::RefuseMedia() const {
+// Media are checked even where they are not followed.
+Result<void> WorldBuilder::AddMedia() {
+  using Unsupported = MediumTable::Unsupported;
+  const Unsupported unsupported = request_.with_media ? Unsupported::kRefuse : Unsupported::kIgnore;
+  Result<MediumTable> media = MediumTable::Build(scene_, unsupported, request_.files, &warnings_);
+  if (!media) return media.error();
   if (!request_.with_media) return {};
-  const auto refuse = [](const SourceLocation& where, const std::string& name) {
-    return ErrorAt(where, "media are not supported yet: medium \"" + name +
-                              "\" (integrator \"path\" renders the scene without media)");
-  };
-  if (!scene_.camera_medium.empty()) return refuse(scene_.camera.location, scene_.camera_medium);
-  for (const ShapeDescription& shape : scene_.shapes) {
-    if (!shape.inside_medium.empty()) return refuse(shape.entity.location, shape.inside_medium);
-    if (!shape.outside_medium.empty()) return refuse(shape.entity.location, shape.outside_medium);
+  for (const MediumDescription& medium : scene_.media) {
+    const int index = static_cast<int>(medium_index_.size());
+    medium_index_[medium.name] = index;
   }
-  for (const ObjectDescription& object : scene_.objects) {
-    for (const ShapeDescription& shape : object.shapes) {
-      if (!shape.inside_medium.empty()) return refuse(shape.entity.location, shape.inside_medium);
-    }
-  }
+  world_.media = std::move(*media);
+  world_.camera_medium = MediumIndex(scene_.camera_medium);
+  has_media_ = world_.camera_medium >= 0;
   return {};
+}
+
+// -1 for the empty name, and for all where media are not followed. The names of a scene are known to be
+// defined.
+int WorldBuilder::MediumIndex(const std::string& name) const {
+  const auto found = medium_index_.find(name);
+  return found == medium_index_.end() ? -1 : found->second;
 }
 
 Result<void> WorldBuilder::AddShape(const ShapeDescription& description, const Transform& transform,
@@ -63,9 +69,15 @@ Result<void> WorldBuilder::AddShape(const ShapeDescription& description, const T
   Result<std::vector<Shape>> built =
       BuildShape(description, transform, request_.files, textures_, &warnings_);
   if (!built) return built.error();
+  const int inside = MediumIndex(description.inside_medium),
+            outside = MediumIndex(description.outside_medium);
+  has_media_ |= inside != outside;
   for (Shape& shape : *built) {
     shape.surface.material = description.material.index;
     shape.surface.is_interface = world_.materials.IsInterface(description.material.index);
+    shape.surface.inside_medium = inside;
+    shape.surface.outside_medium = outside;
+    world_.has_interfaces |= shape.surface.is_interface;
     if (sources != nullptr) shape.description = static_cast<int>(&description - scene_.shapes.data());
     shapes->push_back(std::move(shape));
     if (sources != nullptr) sources->push_back(&description);
@@ -107,7 +119,7 @@ Result<void> WorldBuilder::AddInstances() {
 }
 
 Result<void> WorldBuilder::Build() {
-  if (Result<void> media = RefuseMedia(); !media) return media;
+  if (Result<void> added = AddMedia(); !added) return added;
   if (Result<void> added = textures_.Add(scene_); !added) return added;
   Result<MaterialTable> materials = MaterialTable::Build(scene_, textures_);
   if (!materials) return materials.error();
@@ -120,10 +132,11 @@ Result<void> WorldBuilder::Build() {
   }
   if (Result<void> added = AddGroups(); !added) return added;
   if (Result<void> added = AddInstances(); !added) return added;
+  if (!has_media_) world_.media = MediumTable();
 
   world_.textures = textures_.Finish();
-  const LightInputs inputs{scene_, sources, render_from_world_, request_.light_sampler, request_.files, request_.images,
-                           world_.textures};
+  const LightInputs inputs{scene_,         sources,         render_from_world_, request_.light_sampler,
+                           request_.files, request_.images, world_.textures};
   Result<LightTable> lights = LightTable::Build(inputs, world_.geometry, &warnings_);
   if (!lights) return lights.error();
   world_.lights = std::move(*lights);

@@ -17,11 +17,11 @@ struct WorldRequest {
   FileSource& files;
   ImageCache& images;
   std::string_view light_sampler;
-  bool with_media = false;  // the integrator follows media: scenes that have some are refused for now
+  bool with_media = false;  // the integrator follows media
 };
 
-// Fills geometry, textures, materials and lights of `world`, whose camera is ready. The accelerator stays
-// null.
+// Fills geometry, textures, materials, media and lights of `world`, whose camera is ready. The accelerator
+// stays null.
 Result<void> BuildWorld(const WorldRequest& request, World* world, std::vector<std::string>* warnings);
 
 }  // namespace tessera

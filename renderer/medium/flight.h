@@ -1,0 +1,227 @@
+// Flights of paths and of shadow rays through a medium, by null scattering in the path-integral form of B.
+// Miller, I. Georgiev, W. Jarosz ("A Null-Scattering Path Integral Formulation of Light Transport", 2019), as
+// Pharr, Jakob, Humphreys (2023, section 14.2) carry it to four wavelengths: the first wavelength decides,
+// and the ratios of what the others would have done weigh it against them.
+//
+// Where a stretch is uniform nothing is left to chance that need not be: absorption, emission and the
+// transmittance of shadow rays are closed forms.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "math/ray.h"
+#include "medium/majorant.h"
+#include "util/hash.h"
+
+namespace tessera {
+
+// What a path carries. Densities are relative to that of the path as it was sampled.
+struct PathWeights {
+  SampledSpectrum beta{1.0f};  // contribution over density
+  SampledSpectrum r_u{1.0f};   // density if this wavelength had decided (unidirectional)
+  SampledSpectrum r_l{1.0f};   // density if it had and light sampling had led to the end of the current ray
+
+  // The contribution with the wavelengths weighed against each other.
+  SampledSpectrum Throughput() const { return beta / Average(r_u); }
+};
+
+// Random numbers of one flight: the first is of the caller's, who has good ones; a stream that is a function
+// of the ray follows, for flights of many collisions.
+class FlightRandom {
+ public:
+  FlightRandom(const Ray& ray, float first) : ray_(ray), first_(first) {}
+
+  // In [0, 1).
+  float Next() {
+    if (count_ == 0) {
+      ++count_;
+      return first_;
+    }
+    if (count_ == 1) seed_ = Seed();
+    ++count_;
+    return UniformFloat(static_cast<uint32_t>(Hash(seed_, count_) >> 32));
+  }
+
+ private:
+  uint64_t Seed() const {
+    const auto bits = [](float a, float b) {
+      return uint64_t{std::bit_cast<uint32_t>(a)} << 32 | std::bit_cast<uint32_t>(b);
+    };
+    return Hash(bits(ray_.o.x, ray_.o.y), bits(ray_.o.z, ray_.d.x), bits(ray_.d.y, ray_.d.z),
+                std::bit_cast<uint32_t>(first_));
+  }
+
+  const Ray& ray_;
+  float first_;
+  uint64_t seed_ = 0;
+  uint32_t count_ = 0;
+};
+
+// A distance with density sigma exp(-sigma t) per length; infinite if nothing is there to hit.
+inline float SampleExponential(float u, float sigma) {
+  return sigma > 0 ? -std::log(1 - u) / sigma : std::numeric_limits<float>::infinity();
+}
+
+// The integral of exp(-sigma s) over s in [0, t].
+inline SampledSpectrum IntegralOfExp(SampledSpectrum sigma, float t) {
+  alignas(16) float s[4];
+  _mm_store_ps(s, sigma.v);
+  for (float& value : s) {
+    const float depth = value * t;
+    // The difference from 1 loses all digits of a small depth: its series instead.
+    value = depth < 0.01f ? t * (1 - depth * (0.5f - depth * (1.0f / 6))) : (1 - std::exp(-depth)) / value;
+  }
+  return _mm_load_ps(s);
+}
+
+// How a flight ended.
+enum class FlightEnd {
+  kPassed,     // at t_max
+  kScattered,  // at *t_event
+  kAbsorbed,
+};
+
+namespace flight {
+
+// Extends the weights over a length without a collision that stays in one stretch.
+inline void Pass(const MajorantSegment& segment, float length, PathWeights* weights) {
+  const SampledSpectrum attenuation = Exp((segment.sigma_a + segment.sigma_maj) * -length);
+  if (!AnyNonZero(segment.sigma_maj)) {
+    weights->beta *= attenuation;
+    return;
+  }
+  const SampledSpectrum none = Exp(segment.sigma_maj * -length);  // the probability of no collision
+  const float inverse_pdf = 1 / none[0];
+  weights->beta *= attenuation * inverse_pdf;
+  weights->r_u *= none * inverse_pdf;
+  weights->r_l *= segment.uniform ? SampledSpectrum(inverse_pdf) : none * inverse_pdf;
+}
+
+// Extends the weights by a collision of the kind whose coefficient is `sigma`.
+inline void Collide(SampledSpectrum sigma, SampledSpectrum sigma_maj, PathWeights* weights) {
+  const float inverse_pdf = 1 / sigma[0];
+  weights->beta *= sigma * inverse_pdf;
+  weights->r_u *= sigma * inverse_pdf;
+  weights->r_l *= sigma_maj * inverse_pdf;
+}
+
+// A collision in a stretch that is not uniform; kPassed if it was null.
+inline FlightEnd Decide(const MajorantSegment& segment, const MediumPoint& point, float u,
+                        PathWeights* weights) {
+  const float place = u * segment.sigma_maj[0];
+  if (place < point.sigma_s[0]) {
+    Collide(point.sigma_s, segment.sigma_maj, weights);
+    return FlightEnd::kScattered;
+  }
+  const SampledSpectrum sigma_n =
+      Max(segment.sigma_maj - point.sigma_a - point.sigma_s, SampledSpectrum(0.0f));
+  if (place < point.sigma_s[0] + point.sigma_a[0] || !(sigma_n[0] > 0)) return FlightEnd::kAbsorbed;
+  Collide(sigma_n, segment.sigma_maj, weights);
+  return FlightEnd::kPassed;
+}
+
+// The part of a flight within one stretch, from *t to `end`.
+template <typename MediumRay>
+FlightEnd FlyThrough(const MediumRay& medium, const MajorantSegment& segment, float end, FlightRandom& random,
+                     float* t, PathWeights* weights, SampledSpectrum* emitted) {
+  for (;;) {
+    const float majorant = segment.sigma_maj[0];
+    const float step =
+        majorant > 0 ? SampleExponential(random.Next(), majorant) : std::numeric_limits<float>::infinity();
+    if (!(*t + step < end)) {
+      Pass(segment, end - *t, weights);
+      return FlightEnd::kPassed;
+    }
+    *t += step;
+    Pass(segment, step, weights);
+    if (segment.uniform) {
+      Collide(segment.sigma_maj, segment.sigma_maj, weights);
+      return FlightEnd::kScattered;
+    }
+    const MediumPoint point = medium.At(*t);
+    if (emitted != nullptr && AnyNonZero(point.emission)) {
+      *emitted += weights->beta * point.emission / Average(weights->r_u * segment.sigma_maj);
+    }
+    const FlightEnd end_here = Decide(segment, point, random.Next(), weights);
+    if (end_here != FlightEnd::kPassed) return end_here;
+  }
+}
+
+// Ratio tracking from t to `end`: every collision is null, and takes away its share. Where little is left,
+// chance decides whether to go on.
+template <typename MediumRay>
+void TrackRatio(const MediumRay& medium, const MajorantSegment& segment, float t, float end,
+                FlightRandom& random, PathWeights* weights) {
+  constexpr float kLittle = 0.05f, kEndProbability = 0.75f;
+  const float majorant = segment.sigma_maj[0];
+  for (;;) {
+    const float step = majorant > 0 ? SampleExponential(random.Next(), majorant) : end;
+    Pass(segment, std::min(step, end - t), weights);
+    t += step;
+    if (!(t < end)) return;
+    const MediumPoint point = medium.At(t);
+    const SampledSpectrum sigma_n =
+        Max(segment.sigma_maj - point.sigma_a - point.sigma_s, SampledSpectrum(0.0f)) * (1 / majorant);
+    weights->beta *= sigma_n;
+    weights->r_u *= sigma_n;
+    weights->r_l *= segment.sigma_maj * (1 / majorant);
+    if (MaxElement(weights->beta) < kLittle * Average(weights->r_l + weights->r_u)) {
+      if (random.Next() < kEndProbability)
+        weights->beta = SampledSpectrum(0.0f);
+      else
+        weights->beta /= 1 - kEndProbability;
+    }
+    if (!AnyNonZero(weights->beta)) return;
+  }
+}
+
+}  // namespace flight
+
+// Flies from t = 0 until something happens or t_max, which may be infinite, is reached. Updates the weights
+// and adds to *emitted, unless it is null, what the medium itself sends against the ray. *t_event is set if
+// scattered.
+template <typename MediumRay>
+FlightEnd Fly(MediumRay medium, float t_max, FlightRandom& random, PathWeights* weights,
+              SampledSpectrum* emitted, float* t_event) {
+  float t = 0;
+  t_max = std::min(t_max, std::numeric_limits<float>::max());
+  MajorantSegment segment;
+  while (t < t_max && medium.Next(&segment)) {
+    const float end = std::min(segment.t_end, t_max);
+    if (emitted != nullptr && AnyNonZero(segment.emission)) {
+      *emitted += weights->Throughput() * segment.emission *
+                  IntegralOfExp(segment.sigma_a + segment.sigma_maj, end - t);
+    }
+    const FlightEnd flight_end = flight::FlyThrough(medium, segment, end, random, &t, weights, emitted);
+    *t_event = t;
+    if (flight_end != FlightEnd::kPassed) return flight_end;
+    t = end;
+  }
+  return FlightEnd::kPassed;
+}
+
+// Follows a shadow ray over `length`. In its weights beta is the transmittance, r_u the density of a path
+// that passes the same way and r_l that of this estimate, if the wavelength had decided; all relative to the
+// density with which light sampling chose the ray. Closed forms where the medium is uniform, elsewhere ratio
+// tracking (J. Novak, A. Selle, W. Jarosz, "Residual Ratio Tracking for Estimating Attenuation in
+// Participating Media", 2014).
+template <typename MediumRay>
+void FlyShadow(MediumRay medium, float length, FlightRandom& random, PathWeights* weights) {
+  float t = 0;
+  MajorantSegment segment;
+  while (t < length && medium.Next(&segment)) {
+    const float end = std::min(segment.t_end, length);
+    if (segment.uniform) {
+      weights->beta *= Exp((segment.sigma_a + segment.sigma_maj) * (t - end));
+      if (AnyNonZero(segment.sigma_maj)) weights->r_u *= Exp(segment.sigma_maj * (t - end));
+    } else {
+      flight::TrackRatio(medium, segment, t, end, random, weights);
+    }
+    t = end;
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,37 @@
+// How a medium shows itself to a ray: stretches with an upper bound of what may happen there, and properties
+// at points. A "medium ray" is any type with
+//
+//   bool Next(MajorantSegment* segment);   the next stretch along the ray, false after the last
+//   MediumPoint At(float t) const;         asked only within stretches that are not uniform
+//
+// Distances are in scene units along a unit direction, coefficients per scene unit, all at the wavelengths of
+// the path.
+#pragma once
+
+#include <limits>
+
+#include "color/sampled_spectrum.h"
+
+namespace tessera {
+
+struct MajorantSegment {
+  float t_end = std::numeric_limits<float>::infinity();
+  // The absorption that the whole stretch has in common. It is accounted for in closed form, never by chance.
+  SampledSpectrum sigma_a;
+  // Bounds scattering and absorption beyond sigma_a.
+  SampledSpectrum sigma_maj;
+  // Power emitted per volume and solid angle on the whole stretch (sigma_a times Le). Zero unless uniform.
+  SampledSpectrum emission;
+  // Nothing varies: scattering equals sigma_maj everywhere, so that no collision is null and the
+  // transmittance is known.
+  bool uniform = false;
+};
+
+// What is found at a point of a stretch that is not uniform.
+struct MediumPoint {
+  SampledSpectrum sigma_a;  // beyond that of the stretch
+  SampledSpectrum sigma_s;
+  SampledSpectrum emission;  // per volume and solid angle
+};
+
+}  // namespace tessera

@@ -1,0 +1,32 @@
+// All media of a scene.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "language/file_source.h"
+#include "language/scene_description.h"
+#include "medium/homogeneous_medium.h"
+
+namespace tessera {
+
+// By the index of SceneDescription::media. Immutable.
+class MediumTable {
+ public:
+  // What to do with kinds of media that are known but not supported.
+  enum class Unsupported {
+    kRefuse,
+    kIgnore,  // an integrator that does not follow media: only what is supported is checked
+  };
+  static Result<MediumTable> Build(const SceneDescription& scene, Unsupported unsupported, FileSource& files,
+                                   std::vector<std::string>* warnings);
+
+  const HomogeneousMedium& operator[](int medium) const { return media_[static_cast<size_t>(medium)]; }
+  bool empty() const { return media_.empty(); }
+  size_t size() const { return media_.size(); }
+
+ private:
+  std::vector<HomogeneousMedium> media_;
+};
+
+}  // namespace tessera
