@@ -1,5 +1,7 @@
 #include "math/distribution.h"
 
+#include <immintrin.h>
+
 #include <bit>
 
 #include "util/check.h"
@@ -7,7 +9,8 @@
 namespace tessera {
 namespace {
 
-constexpr uint32_t kCellsPerBucket = 4;  // of a guide table: about this many cells are searched
+constexpr uint32_t kLanes = 8;           // sums that are compared at once; as many pad the end of a table
+constexpr uint32_t kCellsPerBucket = 8;  // of a guide table: about this many cells are searched
 
 // Always a power of two, so that u times it is exact.
 uint32_t GuideSize(uint32_t cells) {
@@ -40,18 +43,21 @@ void FillGuide(const float* cdf, uint32_t cells, uint32_t* guide, uint32_t size)
   }
 }
 
-// The cell with cdf[cell] <= u < cdf[cell + 1].
+// The cell with cdf[cell] <= u < cdf[cell + 1]. At least kLanes floats follow the last sum in memory.
 uint32_t FindCell(const float* cdf, const uint32_t* guide, uint32_t guide_size, float u) {
   const uint32_t bucket = std::min(static_cast<uint32_t>(u * static_cast<float>(guide_size)), guide_size - 1);
   uint32_t low = guide[bucket], high = guide[bucket + 1];
-  while (low < high) {
+  while (high - low > kLanes) {
     const uint32_t middle = (low + high) / 2;
     if (cdf[middle + 1] <= u)
       low = middle + 1;
     else
       high = middle;
   }
-  return low;
+  // How many sums from low + 1 on are not above u, at most high - low of them.
+  const __m256 above = _mm256_cmp_ps(_mm256_loadu_ps(cdf + low + 1), _mm256_set1_ps(u), _CMP_GT_OQ);
+  const unsigned mask = static_cast<unsigned>(_mm256_movemask_ps(above)) | 1u << (high - low);
+  return low + static_cast<uint32_t>(std::countr_zero(mask));
 }
 
 uint32_t CellAt(float x, uint32_t cells) {
@@ -80,13 +86,13 @@ bool InUnit(float x) {
 
 }  // namespace
 
-Distribution1D::Distribution1D(std::span<const float> weights) {
+Distribution1D::Distribution1D(std::span<const float> weights)
+    : size_(static_cast<uint32_t>(weights.size())) {
   TESSERA_CHECK(!weights.empty() && weights.size() < UINT32_MAX);
-  const uint32_t cells = static_cast<uint32_t>(weights.size());
-  cdf_.resize(cells + size_t{1});
+  cdf_.resize(size_ + size_t{1} + kLanes);
   mean_ = static_cast<float>(FillCdf(weights, cdf_.data()));
-  guide_.resize(GuideSize(cells) + size_t{1});
-  FillGuide(cdf_.data(), cells, guide_.data(), GuideSize(cells));
+  guide_.resize(GuideSize(size_) + size_t{1});
+  FillGuide(cdf_.data(), size_, guide_.data(), GuideSize(size_));
 }
 
 Distribution1D::Drawn Distribution1D::Sample(float u) const {
@@ -108,7 +114,7 @@ float Distribution1D::Invert(float x) const {
 Distribution2D::Distribution2D(std::span<const float> weights, uint32_t width, uint32_t height)
     : width_(width), guide_size_(GuideSize(width)) {
   TESSERA_CHECK(width > 0 && height > 0 && weights.size() == size_t{width} * height);
-  cdf_.resize((size_t{width} + 1) * height);
+  cdf_.resize((size_t{width} + 1) * height + kLanes);
   guide_.resize((size_t{guide_size_} + 1) * height);
   std::vector<float> row_means(height);
   for (size_t y = 0; y < height; ++y) {

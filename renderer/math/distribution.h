@@ -35,11 +35,12 @@ class Distribution1D {
   float Invert(float x) const;
   // The mean of the weights.
   float mean() const { return mean_; }
-  uint32_t size() const { return cdf_.empty() ? 0 : static_cast<uint32_t>(cdf_.size() - 1); }
+  uint32_t size() const { return size_; }
 
  private:
-  std::vector<float> cdf_;       // size + 1 values from 0 to 1
+  std::vector<float> cdf_;       // size + 1 values from 0 to 1, then padding
   std::vector<uint32_t> guide_;  // bucket b of equal width in u starts in cell guide_[b]
+  uint32_t size_ = 0;
   float mean_ = 0;
 };
 
@@ -72,7 +73,7 @@ class Distribution2D {
 
  private:
   Distribution1D rows_;
-  std::vector<float> cdf_;       // width + 1 values for each row
+  std::vector<float> cdf_;       // width + 1 values for each row, then padding
   std::vector<uint32_t> guide_;  // guide_size_ + 1 values for each row
   uint32_t width_ = 0, guide_size_ = 0;
 };
