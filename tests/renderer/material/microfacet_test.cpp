@@ -64,6 +64,20 @@ TEST(Microfacets, VisibleNormalsMatchTheirDensity) {
   }
 }
 
+TEST(Microfacets, ReflectingNormalsSeldomReflectDownwards) {
+  TestRandom random(12);
+  const MicrofacetDistribution d(0.6f, 0.6f);
+  const Vec3 wo = DirectionAt(0.6f, 0);
+  int lost = 0, lost_bounded = 0;
+  for (int n = 0; n < 10000; ++n) {
+    const Point2 u = random.Next2<Point2>();
+    lost += Reflect(wo, d.SampleVisibleNormal(wo, u)).z <= 0;
+    lost_bounded += Reflect(wo, d.SampleReflectingNormal(wo, u)).z <= 0;
+  }
+  EXPECT_GT(lost, 500);
+  EXPECT_LT(lost_bounded, 0.5 * lost);
+}
+
 TEST(Microfacets, SmoothIsDecidedByTheRougherAxis) {
   EXPECT_TRUE(MicrofacetDistribution(0.0009f, 0).IsSmooth());
   EXPECT_FALSE(MicrofacetDistribution(0.001f, 0).IsSmooth());
