@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include "client/commands.h"
-#include "client/coordinator_client.h"
 #include "client/output.h"
 #include "client/watching.h"
+#include "farm/coordinator_client.h"
 
 namespace tessera {
 

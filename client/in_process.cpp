@@ -32,7 +32,10 @@ std::vector<SampleRange> CutSamples(const FrameSpec& spec) {
 class Crew {
  public:
   Crew(const SceneJob& job, int threads)
-      : scene_(*job.scene), merger_(job.frame.spec), ranges_(CutSamples(job.frame.spec)), running_(threads) {
+      : scene_(*job.scene),
+        merger_(job.packed.frame.spec),
+        ranges_(CutSamples(job.packed.frame.spec)),
+        running_(threads) {
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Work(); });
   }
   ~Crew() { Join(); }
@@ -91,7 +94,7 @@ Result<FramePicture> RenderInProcess(const SceneJob& job, int threads, std::stop
   const auto start = std::chrono::steady_clock::now();
   Crew crew(job, threads);
   const std::stop_callback on_stop(stop, [&crew] { crew.Stop(); });
-  const FrameSpec& spec = job.frame.spec;
+  const FrameSpec& spec = job.packed.frame.spec;
   Progress progress;
   progress.samples_total = static_cast<uint64_t>(spec.crop.area()) * spec.samples_per_pixel;
   progress.workers = threads;

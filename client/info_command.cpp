@@ -17,7 +17,7 @@ uint64_t FileBytes(const ScenePackage& package) {
 
 void PrintText(const SceneJob& job) {
   const SceneSummary& scene = job.scene->summary();
-  const FrameSpec& frame = job.frame.spec;
+  const FrameSpec& frame = job.packed.frame.spec;
   const PixelBounds& crop = frame.crop;
   fmt::print("picture     {}x{} pixels", frame.width, frame.height);
   if (crop != PixelBounds{0, 0, frame.width, frame.height}) {
@@ -32,14 +32,14 @@ void PrintText(const SceneJob& job) {
   fmt::print("instances   {} of {} groups\n", scene.instances, scene.groups);
   fmt::print("lights      {}\nmaterials   {}\nmedia       {}\n", scene.lights, scene.materials, scene.media);
   fmt::print("textures    {}, images of {} bytes\n", scene.textures, scene.image_bytes);
-  fmt::print("files       {}, {} bytes\n", job.package.files.size(), FileBytes(job.package));
-  fmt::print("package     {}\n", job.digest.Hex());
+  fmt::print("files       {}, {} bytes\n", job.packed.package.files.size(), FileBytes(job.packed.package));
+  fmt::print("package     {}\n", job.packed.digest.Hex());
   fmt::print("read in     {:.3f} s\n", scene.load_seconds);
 }
 
 void PrintJson(const SceneJob& job) {
   const SceneSummary& scene = job.scene->summary();
-  const FrameSpec& frame = job.frame.spec;
+  const FrameSpec& frame = job.packed.frame.spec;
   nlohmann::ordered_json json;
   json["width"] = frame.width;
   json["height"] = frame.height;
@@ -63,11 +63,11 @@ void PrintJson(const SceneJob& job) {
   json["media"] = scene.media;
   json["geometry_bytes"] = scene.geometry_bytes;
   json["image_bytes"] = scene.image_bytes;
-  json["package"] = job.digest.Hex();
+  json["package"] = job.packed.digest.Hex();
   json["load_seconds"] = scene.load_seconds;
   json["warnings"] = scene.warnings;
   json["files"] = nlohmann::ordered_json::array();
-  for (const auto& [path, file] : job.package.files) {
+  for (const auto& [path, file] : job.packed.package.files) {
     json["files"].push_back({{"path", path}, {"size", file.size}, {"sha256", file.digest.Hex()}});
   }
   fmt::print("{}\n", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include "client/commands.h"
-#include "client/coordinator_client.h"
 #include "client/status_text.h"
 #include "client/watching.h"
+#include "farm/coordinator_client.h"
 
 namespace tessera {
 namespace {

@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include "client/commands.h"
-#include "client/coordinator_client.h"
 #include "client/status_text.h"
+#include "farm/coordinator_client.h"
 
 namespace tessera {
 

@@ -7,6 +7,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 
@@ -14,6 +15,7 @@ namespace tessera {
 namespace {
 
 constexpr std::chrono::seconds kStartPatience{30};  // a loaded machine; a healthy one takes some 30 ms
+constexpr int kAttemptsMax = 3;                     // workers that may fail a unit, if there are so many
 constexpr int kStartProbe_ms = 2;                   // between attempts to connect to the socket
 
 // The folder of our own program.
@@ -49,10 +51,11 @@ Error EndedError(const std::string& who, ChildProcess& process) {
 
 }  // namespace
 
-LocalFarm::LocalFarm(TemporaryFolder folder, Address address, ChildProcess coordinator,
+LocalFarm::LocalFarm(TemporaryFolder folder, std::string socket, ChildProcess coordinator,
                      Cancellation& cancellation)
     : folder_(std::move(folder)),
-      address_(std::move(address)),
+      socket_(std::move(socket)),
+      address_("unix:" + socket_),
       coordinator_(std::move(coordinator)),
       cancellation_(cancellation),
       closing_fd_(::eventfd(0, EFD_CLOEXEC)) {
@@ -72,16 +75,15 @@ Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Ca
   if (!programs) return programs.error();
   auto folder = TemporaryFolder::Make();
   if (!folder) return folder.error();
-  Address address;
-  address.kind = Address::Kind::kUnix;
-  address.path = folder->path() + "/socket";
+  std::string socket = folder->path() + "/socket";
   auto coordinator =
       ChildProcess::Start(*programs + "/tessera-coordinator",
-                          {"--listen", address.Text(), "--data-dir", folder->path() + "/coordinator"},
+                          {"--listen", "unix:" + socket, "--data-dir", folder->path() + "/coordinator",
+                           "--attempts-max", std::to_string(std::min(workers, kAttemptsMax))},
                           folder->path() + "/coordinator.log");
   if (!coordinator) return coordinator.error();
   std::unique_ptr<LocalFarm> farm(
-      new LocalFarm(std::move(*folder), std::move(address), std::move(*coordinator), cancellation));
+      new LocalFarm(std::move(*folder), std::move(socket), std::move(*coordinator), cancellation));
   if (auto ready = farm->AwaitCoordinator(); !ready) return ready.error();
   if (auto started = farm->StartWorkers(*programs + "/tessera-worker", workers, threads); !started) {
     return started.error();
@@ -92,7 +94,7 @@ Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Ca
 
 Result<void> LocalFarm::AwaitCoordinator() {
   const auto deadline = std::chrono::steady_clock::now() + kStartPatience;
-  while (!CanConnect(address_.path)) {
+  while (!CanConnect(socket_)) {
     if (cancellation_.cancelled()) return cancellation_.error();
     if (HasEnded(coordinator_, kStartProbe_ms)) return EndedError("tessera-coordinator", coordinator_);
     if (std::chrono::steady_clock::now() > deadline)
@@ -105,7 +107,7 @@ Result<void> LocalFarm::StartWorkers(const std::string& program, int workers, in
   for (int i = 0; i < workers; ++i) {
     const std::string name = fmt::format("local-{}", i + 1);
     auto worker = ChildProcess::Start(program,
-                                      {"--coordinator", address_.Text(), "--threads", std::to_string(threads),
+                                      {"--coordinator", address_, "--threads", std::to_string(threads),
                                        "--cache-dir", folder_.path() + "/cache", "--name", name},
                                       fmt::format("{}/{}.log", folder_.path(), name));
     if (!worker) return worker.error();

@@ -9,7 +9,6 @@
 #include "client/cancellation.h"
 #include "client/child_process.h"
 #include "client/temporary_folder.h"
-#include "wire/address.h"
 
 namespace tessera {
 
@@ -23,16 +22,17 @@ class LocalFarm {
   ~LocalFarm();
   LocalFarm(const LocalFarm&) = delete;
   LocalFarm& operator=(const LocalFarm&) = delete;
-  const Address& address() const { return address_; }
+  const std::string& address() const { return address_; }
 
  private:
-  LocalFarm(TemporaryFolder folder, Address address, ChildProcess coordinator, Cancellation& cancellation);
+  LocalFarm(TemporaryFolder folder, std::string socket, ChildProcess coordinator, Cancellation& cancellation);
   Result<void> AwaitCoordinator();
   Result<void> StartWorkers(const std::string& program, int workers, int threads);
   void Monitor();
 
   TemporaryFolder folder_;
-  Address address_;
+  std::string socket_;
+  std::string address_;
   ChildProcess coordinator_;
   std::vector<ChildProcess> workers_;
   Cancellation& cancellation_;

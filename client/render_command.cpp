@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "client/commands.h"
-#include "client/coordinator_client.h"
 #include "client/in_process.h"
 #include "client/local_farm.h"
 #include "client/output.h"
@@ -14,6 +13,7 @@
 #include "client/scene_job.h"
 #include "client/status_text.h"
 #include "client/watching.h"
+#include "farm/coordinator_client.h"
 #include "film/picture_file.h"
 #include "util/cores.h"
 #include "util/digest.h"
@@ -49,7 +49,7 @@ Result<std::string> RenderHere(const Options& options, Cancellation& cancellatio
       });
   if (!picture) return picture.error();
   line.Finish(last);
-  return EncodeExr(job->frame.spec, *picture);
+  return EncodeExr(job->packed.frame.spec, *picture);
 }
 
 Result<std::string> RenderOnLocalFarm(const Options& options, Cancellation& cancellation) {
@@ -58,10 +58,10 @@ Result<std::string> RenderOnLocalFarm(const Options& options, Cancellation& canc
   const Crew crew = ChooseCrew(options);
   const auto farm = LocalFarm::Start(crew.workers, crew.threads, cancellation);
   if (!farm) return farm.error();
-  const auto client = CoordinatorClient::Connect((*farm)->address().Text(), cancellation.token());
+  const auto client = CoordinatorClient::Connect((*farm)->address(), cancellation.token());
   if (!client) return client.error();
-  if (auto sent = (*client)->Upload(*job); !sent) return sent.error();
-  const auto id = (*client)->Submit(*job, job->frame.scene_file, 0);
+  if (auto sent = (*client)->Upload(job->packed); !sent) return sent.error();
+  const auto id = (*client)->Submit(job->packed, job->packed.frame.scene_file, 0);
   if (!id) return id.error();
   const auto status = WatchWithProgress(**client, *id);
   if (!status) return status.error();

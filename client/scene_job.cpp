@@ -13,7 +13,7 @@ void PrintWarnings(const SceneSummary& summary) {
   for (const std::string& warning : summary.warnings) fmt::print(stderr, "tessera: warning: {}\n", warning);
 }
 
-Result<void> Pack(const std::map<std::string, DiskFileSource::File>& files, SceneJob& job) {
+Result<void> Pack(const std::map<std::string, DiskFileSource::File>& files, PackedScene& packed) {
   if (files.size() > kFilesPerPackageMax) {
     return BadInput(
         fmt::format("the scene refers to {} files, more than {}", files.size(), kFilesPerPackageMax));
@@ -22,11 +22,11 @@ Result<void> Pack(const std::map<std::string, DiskFileSource::File>& files, Scen
     const std::string path = PackagePath(name);
     if (path.empty())
       return BadInput(fmt::format("{}: the file's name is too long to be sent to a farm", name));
-    job.package.files[path] = {file.digest, file.size};
-    job.disk_paths.emplace(file.digest, file.path);
+    packed.package.files[path] = {file.digest, file.size};
+    packed.disk_paths.emplace(file.digest, file.path);
   }
-  job.manifest = EncodeScenePackage(job.package);
-  job.digest = Sha256(job.manifest);
+  packed.manifest = EncodeScenePackage(packed.package);
+  packed.digest = Sha256(packed.manifest);
   return {};
 }
 
@@ -42,11 +42,11 @@ Result<SceneJob> LoadSceneJob(const Options& options, Scene::Depth depth) {
   PrintWarnings((*scene)->summary());
   SceneJob job;
   job.scene = std::move(*scene);
-  if (auto packed = Pack(files.FilesRead(), job); !packed) return packed.error();
-  job.frame.scene_file = PackagePath(name);
-  job.frame.options = EncodeRenderOptions(options.render);
-  job.frame.spec = job.scene->frame();
-  job.frame.spec.attributes[kSceneDigestAttribute] = job.digest.Hex();
+  if (auto packed = Pack(files.FilesRead(), job.packed); !packed) return packed.error();
+  job.packed.frame.scene_file = PackagePath(name);
+  job.packed.frame.options = EncodeRenderOptions(options.render);
+  job.packed.frame.spec = job.scene->frame();
+  job.packed.frame.spec.attributes[kSceneDigestAttribute] = job.packed.digest.Hex();
   return job;
 }
 

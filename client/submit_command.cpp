@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "client/commands.h"
-#include "client/coordinator_client.h"
 #include "client/scene_job.h"
 #include "client/watching.h"
+#include "farm/coordinator_client.h"
 
 namespace tessera {
 
@@ -15,10 +15,10 @@ Result<int> RunSubmit(const Options& options, Cancellation& cancellation) {
   if (!job) return job.error();
   const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
   if (!client) return client.error();
-  if (auto sent = (*client)->Upload(*job); !sent) return sent.error();
+  if (auto sent = (*client)->Upload(job->packed); !sent) return sent.error();
   const std::string name =
       options.name.empty() ? std::filesystem::path(options.scene).stem().string() : options.name;
-  const auto id = (*client)->Submit(*job, name, options.priority);
+  const auto id = (*client)->Submit(job->packed, name, options.priority);
   if (!id) return id.error();
   if (options.json) {
     fmt::print("{{\"job\":{}}}\n", Number(*id));

@@ -1,7 +1,7 @@
 // Following a job.
 #pragma once
 
-#include "client/coordinator_client.h"
+#include "farm/coordinator_client.h"
 #include "util/digest.h"
 
 namespace tessera {

@@ -19,7 +19,7 @@ FORBIDDEN = [
     (r"^coordinator/core/", r"\b(std::thread|std::mutex|std::condition_variable|random_device)\b|#include <grpc|#include <thread>",
      "the core is a pure state machine: no thread, lock, network or random device"),
     (r"^coordinator/", r"#include [<\"]embree|rtcore", "the coordinator knows no ray tracing"),
-    (r"^(renderer|proto/[^w]\w*\.|client|worker/core)", r"#include <grpc", "gRPC stays in proto/wire and the programs' shells"),
+    (r"^(renderer|proto/[^w]\w*\.|client/(?!farm/)|worker/core)", r"#include <grpc", "gRPC stays in proto/wire and the programs' shells"),
     (r"^renderer/", r"#include \"(wire|terms|core|worker|client)/", "the renderer knows nothing of the farm"),
     (r"^renderer/(integrator|light|material|texture|shape|sampler|filter|camera|accelerator|math|color)/",
      r"\b(system_clock|high_resolution_clock)\b", "no wall clock in the renderer"),

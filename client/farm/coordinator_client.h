@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "client/scene_job.h"
+#include "farm/packed_scene.h"
 #include "terms/terms.h"
 #include "util/result.h"
 
@@ -29,8 +29,8 @@ class CoordinatorClient {
   CoordinatorClient& operator=(const CoordinatorClient&) = delete;
 
   // Sends the files of the scene that the coordinator lacks.
-  Result<void> Upload(const SceneJob& job);
-  Result<JobId> Submit(const SceneJob& job, const std::string& name, int priority);
+  Result<void> Upload(const PackedScene& scene);
+  Result<JobId> Submit(const PackedScene& scene, const std::string& name, int priority);
   Result<JobStatus> Status(JobId job);
   // Calls `report` with every change until the job has ended, and answers its last status.
   Result<JobStatus> Watch(JobId job, const std::function<void(const JobStatus&)>& report);

@@ -11,7 +11,7 @@
 #include <stop_token>
 #include <string>
 
-#include "client/coordinator_client.h"
+#include "farm/coordinator_client.h"
 #include "proto/blobs.grpc.pb.h"
 #include "proto/jobs.grpc.pb.h"
 #include "wire/channel.h"

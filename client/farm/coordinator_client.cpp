@@ -1,10 +1,10 @@
-#include "client/coordinator_client.h"
+#include "farm/coordinator_client.h"
 
 #include <fmt/format.h>
 
 #include <random>
 
-#include "client/coordinator_connection.h"
+#include "farm/coordinator_connection.h"
 #include "wire/convert.h"
 
 namespace tessera {
@@ -101,13 +101,13 @@ Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const std:
   return std::unique_ptr<CoordinatorClient>(new CoordinatorClient(std::move(connection)));
 }
 
-Result<JobId> CoordinatorClient::Submit(const SceneJob& job, const std::string& name, int priority) {
+Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const std::string& name, int priority) {
   JobSpec spec;
   spec.submission = RandomSubmission();
   spec.name = name;
   spec.priority = priority;
-  spec.package = job.digest;
-  spec.frames = {job.frame};
+  spec.package = scene.digest;
+  spec.frames = {scene.frame};
   proto::JobSpec request;
   Write(spec, request);
   proto::SubmitAnswer answer;

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "client/coordinator_connection.h"
+#include "farm/coordinator_connection.h"
 #include "wire/convert.h"
 
 namespace tessera {
@@ -80,12 +80,12 @@ grpc::Status SendBlob(proto::Blobs::Stub& stub, grpc::ClientContext* context, co
 
 }  // namespace
 
-Result<void> CoordinatorClient::Upload(const SceneJob& job) {
+Result<void> CoordinatorClient::Upload(const PackedScene& scene) {
   std::map<std::string, Source> sources;  // by digest as it travels
-  for (const auto& [path, file] : job.package.files) {
-    sources[WriteDigest(file.digest)] = {file.digest, file.size, job.disk_paths.at(file.digest), {}};
+  for (const auto& [path, file] : scene.package.files) {
+    sources[WriteDigest(file.digest)] = {file.digest, file.size, scene.disk_paths.at(file.digest), {}};
   }
-  sources[WriteDigest(job.digest)] = {job.digest, job.manifest.size(), {}, job.manifest};
+  sources[WriteDigest(scene.digest)] = {scene.digest, scene.manifest.size(), {}, scene.manifest};
   const std::stop_token stop = connection_->stop;
   for (auto it = sources.begin(); it != sources.end();) {
     proto::FindMissingRequest request;
