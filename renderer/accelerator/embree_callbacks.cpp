@@ -77,21 +77,46 @@ void Occluded(const RTCOccludedFunctionNArguments* arguments) {
   }
 }
 
-void FilterByAlpha(const RTCFilterFunctionNArguments* arguments) {
-  if (!arguments->valid[0]) return;
-  const EmbreeRayContext& context = ContextOf(arguments->context);
-  const auto& record = *static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr);
-  const auto* found = reinterpret_cast<const RTCHit*>(arguments->hit);
-  const auto* ray = reinterpret_cast<const RTCRay*>(arguments->ray);
-  Hit hit{ray->tfar,
+Hit HitOf(const EmbreeRayContext& context, const EmbreeGeometryRecord& record,
+          const RTCFilterFunctionNArguments* a) {
+  const auto* found = reinterpret_cast<const RTCHit*>(a->hit);
+  const auto* ray = reinterpret_cast<const RTCRay*>(a->ray);
+  return {ray->tfar,
           found->u,
           found->v,
           record.shape_index,
           record.Primitive(found->primID),
           context.InstanceOf(found->instID[0])};
+}
+
+void FilterByAlpha(const RTCFilterFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  const EmbreeRayContext& context = ContextOf(arguments->context);
+  const auto& record = *static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr);
+  Hit hit = HitOf(context, record, arguments);
   const bool is_hit = RefineHit(*context.geometry, *context.ray, &hit) &&
                       AlphaIsHit(context, record.shape->surface.alpha, hit);
   if (!is_hit) arguments->valid[0] = 0;
+}
+
+// Whether a hit of Embree's is too far from the ray's origin for its distance to be a mere rounding error.
+// The distance is (v0 . n) / (d . n) for a corner v0, as seen from the origin, and the normal n = e1 x e2:
+// its numerator is off by some epsilons of |v0| |e1| |e2|.
+bool IsSurelyAhead(const RTCRay& ray, const RTCHit& hit, float edge_max) {
+  const Vec3 d{ray.dir_x, ray.dir_y, ray.dir_z};
+  const float d_dot_n = AbsDot(d, {hit.Ng_x, hit.Ng_y, hit.Ng_z});
+  const float corner_distance_max = ray.tfar * Length(d) + edge_max;
+  return ray.tfar * d_dot_n > Gamma(32) * corner_distance_max * edge_max * edge_max;
+}
+
+void FilterOcclusion(const RTCFilterFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  const auto& record = *static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr);
+  const auto& ray = *reinterpret_cast<const RTCRay*>(arguments->ray);
+  if (IsSurelyAhead(ray, *reinterpret_cast<const RTCHit*>(arguments->hit), record.edge_max)) return;
+  const EmbreeRayContext& context = ContextOf(arguments->context);
+  Hit hit = HitOf(context, record, arguments);
+  if (!RefineHit(*context.geometry, *context.ray, &hit)) arguments->valid[0] = 0;
 }
 
 }  // namespace
@@ -105,6 +130,10 @@ void SetUserPrimitiveCallbacks(RTCGeometry geometry) {
 void SetAlphaFilter(RTCGeometry geometry) {
   rtcSetGeometryIntersectFilterFunction(geometry, FilterByAlpha);
   rtcSetGeometryOccludedFilterFunction(geometry, FilterByAlpha);
+}
+
+void SetOcclusionFilter(RTCGeometry geometry) {
+  rtcSetGeometryOccludedFilterFunction(geometry, FilterOcclusion);
 }
 
 bool AlphaIsHit(const EmbreeRayContext& context, const FloatInput& alpha, const Hit& hit) {

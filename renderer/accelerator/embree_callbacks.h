@@ -24,6 +24,9 @@ struct EmbreeRayContext {
 
 void SetUserPrimitiveCallbacks(RTCGeometry geometry);
 void SetAlphaFilter(RTCGeometry geometry);
+// Keeps the surface that a shadow ray starts on from hiding it by a rounding error: thin triangles have
+// inexact normals.
+void SetOcclusionFilter(RTCGeometry geometry);
 
 // Whether the surface at `hit` is there for this ray: always where alpha is 1, never where it is 0, and in
 // between with that probability, decided by a hash of the ray. Without regard to the primitive, as in pbrt:

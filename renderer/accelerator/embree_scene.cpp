@@ -23,6 +23,20 @@ void SetVertices(RTCGeometry geometry, const std::vector<Point3>& P) {
   if (copy) std::copy(P.begin(), P.end(), static_cast<Point3*>(copy));
 }
 
+// The longest edge or diagonal of faces of `corners` vertices each.
+float LongestEdge(const std::vector<Point3>& P, const std::vector<uint32_t>& indices, size_t corners) {
+  float longest_squared = 0;
+  for (size_t face = 0; face + corners <= indices.size(); face += corners) {
+    for (size_t i = 0; i < corners; ++i) {
+      for (size_t j = 0; j < i; ++j) {
+        const float squared = DistanceSquared(P[indices[face + i]], P[indices[face + j]]);
+        longest_squared = std::max(longest_squared, squared);
+      }
+    }
+  }
+  return std::sqrt(longest_squared);
+}
+
 bool IsNeverHit(const Shape& shape) {
   return shape.PrimitiveCount() == 0 ||
          (shape.surface.alpha.IsConstant() && shape.surface.alpha.constant <= 0);
@@ -54,6 +68,7 @@ void EmbreeScene::AddTriangles(const EmbreeDevice& device, const TriangleMesh& m
   SetVertices(geometry.get(), mesh.P);
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices.data(),
                              0, 3 * sizeof(uint32_t), mesh.indices.size() / 3);
+  record.edge_max = LongestEdge(mesh.P, mesh.indices, 3);
   Attach(geometry.get(), std::move(record));
 }
 
@@ -82,6 +97,7 @@ void EmbreeScene::AddQuads(const EmbreeDevice& device, const BilinearMesh& mesh,
     const uint32_t* v = &mesh.indices[4 * size_t{i}];
     *quad++ = {v[0], v[1], v[3], v[2]};  // around the patch
   }
+  record.edge_max = LongestEdge(mesh.P, mesh.indices, 4);
   Attach(geometry.get(), std::move(record));
 }
 
@@ -98,8 +114,12 @@ void EmbreeScene::Attach(RTCGeometry geometry, EmbreeGeometryRecord record) {
   records_.push_back(std::move(record));
   rtcSetGeometryUserData(geometry, &records_.back());
   rtcSetGeometryMask(geometry, surface.is_interface ? kInterfaceMask : kSolidMask);
-  // Embree calls filters for triangles and quads only; our own primitives ask for alpha themselves.
-  if (surface.HasAlpha()) SetAlphaFilter(geometry);
+  // Embree calls filters for triangles and quads only; our own primitives need none.
+  if (surface.HasAlpha()) {
+    SetAlphaFilter(geometry);
+  } else {
+    SetOcclusionFilter(geometry);
+  }
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene_.get(), geometry, id);
 }

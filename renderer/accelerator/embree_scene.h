@@ -19,6 +19,7 @@ struct EmbreeGeometryRecord {
   const Shape* shape = nullptr;
   uint32_t shape_index = 0;
   std::vector<uint32_t> primitives;  // empty: Embree's primitive i is the shape's
+  float edge_max = 0;                // longest edge or diagonal of a triangle or quad
 
   uint32_t Primitive(uint32_t embree_primitive) const {
     return primitives.empty() ? embree_primitive : primitives[embree_primitive];
