@@ -1,5 +1,6 @@
 #include "shape/geometry.h"
 
+#include "shape/interaction.h"
 #include "shape/quadric.h"
 #include "util/check.h"
 
@@ -60,7 +61,7 @@ uint64_t Geometry::PrimitiveCount() const {
 }
 
 const Shape& ShapeOf(const Geometry& geometry, uint32_t instance, uint32_t shape) {
-  if (instance == 0xffffffffu) return geometry.shapes[shape];
+  if (instance == Hit::kNoInstance) return geometry.shapes[shape];
   return geometry.groups[geometry.instances[instance].group].shapes[shape];
 }
 
