@@ -2,39 +2,56 @@
 
 #include <algorithm>
 
-#include "integrator/emission_on_hit.h"
-#include "integrator/texture_context.h"
+#include "integrator/light_walk.h"
+#include "integrator/path_vertex.h"
 
 namespace tessera {
 namespace {
 
 constexpr float kLightShare = 0.5f;  // of the directions that are drawn towards lights
 
-// At a surface that scatters: how often the lights are asked.
+// How often the lights are asked where a surface scatters; all else leaves it to the BSDF.
 float LightShare(const LightDirections& lights, const Bsdf& bsdf) {
   return lights.empty() || !bsdf.HasNonSpecular() ? 0 : kLightShare;
 }
-
-ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
-  return {interaction.p, interaction.p_error, interaction.n, interaction.shading.n};
+float LightShare(const LightDirections& lights) {
+  return lights.empty() ? 0 : kLightShare;
 }
 
-// A sample along wi, of which light sampling knows that its own density is at least `light_pdf_min`.
-std::optional<MixtureSample> Weighted(const LightDirections& lights, const SurfaceInteraction& interaction,
-                                      float light_share, Vec3 wi, const BsdfEvaluation& evaluation,
-                                      float light_pdf_min, const SampledWavelengths& wavelengths) {
-  if (!AnyNonZero(evaluation.f)) return std::nullopt;
-  MixtureSample sample;
-  sample.ray = interaction.SpawnRay(wi);
-  sample.density = (1 - light_share) * evaluation.pdf;
-  if (light_share > 0) {
-    // The point that was drawn may be missed by rounding, on an edge.
-    const float light_pdf = lights.Pdf(ReferenceAt(interaction), sample.ray, wavelengths);
-    sample.density += light_share * std::max(light_pdf, light_pdf_min);
+// One vertex on its way to a sample.
+struct MixtureVertex {
+  const LightDirections& lights;
+  const SampledWavelengths& wavelengths;
+  ReferencePoint reference;
+  float light_share;
+
+  std::optional<LightDirections::Drawn> DrawLight(float u_choice, Point2 u) const {
+    return lights.Sample(reference, u_choice / light_share, u, wavelengths);
   }
-  if (!(sample.density > 0)) return std::nullopt;
-  sample.weight = evaluation.f * (AbsDot(wi, interaction.shading.n) / sample.density);
-  return sample;
+  float Density(const Ray& ray, float own_pdf, float light_pdf_min) const {
+    float density = (1 - light_share) * own_pdf;
+    // The point that was drawn may be missed by rounding, on an edge.
+    if (light_share > 0)
+      density += light_share * std::max(lights.Pdf(reference, ray, wavelengths), light_pdf_min);
+    return density;
+  }
+  // `f_cosine`: what scatters along `ray`, with its cosine; `own_pdf`: the density of the BSDF or the phase
+  // function; `light_pdf_min`: what the density of light sampling is known to be at least.
+  std::optional<MixtureSample> Weigh(const Ray& ray, SampledSpectrum f_cosine, float own_pdf,
+                                     float light_pdf_min) const {
+    if (!AnyNonZero(f_cosine)) return std::nullopt;
+    const float density = Density(ray, own_pdf, light_pdf_min);
+    if (!(density > 0)) return std::nullopt;
+    return MixtureSample{f_cosine * (1 / density), ray, density, false};
+  }
+};
+
+float Remaining(float u_choice, float light_share) {
+  return (u_choice - light_share) / (1 - light_share);
+}
+
+Ray RayFrom(const Ray& ray, Vec3 wi) {
+  return {ray.o, wi, std::numeric_limits<float>::infinity(), ray.time};
 }
 
 }  // namespace
@@ -42,54 +59,69 @@ std::optional<MixtureSample> Weighted(const LightDirections& lights, const Surfa
 std::optional<MixtureSample> SampleMixture(const LightDirections& lights,
                                            const SurfaceInteraction& interaction, const Bsdf& bsdf,
                                            float u_choice, Point2 u, const SampledWavelengths& wavelengths) {
-  const float light_share = LightShare(lights, bsdf);
-  if (u_choice < light_share) {
-    const auto drawn = lights.Sample(ReferenceAt(interaction), u_choice / light_share, u, wavelengths);
+  const MixtureVertex vertex{lights, wavelengths, ReferenceAt(interaction), LightShare(lights, bsdf)};
+  if (u_choice < vertex.light_share) {
+    const auto drawn = vertex.DrawLight(u_choice, u);
     if (!drawn) return std::nullopt;
-    return Weighted(lights, interaction, light_share, drawn->wi, bsdf.Evaluate(interaction.wo, drawn->wi),
-                    drawn->chosen_pdf, wavelengths);
+    const BsdfEvaluation evaluation = bsdf.Evaluate(interaction.wo, drawn->wi);
+    const SampledSpectrum f_cosine = evaluation.f * AbsDot(drawn->wi, interaction.shading.n);
+    return vertex.Weigh(interaction.SpawnRay(drawn->wi), f_cosine, evaluation.pdf, drawn->chosen_pdf);
   }
-  u_choice = (u_choice - light_share) / (1 - light_share);
-  const std::optional<BsdfSample> drawn = bsdf.Sample(interaction.wo, u_choice, u);
+  const auto drawn = bsdf.Sample(interaction.wo, Remaining(u_choice, vertex.light_share), u);
   if (!drawn) return std::nullopt;
-  if (!drawn->IsSpecular()) {
-    return Weighted(lights, interaction, light_share, drawn->wi, {drawn->f, drawn->pdf}, 0, wavelengths);
-  }
-  MixtureSample sample;
-  sample.is_specular = true;
-  sample.ray = interaction.SpawnRay(drawn->wi);
-  sample.density = (1 - light_share) * drawn->pdf;
-  sample.weight = drawn->f * (AbsDot(drawn->wi, interaction.shading.n) / sample.density);
-  return sample;
+  const Ray ray = interaction.SpawnRay(drawn->wi);
+  const SampledSpectrum f_cosine = drawn->f * AbsDot(drawn->wi, interaction.shading.n);
+  if (!drawn->IsSpecular()) return vertex.Weigh(ray, f_cosine, drawn->pdf, 0);
+  const float probability = (1 - vertex.light_share) * drawn->pdf;
+  return MixtureSample{f_cosine * (1 / probability), ray, probability, true};
 }
 
 float MixturePdf(const LightDirections& lights, const SurfaceInteraction& interaction, const Bsdf& bsdf,
                  Vec3 wi, const SampledWavelengths& wavelengths) {
-  const float light_share = LightShare(lights, bsdf);
-  const float light_pdf =
-      light_share > 0 ? lights.Pdf(ReferenceAt(interaction), interaction.SpawnRay(wi), wavelengths) : 0;
-  return (1 - light_share) * bsdf.Evaluate(interaction.wo, wi).pdf + light_share * light_pdf;
+  const MixtureVertex vertex{lights, wavelengths, ReferenceAt(interaction), LightShare(lights, bsdf)};
+  return vertex.Density(interaction.SpawnRay(wi), bsdf.Evaluate(interaction.wo, wi).pdf, 0);
+}
+
+std::optional<MixtureSample> SampleMixture(const LightDirections& lights, const Ray& ray,
+                                           const PhaseFunction& phase, float u_choice, Point2 u,
+                                           const SampledWavelengths& wavelengths) {
+  const MixtureVertex vertex{lights, wavelengths, {ray.o, {}, {}, {}}, LightShare(lights)};
+  if (u_choice < vertex.light_share) {
+    const auto drawn = vertex.DrawLight(u_choice, u);
+    if (!drawn) return std::nullopt;
+    const float value = phase.Evaluate(-ray.d, drawn->wi);
+    return vertex.Weigh(RayFrom(ray, drawn->wi), SampledSpectrum(value), value, drawn->chosen_pdf);
+  }
+  const PhaseSample drawn = phase.Sample(-ray.d, u);
+  return vertex.Weigh(RayFrom(ray, drawn.wi), SampledSpectrum(drawn.pdf), drawn.pdf, 0);
+}
+
+float MixturePdf(const LightDirections& lights, const Ray& ray, const PhaseFunction& phase, Vec3 wi,
+                 const SampledWavelengths& wavelengths) {
+  const MixtureVertex vertex{lights, wavelengths, {ray.o, {}, {}, {}}, LightShare(lights)};
+  return vertex.Density(RayFrom(ray, wi), phase.Pdf(-ray.d, wi), 0);
 }
 
 SampledSpectrum MixtureRadiance(const World& world, const LightDirections& lights,
                                 const PathSettings& settings, const Ray& camera_ray,
                                 SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts) {
-  SampledSpectrum radiance(0.0f), throughput(1.0f);
-  Ray ray = camera_ray;
+  LightWalk walk(world, camera_ray, wavelengths, counts);
   for (int depth = 0;; ++depth) {
-    auto interaction = FollowRay(world, ray, depth == 0 ? counts.camera : counts.bounce);
-    if (!interaction) return radiance + throughput * EmissionBeyond(world, ray.d, wavelengths);
-    radiance += throughput * EmissionAt(world, *interaction, wavelengths);
-    if (depth == settings.max_depth) return radiance;
-    const TextureContext context = MakeTextureContext(*interaction, world.camera, settings.footprint_scale);
-    const Bsdf bsdf =
-        world.materials.Evaluate(interaction->material, world.textures, context, *interaction, wavelengths);
+    const LightWalk::Event event = walk.Advance(sampler);
+    if (event == LightWalk::Event::kEscaped) walk.AddInfiniteEmission();
+    if (event == LightWalk::Event::kOnSurface) walk.AddSurfaceEmission();
+    if (event == LightWalk::Event::kEscaped || depth == settings.max_depth) return walk.radiance;
     const float u_choice = sampler.Get1D();
     const Point2 u_direction = sampler.Get2D();
-    const auto sample = SampleMixture(lights, *interaction, bsdf, u_choice, u_direction, wavelengths);
-    if (!sample) return radiance;
-    throughput *= sample->weight;
-    ray = sample->ray;
+    std::optional<MixtureSample> sample;
+    if (event == LightWalk::Event::kInMedium) {
+      sample = SampleMixture(lights, walk.ray, walk.phase(), u_choice, u_direction, wavelengths);
+    } else {
+      const Bsdf bsdf = walk.Scatterer(settings);
+      sample = SampleMixture(lights, walk.interaction, bsdf, u_choice, u_direction, wavelengths);
+    }
+    if (!sample) return walk.radiance;
+    walk.Leave(sample->ray, sample->weight);
   }
 }
 

@@ -15,18 +15,27 @@ namespace tessera {
 // The direction that the mixture draws at one vertex.
 struct MixtureSample {
   SampledSpectrum weight;  // of the radiance that arrives: f |cos| / density
-  Ray ray;                 // starts at the surface
+  Ray ray;                 // starts at the vertex
   float density = 0;  // per solid angle, of the mixture; of a specular sample: the probability of the choice
   bool is_specular = false;
 };
 
-// Draws from u_choice (technique, and light or lobe) and u, all in [0, 1). Nothing if the light is absorbed.
+// Draws at a surface from u_choice (technique, and light or lobe) and u, all in [0, 1). Nothing if the light
+// is absorbed.
 std::optional<MixtureSample> SampleMixture(const LightDirections& lights,
                                            const SurfaceInteraction& interaction, const Bsdf& bsdf,
                                            float u_choice, Point2 u, const SampledWavelengths& wavelengths);
-// The density per solid angle of SampleMixture's non-specular directions; `wi` is of unit length.
+// The density per solid angle of its directions that are not specular; `wi` is of unit length.
 float MixturePdf(const LightDirections& lights, const SurfaceInteraction& interaction, const Bsdf& bsdf,
                  Vec3 wi, const SampledWavelengths& wavelengths);
+
+// The same for light that came along `ray` to its origin, where a medium scatters it. Its weights leave out
+// the medium's coefficient.
+std::optional<MixtureSample> SampleMixture(const LightDirections& lights, const Ray& ray,
+                                           const PhaseFunction& phase, float u_choice, Point2 u,
+                                           const SampledWavelengths& wavelengths);
+float MixturePdf(const LightDirections& lights, const Ray& ray, const PhaseFunction& phase, Vec3 wi,
+                 const SampledWavelengths& wavelengths);
 
 // As PathRadiance. Lights that no ray can hit (points, spots, distant ones) are not seen.
 SampledSpectrum MixtureRadiance(const World& world, const LightDirections& lights,

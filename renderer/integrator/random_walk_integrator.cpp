@@ -1,28 +1,23 @@
 #include "integrator/random_walk_integrator.h"
 
-#include "integrator/emission_on_hit.h"
-#include "integrator/texture_context.h"
+#include "integrator/light_walk.h"
 #include "math/sampling.h"
 
 namespace tessera {
 
 SampledSpectrum RandomWalkRadiance(const World& world, const PathSettings& settings, const Ray& camera_ray,
                                    SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts) {
-  SampledSpectrum radiance(0.0f), throughput(1.0f);
-  Ray ray = camera_ray;
+  LightWalk walk(world, camera_ray, wavelengths, counts);
   for (int depth = 0;; ++depth) {
-    auto interaction = FollowRay(world, ray, depth == 0 ? counts.camera : counts.bounce);
-    if (!interaction) return radiance + throughput * EmissionBeyond(world, ray.d, wavelengths);
-    radiance += throughput * EmissionAt(world, *interaction, wavelengths);
-    if (depth == settings.max_depth) return radiance;
-    const TextureContext context = MakeTextureContext(*interaction, world.camera, settings.footprint_scale);
-    const Bsdf bsdf =
-        world.materials.Evaluate(interaction->material, world.textures, context, *interaction, wavelengths);
+    const LightWalk::Event event = walk.Advance(sampler);
+    if (event == LightWalk::Event::kEscaped) walk.AddInfiniteEmission();
+    if (event == LightWalk::Event::kOnSurface) walk.AddSurfaceEmission();
+    if (event == LightWalk::Event::kEscaped || depth == settings.max_depth) return walk.radiance;
     const Vec3 wi = SampleUniformSphere(sampler.Get2D());
-    const SampledSpectrum f = bsdf.Evaluate(interaction->wo, wi).f;
-    if (!AnyNonZero(f)) return radiance;
-    throughput *= f * (AbsDot(wi, interaction->shading.n) / UniformSpherePdf());
-    ray = interaction->SpawnRay(wi);
+    const SampledSpectrum f = walk.Scatterer(settings).Evaluate(walk.interaction.wo, wi).f;
+    if (!AnyNonZero(f)) return walk.radiance;
+    const float cosine = AbsDot(wi, walk.interaction.shading.n);
+    walk.Leave(walk.interaction.SpawnRay(wi), f * (cosine / UniformSpherePdf()));
   }
 }
 

@@ -1,15 +1,11 @@
 #include "integrator/simple_path_integrator.h"
 
-#include "integrator/emission_on_hit.h"
-#include "integrator/texture_context.h"
+#include "integrator/light_walk.h"
+#include "integrator/path_vertex.h"
 #include "math/sampling.h"
 
 namespace tessera {
 namespace {
-
-ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
-  return {interaction.p, interaction.p_error, interaction.n, interaction.shading.n};
-}
 
 class SimplePath {
  public:
@@ -17,7 +13,7 @@ class SimplePath {
              SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts)
       : world_(world),
         settings_(settings),
-        ray_(camera_ray),
+        walk_(world, camera_ray, wavelengths, counts),
         wavelengths_(wavelengths),
         sampler_(sampler),
         counts_(counts) {}
@@ -25,94 +21,97 @@ class SimplePath {
   SampledSpectrum Trace();
 
  private:
-  void AddInfiniteLights();
-  void AddEmission(const SurfaceInteraction& interaction);
-  SampledSpectrum DirectLight(const SurfaceInteraction& interaction, const Bsdf& bsdf);
-  bool ScatterByBsdf(const SurfaceInteraction& interaction, const Bsdf& bsdf);
-  bool ScatterUniformly(const SurfaceInteraction& interaction, const Bsdf& bsdf);
+  // Each false if the path ends.
+  bool ScatterInMedium();
+  bool ScatterOnSurface();
+  bool ScatterByBsdf(const Bsdf& bsdf);
+  bool ScatterUniformly(const Bsdf& bsdf);
+
+  void AddInfiniteEmission();
+  void AddSurfaceEmission();
+  SampledSpectrum DirectLight(const Bsdf& bsdf);
 
   const World& world_;
   const SimplePathSettings& settings_;
-  Ray ray_;
+  LightWalk walk_;
   SampledWavelengths& wavelengths_;
   Sampler& sampler_;
   RayCounts& counts_;
-  SampledSpectrum radiance_{0.0f}, throughput_{1.0f};
   bool light_was_sampled_ = false;  // where the current ray started
   ReferencePoint previous_;         // that place
 };
 
 SampledSpectrum SimplePath::Trace() {
   for (int depth = 0;; ++depth) {
-    auto interaction = FollowRay(world_, ray_, depth == 0 ? counts_.camera : counts_.bounce);
-    if (!interaction) {
-      AddInfiniteLights();
-      return radiance_;
-    }
-    AddEmission(*interaction);
-    if (depth == settings_.path.max_depth) return radiance_;
-    const TextureContext context =
-        MakeTextureContext(*interaction, world_.camera, settings_.path.footprint_scale);
-    const Bsdf bsdf = world_.materials.Evaluate(interaction->material, world_.textures, context, *interaction,
-                                                wavelengths_);
-    light_was_sampled_ = settings_.sample_lights && bsdf.HasNonSpecular();
-    previous_ = ReferenceAt(*interaction);
-    if (light_was_sampled_) radiance_ += throughput_ * DirectLight(*interaction, bsdf);
-    const bool scattered =
-        settings_.sample_bsdf ? ScatterByBsdf(*interaction, bsdf) : ScatterUniformly(*interaction, bsdf);
-    if (!scattered) return radiance_;
+    const LightWalk::Event event = walk_.Advance(sampler_);
+    if (event == LightWalk::Event::kEscaped) AddInfiniteEmission();
+    if (event == LightWalk::Event::kOnSurface) AddSurfaceEmission();
+    if (event == LightWalk::Event::kEscaped || depth == settings_.path.max_depth) return walk_.radiance;
+    const bool scattered = event == LightWalk::Event::kInMedium ? ScatterInMedium() : ScatterOnSurface();
+    if (!scattered) return walk_.radiance;
   }
+}
+
+bool SimplePath::ScatterInMedium() {
+  const PhaseSample sample = walk_.phase().Sample(-walk_.ray.d, sampler_.Get2D());
+  light_was_sampled_ = false;
+  walk_.Leave({walk_.ray.o, sample.wi, std::numeric_limits<float>::infinity(), walk_.ray.time},
+              SampledSpectrum(1.0f));
+  return true;
+}
+
+bool SimplePath::ScatterOnSurface() {
+  const Bsdf bsdf = walk_.Scatterer(settings_.path);
+  light_was_sampled_ = settings_.sample_lights && bsdf.HasNonSpecular();
+  previous_ = ReferenceAt(walk_.interaction);
+  if (light_was_sampled_) walk_.radiance += walk_.throughput * DirectLight(bsdf);
+  return settings_.sample_bsdf ? ScatterByBsdf(bsdf) : ScatterUniformly(bsdf);
 }
 
 // Directions that light sampling never takes are left to the rays that miss.
-void SimplePath::AddInfiniteLights() {
+void SimplePath::AddInfiniteEmission() {
+  const Vec3 d = walk_.ray.d;
   for (const int light : world_.lights.infinite_lights()) {
-    const bool is_found = light_was_sampled_ && world_.lights.InfiniteLightPdf(light, ray_.d) > 0 &&
-                          world_.lights.ChoosePmf(previous_, light) > 0;
-    if (!is_found) radiance_ += throughput_ * world_.lights.InfiniteRadiance(light, ray_.d, wavelengths_);
+    if (light_was_sampled_ && InfiniteLightPdf(world_, previous_, d, light) > 0) continue;
+    walk_.radiance += walk_.throughput * world_.lights.InfiniteRadiance(light, d, wavelengths_);
   }
 }
 
-void SimplePath::AddEmission(const SurfaceInteraction& interaction) {
-  const int light = interaction.area_light;
-  if (light < 0) return;
-  const bool is_found = light_was_sampled_ &&
-                        world_.lights.AreaLightPdf(light, previous_, ray_.d, interaction) > 0 &&
-                        world_.lights.ChoosePmf(previous_, light) > 0;
-  if (!is_found) radiance_ += throughput_ * EmissionAt(world_, interaction, wavelengths_);
+void SimplePath::AddSurfaceEmission() {
+  if (walk_.interaction.area_light < 0) return;
+  if (light_was_sampled_ && EmitterPdf(world_, previous_, walk_.ray.d, walk_.interaction) > 0) return;
+  walk_.AddSurfaceEmission();
 }
 
-SampledSpectrum SimplePath::DirectLight(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
-  const float u_choice = sampler_.Get1D();
-  const Point2 u_light = sampler_.Get2D();
-  const std::optional<ChosenLight> chosen = world_.lights.Choose(previous_, u_choice);
-  if (!chosen) return SampledSpectrum(0.0f);
-  const std::optional<LightSample> light =
-      world_.lights.Sample(chosen->light, previous_, u_light, wavelengths_);
-  if (!light || light->pdf <= 0) return SampledSpectrum(0.0f);
-  const SampledSpectrum f = bsdf.Evaluate(interaction.wo, light->wi).f;
-  if (!AnyNonZero(f) || !AnyNonZero(light->L)) return SampledSpectrum(0.0f);
-  const Ray shadow = SpawnRayTo(interaction.p, interaction.p_error, interaction.n, light->p, light->p_error,
-                                light->n, interaction.time);
+SampledSpectrum SimplePath::DirectLight(const Bsdf& bsdf) {
+  const std::optional<SampledLight> sampled = SampleOneLight(world_, previous_, wavelengths_, sampler_);
+  if (!sampled) return SampledSpectrum(0.0f);
+  const LightSample& light = sampled->light;
+  const SurfaceInteraction& here = walk_.interaction;
+  const SampledSpectrum f = bsdf.Evaluate(here.wo, light.wi).f;
+  if (!AnyNonZero(f)) return SampledSpectrum(0.0f);
+  const Ray shadow = SpawnRayTo(here.p, here.p_error, here.n, light.p, light.p_error, light.n, here.time);
   ++counts_.shadow;
   if (world_.accelerator->Occluded(shadow)) return SampledSpectrum(0.0f);
-  return f * light->L * (AbsDot(light->wi, interaction.shading.n) / (chosen->pmf * light->pdf));
+  return f * light.L * (AbsDot(light.wi, here.shading.n) / sampled->pdf);
 }
 
-bool SimplePath::ScatterByBsdf(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
+bool SimplePath::ScatterByBsdf(const Bsdf& bsdf) {
+  const SurfaceInteraction& interaction = walk_.interaction;
   const float u_component = sampler_.Get1D();
   const Point2 u_direction = sampler_.Get2D();
   const std::optional<BsdfSample> sample = bsdf.Sample(interaction.wo, u_component, u_direction);
   if (!sample) return false;
-  throughput_ *= sample->f * (AbsDot(sample->wi, interaction.shading.n) / sample->pdf);
   if (sample->IsSpecular()) light_was_sampled_ = false;
-  ray_ = interaction.SpawnRay(sample->wi);
+  const float cosine = AbsDot(sample->wi, interaction.shading.n);
+  walk_.Leave(interaction.SpawnRay(sample->wi), sample->f * (cosine / sample->pdf));
   return true;
 }
 
 // Over the sphere if the surface both reflects and transmits, else over the hemisphere into which it
 // scatters.
-bool SimplePath::ScatterUniformly(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
+bool SimplePath::ScatterUniformly(const Bsdf& bsdf) {
+  const SurfaceInteraction& interaction = walk_.interaction;
   const Point2 u = sampler_.Get2D();
   const bool reflects = HasFlag(bsdf.flags(), BxdfFlags::kReflection);
   const bool transmits = HasFlag(bsdf.flags(), BxdfFlags::kTransmission);
@@ -125,8 +124,7 @@ bool SimplePath::ScatterUniformly(const SurfaceInteraction& interaction, const B
   }
   const SampledSpectrum f = bsdf.Evaluate(interaction.wo, wi).f;
   if (!AnyNonZero(f)) return false;
-  throughput_ *= f * (AbsDot(wi, interaction.shading.n) / pdf);
-  ray_ = interaction.SpawnRay(wi);
+  walk_.Leave(interaction.SpawnRay(wi), f * (AbsDot(wi, interaction.shading.n) / pdf));
   return true;
 }
 

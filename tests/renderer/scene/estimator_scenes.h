@@ -1,0 +1,135 @@
+// Small scenes on which estimators must agree: each has something that one of them could get wrong.
+#pragma once
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+// A square environment map of 4 x 4 texels as a portable float map: one texel far brighter than the others.
+inline std::string BrightTexelMap() {
+  std::vector<float> values(4 * 4 * 3, 0.2f);
+  const float bright[3] = {9, 7, 4};
+  std::memcpy(&values[(1 * 4 + 2) * 3], bright, sizeof bright);
+  std::string file = "PF\n4 4\n-1.0\n";
+  file.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+  return file;
+}
+
+// What all scenes begin with: 8 x 8 pixels that look along +z.
+inline std::string SceneHead(const std::string& integrator, int max_depth) {
+  return R"(
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "bool savefp16" false
+PixelFilter "box"
+Camera "perspective" "float fov" 70
+Sampler "independent" "integer pixelsamples" 4096
+Integrator )" +
+         integrator + " \"integer maxdepth\" " + std::to_string(max_depth) + "\nWorldBegin\n";
+}
+
+// A box of diffuse walls around the camera, open at the back, with a lamp of two triangles.
+constexpr const char* kDiffuseBox = R"(
+Material "diffuse" "rgb reflectance" [ 0.7 0.7 0.7 ]
+Shape "bilinearmesh" "point3 P" [ -2 -2 -1  2 -2 -1  -2 -2 5  2 -2 5 ]
+Shape "bilinearmesh" "point3 P" [ -2 -2 5  2 -2 5  -2 2 5  2 2 5 ]
+Material "diffuse" "rgb reflectance" [ 0.7 0.2 0.1 ]
+Shape "trianglemesh" "point3 P" [ -2 -2 -1  -2 -2 5  -2 2 5  -2 2 -1 ] "integer indices" [ 0 1 2 0 2 3 ]
+AreaLightSource "diffuse" "rgb L" [ 6 5 4 ] "bool twosided" true
+Shape "trianglemesh" "point3 P" [ -1 1.8 2  1 1.8 2  1 1.8 4  -1 1.8 4 ] "integer indices" [ 0 1 2 0 2 3 ]
+)";
+
+// Lights behind lights: a sphere in a cylinder (met twice) under a disk, and a curved patch; an `interface`
+// in the way, and a lamp that covers a part of the others with its dark back.
+constexpr const char* kHiddenLights = R"(
+Material "diffuse" "rgb reflectance" [ 0.5 0.6 0.7 ]
+Shape "bilinearmesh" "point3 P" [ -4 -1 0  4 -1 0  -4 -1 8  4 -1 8 ]
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 1 2 3 ]
+  Translate 0.5 1.2 4
+  Shape "sphere" "float radius" 0.3
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 0.8 0.4 0.2 ] "bool twosided" true
+  Translate 0.5 1.2 4
+  Shape "cylinder" "float radius" 0.8 "float zmin" -0.3 "float zmax" 0.6
+  Rotate 80 1 0 0
+  Translate 0 0 -1
+  Shape "disk" "float radius" 0.9 "float innerradius" 0.2
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 2 1 1 ]
+  Shape "bilinearmesh" "point3 P" [ -2 2 3  -1 1 3  -2 1 5  -1 2 5 ]
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 3 3 3 ]
+  Translate 0 1 3
+  Rotate -90 1 0 0
+  Shape "disk" "float radius" 0.4
+AttributeEnd
+AttributeBegin
+  Material "interface"
+  Translate 0 0 4
+  Shape "sphere" "float radius" 0.7
+AttributeEnd
+)";
+
+// Mirrors, glass, rough metal and a glazed floor around a small sphere that shines.
+constexpr const char* kGlossyThings = R"(
+Material "coateddiffuse" "rgb reflectance" [ 0.6 0.5 0.3 ] "float roughness" 0
+Shape "bilinearmesh" "point3 P" [ -4 -1 0  4 -1 0  -4 -1 8  4 -1 8 ]
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 8 8 8 ]
+  Translate 0 1.8 3.5
+  Shape "sphere" "float radius" 0.6
+AttributeEnd
+AttributeBegin
+  Material "conductor" "float roughness" 0.3
+  Translate -1 -0.2 4.5
+  Shape "sphere" "float radius" 0.8
+AttributeEnd
+AttributeBegin
+  Material "dielectric" "float eta" 1.5
+  Translate 0.8 -0.2 4
+  Shape "sphere" "float radius" 0.8
+AttributeEnd
+)";
+
+// A sky that is sampled in part, an even one that never is, and a lamp before them.
+constexpr const char* kSkies = R"(
+LightSource "infinite" "string filename" "sky.pfm"
+LightSource "infinite" "rgb L" [ 0.1 0.1 0.2 ]
+Material "diffuse" "rgb reflectance" [ 0.7 0.7 0.7 ]
+Shape "bilinearmesh" "point3 P" [ -4 -1 0  4 -1 0  -4 -1 8  4 -1 8 ]
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 2 2 2 ]
+  Translate -1 1 4
+  Shape "sphere" "float radius" 0.5
+AttributeEnd
+AttributeBegin
+  Material "conductor" "float roughness" 0.4
+  Translate 1 0 4.5
+  Shape "sphere" "float radius" 0.9
+AttributeEnd
+)";
+
+// Inside an emitter, with a lamp that is half transparent and one that emits a picture.
+constexpr const char* kInsideALamp = R"(
+Material "diffuse" "rgb reflectance" [ 0.4 0.4 0.4 ]
+AttributeBegin
+  ReverseOrientation
+  AreaLightSource "diffuse" "rgb L" [ 0.3 0.2 0.1 ]
+  Shape "sphere" "float radius" 6
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 3 2 1 ]
+  Translate 0.5 0.5 4
+  Shape "disk" "float radius" 1 "float alpha" 0.4
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "string filename" "sky.pfm" "bool twosided" true
+  Shape "bilinearmesh" "point3 P" [ -2 -1 3  0 -1 3  -2 -1 5  0 -1 5 ]
+AttributeEnd
+)";
+
+}  // namespace tessera
