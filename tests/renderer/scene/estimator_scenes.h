@@ -132,4 +132,33 @@ AttributeBegin
 AttributeEnd
 )";
 
+// A ball of coloured smoke, glass with a coloured inside, thin fog that glows, all around a lamp.
+constexpr const char* kSmoke = R"(
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [ 0.02 0.02 0.04 ] "rgb sigma_s" [ 0.05 0.06 0.08 ]
+  "rgb Le" [ 0.2 0.1 0.1 ] "float g" 0.3
+MakeNamedMedium "smoke" "string type" "homogeneous" "rgb sigma_a" [ 0.1 0.3 0.8 ] "rgb sigma_s" [ 2 1.5 1 ] "float g" -0.2
+MakeNamedMedium "juice" "string type" "homogeneous" "rgb sigma_a" [ 0.2 1 2 ] "rgb sigma_s" [ 0 0 0 ]
+Material "diffuse" "rgb reflectance" [ 0.6 0.6 0.6 ]
+AttributeBegin
+  MediumInterface "" "fog"
+  Shape "bilinearmesh" "point3 P" [ -4 -1 -1  4 -1 -1  -4 -1 8  4 -1 8 ]
+  Shape "bilinearmesh" "point3 P" [ -4 -1 8  4 -1 8  -4 4 8  4 4 8 ]
+  AreaLightSource "diffuse" "rgb L" [ 6 6 5 ]
+  Translate 0 1.8 3.5
+  Shape "sphere" "float radius" 0.5
+AttributeEnd
+AttributeBegin
+  MediumInterface "smoke" "fog"
+  Material "interface"
+  Translate -0.8 0 4
+  Shape "sphere" "float radius" 0.9
+AttributeEnd
+AttributeBegin
+  MediumInterface "juice" "fog"
+  Material "dielectric" "float eta" 1.4
+  Translate 1 -0.1 4
+  Shape "sphere" "float radius" 0.8
+AttributeEnd
+)";
+
 }  // namespace tessera

@@ -84,11 +84,11 @@ Comparison Compare(const Batches& a, const Batches& b, int value) {
   return {standard_error > 0 ? mean / standard_error : 0, standard_error / b.Mean(value)};
 }
 
-// Renders `world` by each estimator and expects the means of "path". `error_max`: the relative standard error
-// that the comparison of whole pictures must have, so that it can find an error six times as large.
+// Renders `world` by each estimator and expects the means of `reference`. `error_max`: the relative standard
+// error that the comparison of whole pictures must have, so that it can find an error six times as large.
 void ExpectAgreement(const char* world, std::initializer_list<const char*> estimators, int max_depth,
-                     double error_max) {
-  const auto expected = RenderBatches(SceneHead("\"path\"", max_depth) + world);
+                     double error_max, const char* reference = "\"path\"") {
+  const auto expected = RenderBatches(SceneHead(reference, max_depth) + world);
   ASSERT_GT(expected->Mean(Batches::kValues - 1), 0.05);
   for (const char* estimator : estimators) {
     const auto batches = RenderBatches(SceneHead(estimator, max_depth) + world);
@@ -132,6 +132,10 @@ TEST(Estimators, AgreeUnderSkies) {
 
 TEST(Estimators, AgreeInsideALamp) {
   ExpectAgreement(kInsideALamp, {"\"mixture\"", "\"simplepath\"", kBsdfOnly, "\"randomwalk\""}, 4, 0.02);
+}
+
+TEST(Estimators, AgreeInSmokeAndFog) {
+  ExpectAgreement(kSmoke, {"\"mixture\"", "\"simplevolpath\""}, 5, 0.02, "\"volpath\"");
 }
 
 TEST(Estimators, OneRayPerVertexMeansNoShadowRays) {
