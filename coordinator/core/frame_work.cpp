@@ -17,11 +17,6 @@ FrameWork::FrameWork(const FrameSpec& spec) : samples_per_pixel_(spec.samples_pe
   }
 }
 
-bool FrameWork::Includes(TileSamples samples) const {
-  return samples.tile < tiles_.size() && samples.range.IsDyadic() &&
-         samples.range.end() <= samples_per_pixel_;
-}
-
 template <typename Change>
 void FrameWork::ChangeOpen(uint32_t tile_index, Change change) {
   Tile& tile = tiles_[tile_index];

@@ -27,9 +27,6 @@ class FrameWork {
  public:
   explicit FrameWork(const FrameSpec& spec);
 
-  // Whether the samples are of this frame: everything below is asked for such samples only.
-  bool Includes(TileSamples samples) const;
-
   // Takes open samples, those first that complete the image at the fewest samples per pixel (a doubling), and
   // as many as cost at most `cost_max` seconds; one sample if nothing is measured yet. Only of tiles that
   // `may` allows.

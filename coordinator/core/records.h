@@ -47,6 +47,7 @@ struct WorkerRecord {
   bool wanted_told = true;         // `wanted` has been put into some answer
 
   std::set<LeaseId> leases;  // in the order granted
+  LeaseId begun{};           // those up to here have begun or are next, as far as one can guess
   double queue_cost = 0;     // of those whose cost is known
   int queue_unknown = 0;     // how many are not
   std::vector<LeaseId> unannounced;
@@ -76,7 +77,7 @@ struct FrameRecord {
   SceneOrder scene;
   FrameWork work;
   FailureBook failures;
-  std::map<uint32_t, std::vector<LeaseId>> leases;  // by tile
+  std::map<uint32_t, std::map<LeaseId, SampleRange>> leases;  // by tile
 };
 
 struct JobRecord {

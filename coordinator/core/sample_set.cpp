@@ -9,8 +9,8 @@ namespace tessera {
 
 void SampleSet::Add(Interval added) {
   // All that touch the new interval become one with it.
-  const auto first = std::find_if(intervals_.begin(), intervals_.end(),
-                                  [&](const Interval& each) { return each.end >= added.begin; });
+  const auto first = std::lower_bound(intervals_.begin(), intervals_.end(), added.begin,
+                                      [](const Interval& each, uint32_t value) { return each.end < value; });
   auto last = first;
   while (last != intervals_.end() && last->begin <= added.end) {
     added.begin = std::min(added.begin, last->begin);
@@ -40,16 +40,20 @@ void SampleSet::Remove(Interval removed) {
   intervals_ = std::move(kept);
 }
 
+// The only interval that may hold `sample` or what follows: the first that ends after it.
+std::vector<SampleSet::Interval>::const_iterator SampleSet::EndingAfter(uint32_t sample) const {
+  return std::upper_bound(intervals_.begin(), intervals_.end(), sample,
+                          [](uint32_t value, const Interval& each) { return value < each.end; });
+}
+
 bool SampleSet::Contains(SampleRange range) const {
-  return std::any_of(intervals_.begin(), intervals_.end(), [&](const Interval& each) {
-    return each.begin <= range.begin && range.end() <= each.end;
-  });
+  const auto found = EndingAfter(range.begin);
+  return found != intervals_.end() && found->begin <= range.begin && range.end() <= found->end;
 }
 
 bool SampleSet::Overlaps(SampleRange range) const {
-  return std::any_of(intervals_.begin(), intervals_.end(), [&](const Interval& each) {
-    return each.begin < range.end() && range.begin < each.end;
-  });
+  const auto found = EndingAfter(range.begin);
+  return found != intervals_.end() && found->begin < range.end();
 }
 
 uint32_t SampleSet::Count() const {

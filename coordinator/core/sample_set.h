@@ -33,6 +33,7 @@ class SampleSet {
 
  private:
   void Remove(Interval removed);
+  std::vector<Interval>::const_iterator EndingAfter(uint32_t sample) const;
   std::vector<Interval> intervals_;  // in order, neither touching nor empty
 };
 

@@ -54,7 +54,7 @@ void Scheduler::RemoveJob(JobId id) {
   std::vector<LeaseId> void_leases;
   for (const auto& [index, frame] : job->frames) {
     for (const auto& [tile, leases] : frame.leases) {
-      void_leases.insert(void_leases.end(), leases.begin(), leases.end());
+      for (const auto& [lease, range] : leases) void_leases.push_back(lease);
     }
   }
   for (const LeaseId lease : void_leases) {
@@ -103,8 +103,9 @@ bool Scheduler::Finish(Instant now, WorkerId worker_id, LeaseId lease, const Wor
   if (worker != nullptr) {
     worker->last_contact = now;
     // The slot that became free takes up the first unit that waits.
-    for (const LeaseId next : worker->leases) {
-      LeaseRecord& record = leases_.at(next);
+    for (auto next = worker->leases.upper_bound(worker->begun); next != worker->leases.end(); ++next) {
+      LeaseRecord& record = leases_.at(*next);
+      worker->begun = *next;
       if (record.started || record.expected_start <= now) continue;
       record.expected_end = now + (record.expected_end - record.expected_start);
       record.expected_start = now;
@@ -132,10 +133,12 @@ bool Scheduler::Finish(Instant now, WorkerId worker_id, LeaseId lease, const Wor
 void Scheduler::DropMoot(const WorkUnit& unit, FrameRecord& frame) {
   const auto leases = frame.leases.find(unit.tile);
   if (leases == frame.leases.end()) return;
-  for (const LeaseId lease : std::vector<LeaseId>(leases->second)) {
-    const LeaseRecord& record = leases_.at(lease);
-    if (!frame.work.IsDone({unit.tile, record.lease.unit.range})) continue;
-    workers_.at(record.worker).drops.push_back(lease);
+  std::vector<LeaseId> moot;
+  for (const auto& [lease, range] : leases->second) {
+    if (range.Overlaps(unit.range) && frame.work.IsDone({unit.tile, range})) moot.push_back(lease);
+  }
+  for (const LeaseId lease : moot) {
+    workers_.at(leases_.at(lease).worker).drops.push_back(lease);
     Forget(lease);
   }
 }

@@ -140,7 +140,7 @@ class Scheduler {
   // scheduler_tail.cpp: what idle workers take from slower ones
   void RelieveTail(Instant now);
   std::vector<LeaseId> SlowestUnits(Instant now, size_t count_max) const;
-  void Relieve(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots);
+  bool Relieve(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots);
   std::optional<SampleRange> PieceFor(const LeaseRecord& slow, const FrameRecord& frame, double whole_s,
                                       int idle_slots) const;
 

@@ -147,7 +147,9 @@ LeaseRecord& Scheduler::Grant(Instant now, WorkerRecord& worker, JobRecord& job,
   record.cost = frame.work.Cost({unit.tile, unit.range});
   record.granted = now;
   record.deadline = now + kLeaseUnlistedMax;
-  record.expected_start = now + FromSeconds(QueueSeconds(worker) / worker.slots);
+  const bool starts_now = worker.leases.size() < static_cast<size_t>(worker.slots);
+  if (starts_now) worker.begun = std::max(worker.begun, id);
+  record.expected_start = starts_now ? now : now + FromSeconds(QueueSeconds(worker) / worker.slots);
   const double duration_s = record.cost ? *record.cost / worker.speed : kUnknownUnitDuration_s;
   record.expected_end = record.expected_start + FromSeconds(duration_s);
   if (record.cost) {
@@ -157,7 +159,7 @@ LeaseRecord& Scheduler::Grant(Instant now, WorkerRecord& worker, JobRecord& job,
   }
   worker.leases.insert(id);
   worker.unannounced.push_back(id);
-  frame.leases[unit.tile].push_back(id);
+  frame.leases[unit.tile][id] = unit.range;
   ++job.leases;
   UpdateHunger(worker);
   return record;
@@ -178,7 +180,7 @@ void Scheduler::Forget(LeaseId id) {
   --job.leases;
   FrameRecord& frame = job.frames.at(unit.frame);
   auto& of_tile = frame.leases.at(unit.tile);
-  std::erase(of_tile, id);
+  of_tile.erase(id);
   if (of_tile.empty()) frame.leases.erase(unit.tile);
   leases_.erase(found);
   UpdateHunger(worker);
@@ -191,7 +193,7 @@ void Scheduler::Return(LeaseId id) {
   FrameRecord& frame = jobs_.at(unit.job).frames.at(unit.frame);
   std::vector<SampleRange> held;
   if (const auto others = frame.leases.find(unit.tile); others != frame.leases.end()) {
-    for (const LeaseId other : others->second) held.push_back(leases_.at(other).lease.unit.range);
+    for (const auto& [other, range] : others->second) held.push_back(range);
   }
   frame.work.GiveBack({unit.tile, unit.range}, held);
   ++work_version_;

@@ -41,8 +41,9 @@ void Scheduler::RelieveTail(Instant now) {
       SlowestUnits(now, static_cast<size_t>(idle_slots) * kCandidatesPerSlot);
   for (WorkerRecord* const helper : helpers) {
     for (const LeaseId slow : slowest) {
-      if (static_cast<int>(helper->leases.size()) >= helper->slots) break;
-      if (leases_.contains(slow)) Relieve(now, *helper, slow, idle_slots);
+      const auto is_idle = [&] { return static_cast<int>(helper->leases.size()) < helper->slots; };
+      while (is_idle() && leases_.contains(slow) && Relieve(now, *helper, slow, idle_slots)) {
+      }
     }
   }
 }
@@ -61,48 +62,53 @@ std::vector<LeaseId> Scheduler::SlowestUnits(Instant now, size_t count_max) cons
   return slowest;
 }
 
-void Scheduler::Relieve(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots) {
+// Gives the helper the slow unit or a part of it, if that promises to end it sooner.
+bool Scheduler::Relieve(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots) {
   const LeaseRecord& record = leases_.at(slow);
   const WorkUnit unit = record.lease.unit;
   JobRecord& job = jobs_.at(unit.job);
   FrameRecord& frame = job.frames.at(unit.frame);
-  if (record.worker == helper.id || !helper.HasReady(frame.scene.key)) return;
-  if (!frame.failures.May(helper.id, unit.tile)) return;
+  if (record.worker == helper.id || !helper.HasReady(frame.scene.key)) return false;
+  if (!frame.failures.May(helper.id, unit.tile)) return false;
   const double remaining_s = Seconds(LikelyEnd(now, record) - now);
   const double whole_s = record.cost ? *record.cost / helper.speed : kUnknownUnitDuration_s;
   WorkUnit taken = unit;
   if (HasStarted(now, record)) {
     const auto piece = PieceFor(record, frame, whole_s, idle_slots);
-    if (!piece) return;
+    if (!piece) return false;
     const double piece_s = whole_s * piece->size / unit.range.size;
-    if (remaining_s < kBackupGain * (piece_s + kHandoverDuration_s)) return;
+    if (remaining_s < kBackupGain * (piece_s + kHandoverDuration_s)) return false;
     taken.range = *piece;
   } else {
-    if (remaining_s < kStealGain * (whole_s + kHandoverDuration_s)) return;
+    if (remaining_s < kStealGain * (whole_s + kHandoverDuration_s)) return false;
     workers_.at(record.worker).drops.push_back(slow);
     Forget(slow);
   }
   Grant(now, helper, job, frame, taken, NextLease());
+  return true;
 }
 
-// A part of the straggler's range that nobody else works on yet.
+// A part of the straggler's range that nobody else works on yet: as many parts as slots are idle, or smaller
+// ones where others have left gaps.
 std::optional<SampleRange> Scheduler::PieceFor(const LeaseRecord& slow, const FrameRecord& frame,
                                                double whole_s, int idle_slots) const {
   const WorkUnit& unit = slow.lease.unit;
-  const int pieces_max = std::min(idle_slots, kSplitMax);
-  uint32_t size = unit.range.size;
-  for (int pieces = 2; pieces <= pieces_max && size > 1; pieces *= 2) {
-    if (whole_s / pieces < kUnitDurationMin_s) break;
-    size /= 2;
-  }
-  const auto copies = [&](SampleRange piece) {
-    const auto& leases = frame.leases.at(unit.tile);
-    return std::count_if(leases.begin(), leases.end(),
-                         [&](LeaseId id) { return leases_.at(id).lease.unit.range.Overlaps(piece); });
+  const auto& leases = frame.leases.at(unit.tile);
+  const auto is_free = [&](SampleRange piece) {
+    if (frame.work.IsDone({unit.tile, piece})) return false;
+    const auto copies = std::count_if(leases.begin(), leases.end(),
+                                      [&](const auto& each) { return each.second.Overlaps(piece); });
+    return copies < kCopiesMax;
   };
-  for (uint32_t end = unit.range.end(); end > unit.range.begin; end -= size) {
-    const SampleRange piece{end - size, size};
-    if (!frame.work.IsDone({unit.tile, piece}) && copies(piece) < kCopiesMax) return piece;
+  const double shortest_s = std::min(whole_s, kUnitDurationMin_s);
+  for (int pieces = 1; pieces <= kSplitMax; pieces *= 2) {
+    const uint32_t size = unit.range.size / static_cast<uint32_t>(pieces);
+    if (size == 0 || whole_s / pieces < shortest_s) break;
+    const bool finer_is_better = pieces * 2 <= std::min(idle_slots, kSplitMax) && size > 1;
+    if (finer_is_better && whole_s / (pieces * 2) >= shortest_s) continue;
+    for (uint32_t end = unit.range.end(); end > unit.range.begin; end -= size) {
+      if (is_free({end - size, size})) return SampleRange{end - size, size};
+    }
   }
   return std::nullopt;
 }

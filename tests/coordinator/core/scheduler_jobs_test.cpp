@@ -1,0 +1,105 @@
+// Which job a worker works for.
+#include <gtest/gtest.h>
+
+#include "tests/coordinator/core/scheduler_stage.h"
+
+namespace tessera {
+namespace {
+
+size_t HeldOf(SchedulerStage& stage, JobId job) {
+  size_t count = 0;
+  for (const auto& [worker, leases] : stage.held) {
+    for (const auto& [id, lease] : leases) count += lease.unit.job == job;
+  }
+  return count;
+}
+
+TEST(SchedulerJobs, HigherPriorityGoesFirst) {
+  SchedulerStage stage;
+  stage.AddJob(64, 1);
+  const JobId urgent = stage.AddJob(64, 2);
+  stage.AddJob(64, 0);
+  stage.Join(1, 4);
+  stage.Advance();
+  EXPECT_EQ(HeldOf(stage, urgent), 8u);
+}
+
+TEST(SchedulerJobs, LowerPriorityGetsWhatIsLeft) {
+  SchedulerStage stage;
+  const JobId urgent = stage.AddJob(1, 2);  // 16 units in all
+  const JobId other = stage.AddJob(64, 1);
+  stage.Join(1, 12);
+  stage.Advance();
+  EXPECT_EQ(HeldOf(stage, urgent), 16u);
+  EXPECT_EQ(HeldOf(stage, other), 8u);
+}
+
+TEST(SchedulerJobs, EqualJobsShareTheFarm) {
+  SchedulerStage stage;
+  const JobId jobs[] = {stage.AddJob(64), stage.AddJob(64), stage.AddJob(64)};
+  for (uint64_t w = 1; w <= 6; ++w) stage.Join(w, 3);
+  stage.Advance();
+  for (const JobId job : jobs) EXPECT_EQ(HeldOf(stage, job), 12u);
+}
+
+TEST(SchedulerJobs, AWorkerStaysWithTheSceneItHas) {
+  SchedulerStage stage;
+  const JobId mine = stage.AddJob(64);
+  const JobId other = stage.AddJob(64);
+  stage.HaveScene(1, mine);
+  stage.HaveScene(2, other);
+  stage.Say(1);
+  stage.Say(2);
+  stage.Advance();
+  for (const Lease& lease : stage.Held(1)) EXPECT_EQ(lease.unit.job, mine);
+  for (const Lease& lease : stage.Held(2)) EXPECT_EQ(lease.unit.job, other);
+  EXPECT_TRUE(stage.told[1].scenes.empty());
+}
+
+TEST(SchedulerJobs, AnIdleWorkerIsToldWhichSceneToLoad) {
+  SchedulerStage stage;
+  const JobId job = stage.AddJob(64);
+  stage.Worker(1);
+  stage.Say(1);
+  stage.Advance();
+  ASSERT_EQ(stage.told[1].scenes.size(), 1u);
+  EXPECT_EQ(stage.told[1].scenes[0].key, stage.SceneOf(job));
+  EXPECT_TRUE(stage.Held(1).empty()) << "no lease before the scene is ready";
+  stage.Worker(1).scenes = {{stage.SceneOf(job), false}};
+  stage.Say(1);
+  stage.Advance();
+  EXPECT_TRUE(stage.Held(1).empty());
+  stage.Worker(1).scenes[0].ready = true;
+  stage.Say(1);
+  stage.Advance();
+  EXPECT_EQ(stage.Held(1).size(), 2u);
+}
+
+TEST(SchedulerJobs, AWorkerLoadsTheSceneOfAJobThatHasNothingWhileItGoesOn) {
+  SchedulerStage stage;
+  const JobId first = stage.AddJob(64);
+  stage.Join(1);
+  stage.Advance();
+  const JobId second = stage.AddJob(64);
+  stage.FinishAll(1, 0.1);
+  stage.Advance();
+  EXPECT_EQ(HeldOf(stage, first), 2u);
+  ASSERT_EQ(stage.told[1].scenes.size(), 1u);
+  EXPECT_EQ(stage.told[1].scenes[0].key, stage.SceneOf(second));
+}
+
+TEST(SchedulerJobs, ARemovedJobIsTakenFromItsHolders) {
+  SchedulerStage stage;
+  const JobId job = stage.AddJob(64);
+  stage.Join(1, 2);
+  stage.Advance();
+  const auto leases = stage.Held(1);
+  stage.scheduler.RemoveJob(job);
+  stage.Advance();
+  EXPECT_EQ(stage.dropped[1].size(), leases.size());
+  EXPECT_EQ(stage.scheduler.lease_count(), 0u);
+  EXPECT_FALSE(stage.scheduler.IsKnown(leases[0].unit));
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,125 @@
+// A stage for scheduler tests: a scheduler, a clock that the test moves, and workers that say and do what it
+// tells them.
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/policy.h"
+#include "core/scheduler.h"
+
+namespace tessera {
+
+class SchedulerStage {
+ public:
+  explicit SchedulerStage(SchedulerOptions options = {}) : scheduler(options) {}
+
+  // A job of `frames` frames of 64 x 64 pixels in 16 tiles.
+  JobId AddJob(uint32_t samples, int priority = 0, int frames = 1) {
+    auto spec = std::make_shared<JobSpec>();
+    const JobId id{job_next_++};
+    spec->submission = Number(id);
+    spec->priority = priority;
+    spec->package = Sha256(std::to_string(Number(id)));
+    for (int f = 0; f < frames; ++f) {
+      FrameSpec frame;
+      frame.width = frame.height = 64;
+      frame.crop = {0, 0, 64, 64};
+      frame.tile_size = 16;
+      frame.samples_per_pixel = samples;
+      spec->frames.push_back({"scene" + std::to_string(f), "", frame, f});
+    }
+    specs[id] = spec;
+    scheduler.AddJob(id, spec, {});
+    return id;
+  }
+  Digest SceneOf(JobId job, uint32_t frame = 0) const {
+    const JobSpec& spec = *specs.at(job);
+    return SceneKey(spec.package, spec.frames[frame].scene_file, "");
+  }
+
+  // The state that the worker sends next; tests change it before Say.
+  WorkerState& Worker(uint64_t id, int slots = 1) {
+    const auto [found, is_new] = states.try_emplace(id);
+    if (is_new) {
+      found->second.worker = WorkerId{id};
+      found->second.name = "w" + std::to_string(id);
+      found->second.slots = slots;
+    }
+    return found->second;
+  }
+  void HaveScene(uint64_t worker, JobId job, uint32_t frame = 0) {
+    Worker(worker).scenes.push_back({SceneOf(job, frame), true});
+  }
+  // A worker with the scenes of all jobs in memory.
+  void Join(uint64_t id, int slots = 1) {
+    Worker(id, slots);
+    for (const auto& [job, spec] : specs) {
+      for (uint32_t f = 0; f < spec->frames.size(); ++f) HaveScene(id, job, f);
+    }
+    Say(id);
+  }
+  // The worker says its state, with the leases that it holds.
+  void Say(uint64_t id) {
+    WorkerState& state = Worker(id);
+    state.leases.clear();
+    ++state.sequence;
+    for (const auto& [lease, value] : held[id]) {
+      state.leases.push_back({lease, value.unit, LeaseStage::kWaiting, {}});
+    }
+    scheduler.Synchronize(now, state);
+  }
+  // Lets time pass, decides, and gives every worker what is for it.
+  void Advance(Instant duration = {}) {
+    now += duration;
+    scheduler.Advance(now);
+    for (const auto& [id, state] : states) Tell(id);
+  }
+  void Tell(uint64_t id) {
+    if (!scheduler.HasNews(WorkerId{id})) return;
+    told[id] = scheduler.TakeDirective(now, WorkerId{id});
+    for (const Lease& lease : told[id].leases) held[id][lease.id] = lease;
+    for (const LeaseId lease : told[id].drop) {
+      held[id].erase(lease);
+      dropped[id].push_back(lease);
+    }
+  }
+  std::vector<Lease> Held(uint64_t id) {
+    std::vector<Lease> leases;
+    for (const auto& [lease, value] : held[id]) leases.push_back(value);
+    return leases;
+  }
+  bool Finish(uint64_t id, const Lease& lease, double seconds) {
+    held[id].erase(lease.id);
+    return scheduler.Finish(now, WorkerId{id}, lease.id, lease.unit, seconds);
+  }
+  void Fail(uint64_t id, const Lease& lease, const std::string& words) {
+    held[id].erase(lease.id);
+    scheduler.FailUnit(now, WorkerId{id}, lease.id, lease.unit, words);
+  }
+  void FinishAll(uint64_t id, double seconds_per_sample) {
+    for (const Lease& lease : Held(id)) Finish(id, lease, seconds_per_sample * lease.unit.range.size);
+  }
+  std::string Status(uint64_t id) const {
+    for (const WorkerStatus& status : scheduler.Workers(now)) {
+      if (status.worker == WorkerId{id}) return status.quarantined ? "quarantined: " + status.reason : "fine";
+    }
+    return "unknown";
+  }
+
+  Scheduler scheduler;
+  Instant now = std::chrono::hours(1);
+  std::map<JobId, std::shared_ptr<const JobSpec>> specs;
+  std::map<uint64_t, WorkerState> states;
+  std::map<uint64_t, std::map<LeaseId, Lease>> held;
+  std::map<uint64_t, std::vector<LeaseId>> dropped;
+  std::map<uint64_t, WorkerDirective> told;
+
+ private:
+  uint64_t job_next_ = 1;
+};
+
+}  // namespace tessera

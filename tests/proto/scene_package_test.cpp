@@ -1,0 +1,75 @@
+#include "terms/scene_package.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "terms/terms.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kDigest(64, 'a');
+
+TEST(ScenePackage, SurvivesItsManifest) {
+  ScenePackage package;
+  package.files["scene.pbrt"] = {Sha256("x"), 1};
+  package.files["textures/wood and stone.png"] = {Sha256("y"), kBlobBytesMax};
+  const auto decoded = DecodeScenePackage(EncodeScenePackage(package));
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  EXPECT_EQ(*decoded, package);
+  EXPECT_EQ(*DecodeScenePackage(EncodeScenePackage({})), ScenePackage{});
+}
+
+TEST(ScenePackage, PathsCannotLeaveThePackage) {
+  for (const char* good : {"a", "a/b.c", "..a/b..", "a b/ä.png", ".hidden"})
+    EXPECT_TRUE(IsPackagePath(good)) << good;
+  for (const char* bad :
+       {"", "/a", "a/", "a//b", ".", "..", "../a", "a/../b", "a/..", "./a", "a/.", "a\nb", "a\\b", "a\x7f"}) {
+    EXPECT_FALSE(IsPackagePath(bad)) << bad;
+  }
+  EXPECT_FALSE(IsPackagePath(std::string(kPathBytesMax + 1, 'a')));
+  EXPECT_TRUE(IsPackagePath(std::string(kPathBytesMax, 'a')));
+}
+
+TEST(ScenePackage, RefusesManifestsItWouldNotWrite) {
+  const std::string first = "tessera-package 1\n";
+  const struct {
+    std::string manifest, error;
+  } table[] = {
+      {"", "manifest:1"},
+      {"tessera-package 2\n", "manifest:1"},
+      {first + kDigest + " 1 a", "manifest:2: cut short"},
+      {first + kDigest.substr(1) + " 1 a\n", "manifest:2"},
+      {first + "g" + kDigest.substr(1) + " 1 a\n", "64 hexadecimal digits"},
+      {first + kDigest + " x a\n", "size"},
+      {first + kDigest + " -1 a\n", "size"},
+      {first + kDigest + " 1\n", "size"},
+      {first + kDigest + " 99999999999999999999 a\n", "size"},
+      {first + kDigest + " 18446744073709551615 a\n", "limit"},
+      {first + kDigest + " 1 ../a\n", "path"},
+      {first + kDigest + " 1 /etc/passwd\n", "path"},
+      {first + kDigest + " 01 a\n", "canonical"},
+      {first + kDigest + " 1 b\n" + kDigest + " 1 a\n", "canonical"},
+      {first + kDigest + " 1 a\n" + kDigest + " 1 a\n", "canonical"},
+      {first + std::string(64, 'A') + " 1 a\n", "canonical"},
+  };
+  for (const auto& [manifest, error] : table) {
+    const auto decoded = DecodeScenePackage(manifest);
+    ASSERT_FALSE(decoded) << manifest;
+    EXPECT_THAT(decoded.error().message, HasSubstr(error)) << manifest;
+  }
+}
+
+TEST(SceneKey, TellsApartWhateverDiffers) {
+  const Digest a = Sha256("a"), b = Sha256("b");
+  const Digest key = SceneKey(a, "file", "options");
+  EXPECT_EQ(key, SceneKey(a, "file", "options"));
+  EXPECT_NE(key, SceneKey(b, "file", "options"));
+  EXPECT_NE(key, SceneKey(a, "fil", "eoptions"));
+  EXPECT_NE(key, SceneKey(a, "file", "option"));
+}
+
+}  // namespace
+}  // namespace tessera

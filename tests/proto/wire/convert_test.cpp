@@ -1,0 +1,279 @@
+// Everything that comes in through messages: good values survive the way there and back, bad ones are
+// refused.
+#include "wire/convert.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "proto/jobs.pb.h"
+#include "proto/work.pb.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+FrameSpec GoodFrame() {
+  FrameSpec spec;
+  spec.width = 100;
+  spec.height = 50;
+  spec.crop = {10, 0, 90, 50};
+  spec.samples_per_pixel = 12;
+  spec.tile_size = 16;
+  spec.exr_type = ExrType::kFloat;
+  spec.attributes = {{"seed", "7"}, {"scene", "x"}};
+  return spec;
+}
+
+JobSpec GoodJob() {
+  return {5,
+          "a job",
+          -3,
+          Sha256("package"),
+          {{"scene.pbrt", "spp=4\n", GoodFrame(), 1}, {"b.pbrt", "", GoodFrame(), 2}}};
+}
+
+WorkUnit GoodUnit() {
+  return {JobId{3}, 1, 9, {4, 4}};
+}
+
+WorkerState GoodState() {
+  WorkerState state;
+  state.worker = WorkerId{77};
+  state.sequence = 5;
+  state.name = "machine";
+  state.slots = 8;
+  state.scenes = {{Sha256("s"), true}, {Sha256("t"), false}};
+  state.leases = {{LeaseId{1}, GoodUnit(), LeaseStage::kRunning, std::chrono::milliseconds(1500)}};
+  state.returned_leases = {LeaseId{2}};
+  state.wait = std::chrono::milliseconds(2000);
+  return state;
+}
+
+TEST(Convert, FrameSpecSurvives) {
+  proto::FrameSpec message;
+  Write(GoodFrame(), message);
+  const auto read = ReadFrameSpec(message);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(*read, GoodFrame());
+}
+
+TEST(Convert, JobSpecSurvives) {
+  proto::JobSpec message;
+  Write(GoodJob(), message);
+  const auto read = ReadJobSpec(message);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->submission, 5u);
+  EXPECT_EQ(read->name, "a job");
+  EXPECT_EQ(read->priority, -3);
+  EXPECT_EQ(read->package, Sha256("package"));
+  ASSERT_EQ(read->frames.size(), 2u);
+  EXPECT_EQ(read->frames[0].options, "spp=4\n");
+  EXPECT_EQ(read->frames[1].scene_file, "b.pbrt");
+  EXPECT_EQ(read->frames[1].number, 2);
+}
+
+TEST(Convert, WorkerStateSurvives) {
+  proto::WorkerState message;
+  Write(GoodState(), message);
+  const auto read = ReadWorkerState(message);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->worker, WorkerId{77});
+  EXPECT_EQ(read->slots, 8);
+  ASSERT_EQ(read->scenes.size(), 2u);
+  EXPECT_TRUE(read->scenes[0].ready);
+  EXPECT_FALSE(read->scenes[1].ready);
+  ASSERT_EQ(read->leases.size(), 1u);
+  EXPECT_EQ(read->leases[0].unit, GoodUnit());
+  EXPECT_EQ(read->leases[0].stage, LeaseStage::kRunning);
+  EXPECT_EQ(read->leases[0].stage_duration.count(), 1500);
+  EXPECT_EQ(read->returned_leases, std::vector{LeaseId{2}});
+  EXPECT_EQ(read->wait.count(), 2000);
+}
+
+TEST(Convert, DirectiveSurvives) {
+  WorkerDirective directive;
+  const Digest package = Sha256("p");
+  directive.scenes = {{SceneKey(package, "a.pbrt", "o"), package, "a.pbrt", "o", GoodFrame()}};
+  directive.leases = {{LeaseId{4}, GoodUnit(), {0, 0, 16, 16}, Sha256("s"), std::chrono::milliseconds(9000)}};
+  directive.drop = {LeaseId{8}, LeaseId{9}};
+  directive.notice = "quarantined";
+  proto::WorkerDirective message;
+  Write(directive, message);
+  const auto read = ReadWorkerDirective(message);
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->leases.size(), 1u);
+  EXPECT_EQ(read->leases[0].unit, GoodUnit());
+  EXPECT_EQ(read->leases[0].bounds, (PixelBounds{0, 0, 16, 16}));
+  EXPECT_EQ(read->leases[0].scene, Sha256("s"));
+  EXPECT_EQ(read->leases[0].duration.count(), 9000);
+  EXPECT_EQ(read->drop, directive.drop);
+  EXPECT_EQ(read->notice, "quarantined");
+  ASSERT_EQ(read->scenes.size(), 1u);
+  EXPECT_EQ(read->scenes[0].key, directive.scenes[0].key);
+}
+
+TEST(Convert, StatusSurvives) {
+  const JobStatus status{JobId{3},
+                         "name",
+                         4,
+                         JobState::kPaused,
+                         "no room",
+                         10,
+                         20,
+                         1.5,
+                         2,
+                         std::chrono::milliseconds(30),
+                         std::chrono::milliseconds(-1),
+                         5,
+                         1};
+  proto::JobStatus message;
+  Write(status, message);
+  const auto read = ReadJobStatus(message);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->state, JobState::kPaused);
+  EXPECT_EQ(read->reason, "no room");
+  EXPECT_EQ(read->samples_total, 20u);
+  EXPECT_EQ(read->elapsed.count(), 30);
+  EXPECT_EQ(read->left.count(), -1);
+  EXPECT_EQ(read->frames_total, 5u);
+}
+
+TEST(Convert, RefusesHostileFrames) {
+  const std::pair<const char*, std::function<void(proto::FrameSpec&)>> table[] = {
+      {"negative width", [](auto& m) { m.set_width(-1); }},
+      {"zero height", [](auto& m) { m.set_height(0); }},
+      {"huge width", [](auto& m) { m.set_width(1 << 30); }},
+      {"no crop", [](auto& m) { m.clear_crop(); }},
+      {"crop outside", [](auto& m) { m.mutable_crop()->set_x1(101); }},
+      {"crop turned round", [](auto& m) { m.mutable_crop()->set_x1(5); }},
+      {"crop negative", [](auto& m) { m.mutable_crop()->set_x0(-5); }},
+      {"no samples", [](auto& m) { m.set_samples_per_pixel(0); }},
+      {"too many samples", [](auto& m) { m.set_samples_per_pixel(kSamplesPerPixelMax + 1); }},
+      {"no tiles", [](auto& m) { m.set_tile_size(0); }},
+      {"huge tiles", [](auto& m) { m.set_tile_size(1 << 20); }},
+      {"no channels", [](auto& m) { m.clear_channels(); }},
+      {"nameless channel", [](auto& m) { m.set_channels(0, ""); }},
+      {"channel of two lines", [](auto& m) { m.set_channels(0, "a\nb"); }},
+      {"unknown type", [](auto& m) { m.set_exr_type(static_cast<proto::ExrType>(9)); }},
+      {"attribute without name", [](auto& m) { (*m.mutable_attributes())[""] = "x"; }},
+      {"long attribute",
+       [](auto& m) { (*m.mutable_attributes())["x"] = std::string(kAttributesBytesMax, 'x'); }},
+      {"too many channels",
+       [](auto& m) {
+         for (int i = 0; i < kChannelsMax; ++i) m.add_channels("W");
+       }},
+      {"results beyond a message",
+       [](auto& m) {
+         m.set_tile_size(kTileSizeMax);
+         m.clear_channels();
+         for (int i = 0; i < 99; ++i) m.add_channels("c" + std::to_string(i));
+         m.add_channels("W");
+       }},
+  };
+  for (const auto& [what, spoil] : table) {
+    proto::FrameSpec message;
+    Write(GoodFrame(), message);
+    spoil(message);
+    const auto read = ReadFrameSpec(message);
+    ASSERT_FALSE(read) << what;
+    EXPECT_EQ(read.error().kind, ErrorKind::kBadInput) << what;
+  }
+}
+
+TEST(Convert, RefusesHostileUnits) {
+  const std::pair<const char*, std::function<void(proto::WorkUnit&)>> table[] = {
+      {"no job", [](auto& m) { m.set_job(0); }},
+      {"no range", [](auto& m) { m.clear_range(); }},
+      {"empty range", [](auto& m) { m.mutable_range()->set_size(0); }},
+      {"odd size", [](auto& m) { m.mutable_range()->set_size(3); }},
+      {"not aligned", [](auto& m) { m.mutable_range()->set_begin(2); }},
+      {"range that wraps", [](auto& m) { m.mutable_range()->set_begin(0xfffffffc); }},
+      {"size that wraps", [](auto& m) { m.mutable_range()->set_size(0x80000000); }},
+      {"frame", [](auto& m) { m.set_frame(0xffffffff); }},
+  };
+  for (const auto& [what, spoil] : table) {
+    proto::WorkUnit message;
+    Write(GoodUnit(), message);
+    spoil(message);
+    EXPECT_FALSE(ReadWorkUnit(message)) << what;
+  }
+}
+
+TEST(Convert, RefusesHostileWorkers) {
+  const std::pair<const char*, std::function<void(proto::WorkerState&)>> table[] = {
+      {"worker", [](auto& m) { m.set_worker(0); }},
+      {"slots", [](auto& m) { m.set_slots(0); }},
+      {"slots", [](auto& m) { m.set_slots(4'000'000'000); }},
+      {"name", [](auto& m) { m.set_name("a\nevent=forged"); }},
+      {"name", [](auto& m) { m.set_name(std::string(kNameBytesMax + 1, 'a')); }},
+      {"build_digest", [](auto& m) { m.set_build_digest(std::string(1000, 'a')); }},
+      {"scene", [](auto& m) { m.mutable_scenes(0)->set_scene("short"); }},
+      {"stage", [](auto& m) { m.mutable_leases(0)->set_stage(static_cast<proto::HeldLease::Stage>(7)); }},
+      {"range", [](auto& m) { m.mutable_leases(0)->mutable_unit()->clear_range(); }},
+      {"returned_leases",
+       [](auto& m) {
+         for (int i = 0; i < kLeasesPerWorkerMax; ++i) m.add_returned_leases(1);
+       }},
+      {"scenes",
+       [](auto& m) {
+         for (int i = 0; i < kScenesPerWorkerMax; ++i) *m.add_scenes() = m.scenes(0);
+       }},
+  };
+  for (const auto& [field, spoil] : table) {
+    proto::WorkerState message;
+    Write(GoodState(), message);
+    spoil(message);
+    const auto read = ReadWorkerState(message);
+    ASSERT_FALSE(read) << field;
+    EXPECT_THAT(read.error().message, HasSubstr(field));
+  }
+}
+
+TEST(Convert, AWorkerCannotWaitForEver) {
+  proto::WorkerState message;
+  Write(GoodState(), message);
+  message.set_wait_ms(4'000'000'000);
+  EXPECT_EQ(ReadWorkerState(message)->wait, kSynchronizeWaitMax);
+}
+
+TEST(Convert, RefusesHostileJobs) {
+  const std::pair<const char*, std::function<void(proto::JobSpec&)>> table[] = {
+      {"submission", [](auto& m) { m.set_submission(0); }},
+      {"name", [](auto& m) { m.set_name(std::string("a\0b", 3)); }},
+      {"priority", [](auto& m) { m.set_priority(kPriorityMax + 1); }},
+      {"package", [](auto& m) { m.set_package(""); }},
+      {"frames", [](auto& m) { m.clear_frames(); }},
+      {"scene_file", [](auto& m) { m.mutable_frames(0)->set_scene_file("../../etc/passwd"); }},
+      {"options", [](auto& m) { m.mutable_frames(0)->set_options(std::string(kOptionsBytesMax + 1, 'x')); }},
+      {"crop", [](auto& m) { m.mutable_frames(1)->mutable_spec()->set_width(5); }},
+  };
+  for (const auto& [field, spoil] : table) {
+    proto::JobSpec message;
+    Write(GoodJob(), message);
+    spoil(message);
+    const auto read = ReadJobSpec(message);
+    ASSERT_FALSE(read) << field;
+    EXPECT_EQ(read.error().kind, ErrorKind::kBadInput);
+  }
+}
+
+TEST(Convert, ASceneOrderMustHaveItsOwnKey) {
+  const Digest package = Sha256("p");
+  SceneOrder order{SceneKey(package, "a.pbrt", "o"), package, "a.pbrt", "o", GoodFrame()};
+  proto::SceneOrder message;
+  Write(order, message);
+  EXPECT_TRUE(ReadSceneOrder(message));
+  message.set_options("other");
+  EXPECT_FALSE(ReadSceneOrder(message));
+}
+
+TEST(Convert, WordsForPeopleAreOneLineAndBounded) {
+  EXPECT_EQ(ReadReason("a\nb\tc\x1b[31m"), "a b c [31m");
+  EXPECT_EQ(ReadReason(std::string(kReasonBytesMax * 2, 'x')).size(), kReasonBytesMax);
+}
+
+}  // namespace
+}  // namespace tessera
