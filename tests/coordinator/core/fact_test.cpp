@@ -1,0 +1,75 @@
+#include "core/fact.h"
+
+#include <gtest/gtest.h>
+
+#include "util/hash.h"
+
+namespace tessera {
+namespace {
+
+Fact Submitted() {
+  auto spec = std::make_shared<JobSpec>();
+  spec->submission = 9;
+  spec->name = "a job";
+  spec->priority = -7;
+  spec->package = Sha256("p");
+  FrameSpec frame;
+  frame.width = 40;
+  frame.height = 30;
+  frame.crop = {1, 2, 39, 28};
+  frame.samples_per_pixel = 100;
+  frame.exr_type = ExrType::kFloat;
+  frame.attributes = {{"a", "b"}, {"c", ""}};
+  spec->frames = {{"x.pbrt", "spp=3\n", frame, -1}, {"y.pbrt", "", frame, 2}};
+  return JobSubmitted{JobId{12}, spec};
+}
+
+TEST(Fact, SurvivesItsBytes) {
+  const Fact submitted = *DecodeFact(EncodeFact(Submitted()));
+  const auto& read = std::get<JobSubmitted>(submitted);
+  EXPECT_EQ(read.job, JobId{12});
+  EXPECT_EQ(read.spec->name, "a job");
+  EXPECT_EQ(read.spec->priority, -7);
+  EXPECT_EQ(read.spec->package, Sha256("p"));
+  ASSERT_EQ(read.spec->frames.size(), 2u);
+  EXPECT_EQ(read.spec->frames[0].number, -1);
+  EXPECT_EQ(read.spec->frames[0].options, "spp=3\n");
+  EXPECT_EQ(read.spec->frames[1].spec, std::get<JobSubmitted>(Submitted()).spec->frames[1].spec);
+
+  const Fact started = *DecodeFact(EncodeFact(CoordinatorStarted{77}));
+  EXPECT_EQ(std::get<CoordinatorStarted>(started).epoch, 77u);
+  const Fact finished = *DecodeFact(EncodeFact(FrameFinished{JobId{3}, 4, Sha256("f")}));
+  EXPECT_EQ(std::get<FrameFinished>(finished).file, Sha256("f"));
+  const Fact ended = *DecodeFact(EncodeFact(JobEnded{JobId{3}, JobState::kFailed, "why"}));
+  EXPECT_EQ(std::get<JobEnded>(ended).state, JobState::kFailed);
+  EXPECT_EQ(std::get<JobEnded>(ended).reason, "why");
+}
+
+TEST(Fact, BytesThatAreCutOrTooLongAreRefused) {
+  const std::string bytes = EncodeFact(Submitted());
+  for (size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(DecodeFact(bytes.substr(0, size))) << size;
+  EXPECT_FALSE(DecodeFact(bytes + '\0'));
+}
+
+TEST(Fact, DamagedBytesNeverHarm) {
+  const std::string bytes = EncodeFact(Submitted());
+  for (uint64_t seed = 0; seed < 5000; ++seed) {
+    std::string damaged = bytes;
+    for (uint64_t n = 0; n < 1 + seed % 4; ++n) {
+      const uint64_t draw = Hash(seed, n);
+      damaged[draw % damaged.size()] = static_cast<char>(draw >> 32);
+    }
+    const auto fact = DecodeFact(damaged);  // whatever it is, its limits hold
+    if (!fact) continue;
+    if (const auto* job = std::get_if<JobSubmitted>(&*fact)) {
+      for (const FrameOrder& frame : job->spec->frames) EXPECT_TRUE(frame.spec.Check());
+    }
+  }
+}
+
+TEST(Fact, AJobThatEndedCannotBeRunning) {
+  EXPECT_FALSE(DecodeFact(EncodeFact(JobEnded{JobId{3}, JobState::kRunning, ""})));
+}
+
+}  // namespace
+}  // namespace tessera

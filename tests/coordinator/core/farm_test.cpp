@@ -1,0 +1,239 @@
+// Jobs from submission to picture, without a network: what is accepted, refused, remembered.
+#include "core/farm.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+std::shared_ptr<JobSpec> SmallJob(uint64_t submission, int frames = 1) {
+  auto spec = std::make_shared<JobSpec>();
+  spec->submission = submission;
+  spec->name = "small";
+  FrameSpec frame;
+  frame.width = frame.height = 8;
+  frame.crop = {0, 0, 8, 8};
+  frame.tile_size = 8;
+  frame.samples_per_pixel = 4;
+  frame.channels = {"R", "W"};
+  for (int f = 0; f < frames; ++f) spec->frames.push_back({"s" + std::to_string(f), "", frame, f});
+  return spec;
+}
+
+RadianceTile Ones(SampleRange range) {
+  RadianceTile tile{{0, 0, 8, 8}, range, 2, {}};
+  tile.sums.assign(128, static_cast<float>(range.size));
+  return tile;
+}
+
+struct FarmStage {
+  FarmStage() { farm.Begin(now); }
+  void Step() {
+    farm.Advance(now);
+    output = farm.TakeOutput();
+    for (const Fact& fact : output.facts) facts.push_back(EncodeFact(fact));
+  }
+  Verdict Return(JobId job, SampleRange range, Result<RadianceTile> tile, uint32_t frame = 0,
+                 uint32_t tile_index = 0) {
+    farm.ReturnResults(now, CallId{++calls}, WorkerId{1},
+                       {{LeaseId{0}, {job, frame, tile_index, range}, 0.1, tile}});
+    Step();
+    reason = output.results[0].reasons.empty() ? "" : output.results[0].reasons[0];
+    return output.results[0].verdicts[0];
+  }
+  JobStatus Status(JobId job) const { return *farm.Status(now, job); }
+  WorkerState Worker(uint64_t id) {
+    WorkerState state;
+    state.worker = WorkerId{id};
+    state.sequence = ++calls;
+    state.wait = seconds(2);
+    return state;
+  }
+
+  Instant now = seconds(100);
+  Farm farm{SchedulerOptions{}};
+  FarmOutput output;
+  std::vector<std::string> facts;
+  std::string reason;
+  uint64_t calls = 0;
+};
+
+TEST(Farm, AJobGoesFromSubmissionToPicture) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
+  EXPECT_EQ(stage.Status(job).state, JobState::kWaiting);
+  EXPECT_EQ(stage.Return(job, {2, 2}, Ones({2, 2})), Verdict::kAccepted);
+  EXPECT_EQ(stage.Status(job).state, JobState::kRunning);
+  EXPECT_EQ(stage.Status(job).samples_done, 128u);
+  EXPECT_EQ(stage.Status(job).samples_total, 256u);
+  EXPECT_EQ(stage.Return(job, {0, 2}, Ones({0, 2})), Verdict::kAccepted);
+  ASSERT_EQ(stage.output.pictures.size(), 1u);
+  EXPECT_EQ(stage.output.pictures[0].picture.values, std::vector<float>(64, 1.0f));
+  EXPECT_FALSE(stage.farm.FinishedFile(job, 0));
+  stage.farm.PictureWritten(stage.now, job, 0, Sha256("file"));
+  stage.Step();
+  EXPECT_EQ(stage.Status(job).state, JobState::kFinished);
+  EXPECT_EQ(stage.farm.FinishedFile(job, 0), Sha256("file"));
+}
+
+TEST(Farm, TheSameSubmissionIsTheSameJob) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, SmallJob(7));
+  EXPECT_EQ(*stage.farm.Submit(stage.now, SmallJob(7)), job);
+  EXPECT_NE(*stage.farm.Submit(stage.now, SmallJob(8)), job);
+  EXPECT_EQ(stage.farm.Jobs(stage.now).size(), 2u);
+}
+
+TEST(Farm, WrongResultsAreRefusedWithTheirReason) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
+  RadianceTile wrong_bounds = Ones({0, 2});
+  wrong_bounds.bounds = {0, 0, 8, 4};
+  RadianceTile wrong_channels = Ones({0, 2});
+  wrong_channels.channels = 4;
+  const struct {
+    Result<RadianceTile> tile;
+    SampleRange range;
+    uint32_t frame, tile_index;
+    const char* reason;
+  } table[] = {
+      {Failed("its check sum is wrong"), {0, 2}, 0, 0, "its check sum is wrong"},
+      {Ones({2, 2}), {0, 2}, 0, 0, "holds samples [2,4) instead of [0,2)"},
+      {wrong_bounds, {0, 2}, 0, 0, "other pixels"},
+      {wrong_channels, {0, 2}, 0, 0, "4 channels instead of 2"},
+      {Ones({0, 2}), {0, 2}, 5, 0, "no such unit"},
+      {Ones({0, 2}), {0, 2}, 0, 5, "no such unit"},
+      {Ones({4, 4}), {4, 4}, 0, 0, "no such unit"},
+  };
+  for (const auto& row : table) {
+    EXPECT_EQ(stage.Return(job, row.range, row.tile, row.frame, row.tile_index), Verdict::kRefused)
+        << row.reason;
+    EXPECT_THAT(stage.reason, HasSubstr(row.reason));
+  }
+  EXPECT_EQ(stage.Status(job).samples_done, 0u);
+}
+
+TEST(Farm, CopiesAreCountedOnceAndLateOnesAreObsolete) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, SmallJob(1, 2));
+  EXPECT_EQ(stage.Return(job, {0, 4}, Ones({0, 4})), Verdict::kAccepted);
+  EXPECT_EQ(stage.Return(job, {0, 4}, Ones({0, 4})), Verdict::kDuplicate);
+  EXPECT_EQ(stage.Return(job, {2, 1}, Ones({2, 1})), Verdict::kDuplicate);
+  EXPECT_EQ(stage.Status(job).samples_done, 256u);
+  EXPECT_EQ(stage.Return(JobId{99}, {0, 4}, Ones({0, 4})), Verdict::kObsolete);
+  ASSERT_TRUE(stage.farm.Cancel(stage.now, job));
+  EXPECT_EQ(stage.Return(job, {0, 4}, Ones({0, 4}), 1), Verdict::kObsolete);
+  EXPECT_EQ(stage.Status(job).state, JobState::kCancelled);
+}
+
+TEST(Farm, CancellingWhatHasEndedChangesNothing) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
+  stage.Return(job, {0, 4}, Ones({0, 4}));
+  stage.farm.PictureWritten(stage.now, job, 0, Sha256("file"));
+  EXPECT_EQ(stage.farm.Cancel(stage.now, job)->state, JobState::kFinished);
+  EXPECT_FALSE(stage.farm.Cancel(stage.now, JobId{44}));
+}
+
+TEST(Farm, APictureThatCannotBeWrittenPausesItsJobUntilItIs) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
+  stage.Return(job, {0, 4}, Ones({0, 4}));
+  stage.farm.PictureDelayed(job, "no space left");
+  EXPECT_EQ(stage.Status(job).state, JobState::kPaused);
+  EXPECT_EQ(stage.Status(job).reason, "no space left");
+  stage.farm.PictureWritten(stage.now, job, 0, Sha256("file"));
+  EXPECT_EQ(stage.Status(job).state, JobState::kFinished);
+}
+
+TEST(Farm, JobsSurviveARestart) {
+  FarmStage before;
+  const JobId done = *before.farm.Submit(before.now, SmallJob(1));
+  const JobId half = *before.farm.Submit(before.now, SmallJob(2, 2));
+  const JobId cancelled = *before.farm.Submit(before.now, SmallJob(3));
+  for (const JobId job : {done, half}) {
+    EXPECT_EQ(before.Return(job, {0, 4}, Ones({0, 4})), Verdict::kAccepted);
+    before.farm.PictureWritten(before.now, job, 0, Sha256("file"));
+  }
+  ASSERT_TRUE(before.farm.Cancel(before.now, cancelled));
+  before.Step();
+
+  FarmStage after;
+  for (const std::string& fact : before.facts) after.farm.Restore(*DecodeFact(fact));
+  after.farm.Begin(after.now);
+  EXPECT_EQ(after.Status(done).state, JobState::kFinished);
+  EXPECT_EQ(after.farm.FinishedFile(done, 0), Sha256("file"));
+  EXPECT_EQ(after.Status(cancelled).state, JobState::kCancelled);
+  EXPECT_EQ(after.Status(half).frames_finished, 1u);
+  EXPECT_EQ(after.Status(half).samples_done, 256u);
+  EXPECT_EQ(after.Return(half, {0, 4}, Ones({0, 4})), Verdict::kDuplicate)
+      << "its first frame is not rendered again";
+  EXPECT_EQ(after.Return(half, {0, 4}, Ones({0, 4}), 1), Verdict::kAccepted);
+  EXPECT_GT(*after.farm.Submit(after.now, SmallJob(4)), cancelled) << "numbers are never used twice";
+  EXPECT_EQ(*after.farm.Submit(after.now, SmallJob(2)), half);
+}
+
+TEST(Farm, AWaitingCallIsAnsweredByANewJobAtOnce) {
+  FarmStage stage;
+  stage.farm.Synchronize(stage.now, CallId{1}, stage.Worker(5));
+  stage.Step();
+  EXPECT_TRUE(stage.output.directives.empty());
+  ASSERT_TRUE(stage.farm.Submit(stage.now, SmallJob(1)));
+  stage.Step();
+  ASSERT_EQ(stage.output.directives.size(), 1u);
+  EXPECT_EQ(stage.output.directives[0].call, CallId{1});
+  EXPECT_EQ(stage.output.directives[0].directive.scenes.size(), 1u);
+}
+
+TEST(Farm, AWaitingCallIsAnsweredAfterItsWait) {
+  FarmStage stage;
+  stage.farm.Synchronize(stage.now, CallId{1}, stage.Worker(5));
+  stage.Step();
+  EXPECT_LE(stage.farm.Patience(stage.now), Instant(seconds(2)));
+  stage.now += seconds(2);
+  stage.Step();
+  EXPECT_EQ(stage.output.directives.size(), 1u);
+}
+
+TEST(Farm, ANewerCallAnswersTheOlder) {
+  FarmStage stage;
+  stage.farm.Synchronize(stage.now, CallId{1}, stage.Worker(5));
+  stage.farm.Synchronize(stage.now, CallId{2}, stage.Worker(5));
+  stage.Step();
+  ASSERT_EQ(stage.output.directives.size(), 1u);
+  EXPECT_EQ(stage.output.directives[0].call, CallId{1});
+  stage.farm.Cut(stage.now, CallId{1});
+  EXPECT_EQ(stage.farm.Workers(stage.now).size(), 1u)
+      << "the end of an old call is not the end of the worker";
+  stage.farm.Cut(stage.now, CallId{2});
+  EXPECT_EQ(stage.farm.Workers(stage.now).size(), 0u);
+}
+
+TEST(Farm, WorkersOfAnotherReleaseAreNotAdmitted) {
+  const FarmStage stage;
+  WorkerState state;
+  EXPECT_TRUE(stage.farm.CheckAdmission(state));
+  state.software_version = "0.0.1";
+  EXPECT_THAT(stage.farm.CheckAdmission(state).error().message, HasSubstr("0.0.1"));
+  state = {};
+  state.protocol = 99;
+  EXPECT_THAT(stage.farm.CheckAdmission(state).error().message, HasSubstr("protocol 99"));
+}
+
+TEST(Farm, APreviewShowsWhatIsThere) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
+  EXPECT_EQ(stage.farm.Preview(job, 0)->picture.values, std::vector<float>(64, 0.0f));
+  stage.Return(job, {0, 1}, Ones({0, 1}));
+  EXPECT_EQ(stage.farm.Preview(job, 0)->picture.values, std::vector<float>(64, 1.0f));
+  EXPECT_FALSE(stage.farm.Preview(job, 1));
+  EXPECT_FALSE(stage.farm.Preview(JobId{9}, 0));
+}
+
+}  // namespace
+}  // namespace tessera

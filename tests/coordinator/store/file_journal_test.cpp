@@ -1,0 +1,131 @@
+#include "store/file_journal.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/coordinator/store/temporary_dir.h"
+#include "util/file.h"
+
+namespace tessera {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+struct JournalStage {
+  // The epochs of the facts in the file: what a start would find.
+  Result<std::vector<uint32_t>> Reopen() {
+    std::vector<uint32_t> epochs;
+    auto opened = FileJournal::Open(
+        path, [&](const Fact& fact) { epochs.push_back(std::get<CoordinatorStarted>(fact).epoch); });
+    if (!opened) return opened.error();
+    journal = std::move(*opened);
+    return epochs;
+  }
+  std::string Bytes() const { return *ReadFile(path, 1 << 20); }
+  void Put(const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+  // A journal of three facts.
+  void WriteThree() {
+    ASSERT_TRUE(Reopen());
+    for (uint32_t epoch = 1; epoch <= 3; ++epoch) journal->Append(CoordinatorStarted{epoch});
+    ASSERT_TRUE(journal->Sync());
+  }
+  static constexpr size_t kHeader = 8, kRecord = 16;
+
+  TemporaryDir directory;
+  std::string path = directory / "journal";
+  std::unique_ptr<FileJournal> journal;
+};
+
+TEST(FileJournal, GivesBackWhatWasSyncedInOrder) {
+  JournalStage stage;
+  stage.WriteThree();
+  EXPECT_THAT(*stage.Reopen(), ElementsAre(1, 2, 3));
+  stage.journal->Append(CoordinatorStarted{4});
+  ASSERT_TRUE(stage.journal->Sync());
+  EXPECT_THAT(*stage.Reopen(), ElementsAre(1, 2, 3, 4));
+}
+
+TEST(FileJournal, WhatWasNotSyncedIsNotThere) {
+  JournalStage stage;
+  stage.WriteThree();
+  stage.journal->Append(CoordinatorStarted{4});
+  EXPECT_THAT(*stage.Reopen(), ElementsAre(1, 2, 3));
+}
+
+TEST(FileJournal, ARecordCutAnywhereIsTakenOffAndWritingGoesOn) {
+  JournalStage whole;
+  whole.WriteThree();
+  const std::string bytes = whole.Bytes();
+  ASSERT_EQ(bytes.size(), JournalStage::kHeader + 3 * JournalStage::kRecord);
+  for (size_t cut = 1; cut < JournalStage::kRecord; ++cut) {
+    JournalStage stage;
+    stage.Put(bytes.substr(0, bytes.size() - cut));
+    EXPECT_THAT(*stage.Reopen(), ElementsAre(1, 2)) << cut;
+    stage.journal->Append(CoordinatorStarted{9});
+    ASSERT_TRUE(stage.journal->Sync());
+    EXPECT_THAT(*stage.Reopen(), ElementsAre(1, 2, 9)) << cut;
+  }
+}
+
+TEST(FileJournal, ATornTailOfOtherBytesIsTakenOff) {
+  JournalStage stage;
+  stage.WriteThree();
+  const std::string bytes = stage.Bytes();
+  for (const std::string& tail : {std::string(100, '\0'), std::string(100, '\xff'), std::string("garbage")}) {
+    stage.Put(bytes + tail);
+    EXPECT_THAT(*stage.Reopen(), ElementsAre(1, 2, 3));
+    EXPECT_EQ(stage.Bytes(), bytes) << "the tail is cut";
+  }
+}
+
+TEST(FileJournal, AnyFlippedBitOfTheLastRecordDropsItAlone) {
+  JournalStage stage;
+  stage.WriteThree();
+  const std::string bytes = stage.Bytes();
+  for (size_t bit = (bytes.size() - JournalStage::kRecord) * 8; bit < bytes.size() * 8; ++bit) {
+    std::string damaged = bytes;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << bit % 8));
+    stage.Put(damaged);
+    EXPECT_THAT(*stage.Reopen(), ElementsAre(1, 2)) << "bit " << bit;
+  }
+}
+
+TEST(FileJournal, AnyFlippedBitBeforeAReadableRecordIsRefused) {
+  JournalStage stage;
+  stage.WriteThree();
+  const std::string bytes = stage.Bytes();
+  for (size_t bit = 0; bit < (bytes.size() - JournalStage::kRecord) * 8; ++bit) {
+    std::string damaged = bytes;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << bit % 8));
+    stage.Put(damaged);
+    const auto epochs = stage.Reopen();
+    ASSERT_FALSE(epochs) << "bit " << bit;
+    EXPECT_THAT(epochs.error().message, HasSubstr(stage.path));
+    EXPECT_EQ(stage.Bytes(), damaged) << "a refused journal is left as it is";
+  }
+}
+
+TEST(FileJournal, TheMessageSaysWhereAndHowToGoOn) {
+  JournalStage stage;
+  stage.WriteThree();
+  std::string bytes = stage.Bytes();
+  bytes[JournalStage::kHeader + JournalStage::kRecord + 12] ^= 1;
+  stage.Put(bytes);
+  EXPECT_THAT(
+      stage.Reopen().error().message,
+      testing::AllOf(HasSubstr("damaged at byte 24"), HasSubstr("truncate"), HasSubstr("move it away")));
+}
+
+TEST(FileJournal, OtherFilesAreRefused) {
+  JournalStage stage;
+  for (const char* bytes : {"", "TSRJ", "TSRJ\2\0\0\0", "some text that is long enough"}) {
+    stage.Put(bytes);
+    EXPECT_FALSE(stage.Reopen()) << bytes;
+  }
+}
+
+}  // namespace
+}  // namespace tessera
