@@ -3,22 +3,16 @@
 // depend on the number of samples. Usage:
 //   scene_bench [--spp N] [--seeds K] [--threads T] [--csv FILE] SCENE=REFERENCE.exr ...
 // The picture has the size of its reference. relMSE is the mean of (a - b)^2 / (b^2 + 0.01) over R, G and B,
-// the worst 0.1 % of values left out, divided by 1 + spp / reference spp for the reference's own noise
-// (--reference-spp, default 512).
+// the worst 0.1 % of values left out. One reference's own noise is divided out as 1 + spp / reference spp
+// (--reference-spp, default 512); two independent ones (SCENE=R.exr,S.exr) need no such guess. A SCENE alone
+// is only timed. --json prints one line per run with all that was measured; --write keeps the picture.
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cstdio>
-#include <mutex>
-#include <thread>
+#include <nlohmann/json.hpp>
 
-#include "film/merger.h"
-#include "film/picture_file.h"
-#include "scene/scene.h"
+#include "tests/bench/frame_run.h"
 #include "util/file.h"
 
 namespace tessera {
@@ -27,9 +21,13 @@ namespace {
 struct BenchOptions {
   uint32_t spp = 64;
   int seeds = 1;
+  uint64_t first_seed = 0;
   int threads = 2;
+  int width = 0, height = 0;  // 0: as the reference, else as the scene says
+  int max_depth = -1;
   double reference_spp = 512;
-  std::string csv, accelerator;
+  bool json = false;
+  std::string csv, accelerator, integrator, write;
   std::vector<std::string> scenes;
 };
 
@@ -41,113 +39,123 @@ struct Row {
   RenderStatistics rays;
 };
 
-double CpuSeconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
+// SCENE or SCENE=REFERENCES.
+struct SceneArgument {
+  std::string folder, file;
+  References references;
 
-double WallSeconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+  static Result<SceneArgument> Read(const std::string& text);
+};
 
-// Every pixel of the frame, on `threads` threads.
-FramePicture RenderWhole(const Scene& scene, int threads, RenderStatistics* rays) {
-  const FrameSpec& frame = scene.frame();
-  Merger merger(frame);
-  std::atomic<int> next{0};
-  std::mutex mutex;
-  std::vector<std::thread> pool;
-  for (int t = 0; t < threads; ++t) {
-    pool.emplace_back([&] {
-      RenderStatistics own;
-      for (int tile = next++; tile < frame.TileCount(); tile = next++) {
-        for (SampleRange range : DyadicPartition(frame.samples_per_pixel)) {
-          std::optional<RadianceTile> result = scene.Render(frame.TileBounds(tile), range, nullptr, &own);
-          const std::lock_guard lock(mutex);
-          (void)merger.Add(tile, std::move(*result));
-        }
-      }
-      const std::lock_guard lock(mutex);
-      rays->camera_rays += own.camera_rays;
-      rays->bounce_rays += own.bounce_rays;
-      rays->shadow_rays += own.shadow_rays;
-    });
-  }
-  for (std::thread& thread : pool) thread.join();
-  return merger.Picture();
-}
-
-double RelativeError(const FramePicture& picture, const LoadedPicture& reference) {
-  constexpr double kOutliers = 0.001;
-  std::vector<double> errors;
-  const size_t stride = reference.channels.size();
-  std::vector<size_t> channel;
-  for (const char* name : {"R", "G", "B"}) {
-    channel.push_back(static_cast<size_t>(
-        std::find(reference.channels.begin(), reference.channels.end(), name) - reference.channels.begin()));
-  }
-  for (size_t pixel = 0; pixel < reference.values.size() / stride; ++pixel) {
-    for (size_t c = 0; c < 3; ++c) {
-      const double a = picture.values[pixel * 3 + c];
-      const double b = reference.values[pixel * stride + channel[c]];
-      errors.push_back((a - b) * (a - b) / (b * b + 0.01));
-    }
-  }
-  std::sort(errors.begin(), errors.end());
-  errors.resize(static_cast<size_t>(static_cast<double>(errors.size()) * (1 - kOutliers)));
-  double sum = 0;
-  for (double e : errors) sum += e;
-  return sum / static_cast<double>(errors.size());
-}
-
-Result<Row> Measure(const std::string& pair, const BenchOptions& options) {
-  const size_t equals = pair.find('=');
-  if (equals == std::string::npos) return BadInput(pair + ": expected SCENE=REFERENCE.exr");
-  const std::string path = pair.substr(0, equals);
-  const Result<LoadedPicture> reference = LoadExr(pair.substr(equals + 1));
-  if (!reference) return reference.error();
+Result<SceneArgument> SceneArgument::Read(const std::string& text) {
+  SceneArgument argument;
+  const size_t equals = text.find('=');
+  const std::string path = text.substr(0, equals);
   const size_t slash = path.rfind('/');
-  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash);
-  Row row;
-  row.name = folder.substr(folder.rfind('/') + 1);
-  for (int seed = 0; seed < options.seeds; ++seed) {
-    DiskFileSource files(folder);
-    RenderOptions render;
-    render.samples_per_pixel = options.spp;
-    render.width = reference->width;
-    render.height = reference->height;
-    render.seed = static_cast<uint64_t>(seed);
-    render.accelerator = options.accelerator;
-    const double load_start = CpuSeconds();
-    const Result<std::unique_ptr<Scene>> scene =
-        Scene::Load(files, path.substr(slash + 1), render, Scene::Depth::kRender);
-    if (!scene) return scene.error();
-    const double cpu_start = CpuSeconds(), wall_start = WallSeconds();
-    const FramePicture picture = RenderWhole(**scene, options.threads, &row.rays);
-    row.render_cpu += CpuSeconds() - cpu_start;
-    row.render_wall += WallSeconds() - wall_start;
-    row.load_seconds += cpu_start - load_start;
-    const double noise = 1 + static_cast<double>((*scene)->frame().samples_per_pixel) / options.reference_spp;
-    row.relmse += RelativeError(picture, *reference) / noise;
-    row.paths += static_cast<uint64_t>(picture.bounds.area()) * (*scene)->frame().samples_per_pixel;
+  argument.folder = slash == std::string::npos ? "." : path.substr(0, slash);
+  argument.file = slash == std::string::npos ? path : path.substr(slash + 1);
+  if (equals == std::string::npos) return argument;
+  Result<References> references = References::Load(text.substr(equals + 1));
+  if (!references) return references.error();
+  argument.references = std::move(*references);
+  return argument;
+}
+
+RenderOptions RenderOptionsFor(const BenchOptions& options, const References& references, uint64_t seed) {
+  RenderOptions render;
+  render.samples_per_pixel = options.spp;
+  render.seed = seed;
+  render.accelerator = options.accelerator;
+  render.integrator = options.integrator;
+  if (options.max_depth >= 0) render.max_depth = options.max_depth;
+  render.exr_type = ExrType::kFloat;
+  if (options.width > 0) {
+    render.width = options.width;
+    render.height = options.height;
+  } else if (!references.pictures.empty()) {
+    render.width = references.pictures[0].width;
+    render.height = references.pictures[0].height;
   }
-  row.relmse /= options.seeds;
-  row.load_seconds /= options.seeds;
+  return render;
+}
+
+void PrintJson(const SceneArgument& argument, const Scene& scene, const FrameRun& run,
+               const RelativeError& error, double load_seconds) {
+  const nlohmann::json line = {{"scene", argument.file},
+                               {"integrator", scene.summary().integrator},
+                               {"accelerator", scene.summary().accelerator},
+                               {"spp", scene.frame().samples_per_pixel},
+                               {"width", scene.frame().width},
+                               {"height", scene.frame().height},
+                               {"load_cpu_s", load_seconds},
+                               {"build_s", scene.summary().build_seconds},
+                               {"cpu_s", run.cpu_seconds},
+                               {"wall_s", run.wall_seconds},
+                               {"camera_rays", run.rays.camera_rays},
+                               {"bounce_rays", run.rays.bounce_rays},
+                               {"shadow_rays", run.rays.shadow_rays},
+                               {"discarded_samples", run.rays.discarded_samples},
+                               {"relmse", error.all},
+                               {"relmse_trimmed", error.trimmed},
+                               {"relmse_reference", error.reference}};
+  fmt::print("{}\n", line.dump());
+  std::fflush(stdout);
+}
+
+Result<void> MeasureOnce(const SceneArgument& argument, const BenchOptions& options, uint64_t seed,
+                         Row* row) {
+  DiskFileSource files(argument.folder);
+  const double load_start = CpuSeconds();
+  const Result<std::unique_ptr<Scene>> loaded = Scene::Load(
+      files, argument.file, RenderOptionsFor(options, argument.references, seed), Scene::Depth::kRender);
+  if (!loaded) return loaded.error();
+  const Scene& scene = **loaded;
+  const double load_seconds = CpuSeconds() - load_start;
+  const FrameRun run = RenderWhole(scene, options.threads);
+  RelativeError error;
+  if (!argument.references.pictures.empty()) error = RelativeErrorOf(run.picture, argument.references);
+  if (options.json) PrintJson(argument, scene, run, error, load_seconds);
+  if (!options.write.empty()) {
+    const Result<std::string> bytes = EncodeExr(scene.frame(), run.picture);
+    if (!bytes) return bytes.error();
+    if (Result<void> written = WriteFileAtomically(options.write, *bytes); !written) return written;
+  }
+  const uint32_t spp = scene.frame().samples_per_pixel;
+  const double noise = argument.references.pictures.size() == 1 ? 1 + spp / options.reference_spp : 1;
+  row->load_seconds += load_seconds / options.seeds;
+  row->render_cpu += run.cpu_seconds;
+  row->render_wall += run.wall_seconds;
+  row->relmse += error.trimmed / noise / options.seeds;
+  row->paths += static_cast<uint64_t>(run.picture.bounds.area()) * spp;
+  row->rays.camera_rays += run.rays.camera_rays;
+  row->rays.bounce_rays += run.rays.bounce_rays;
+  row->rays.shadow_rays += run.rays.shadow_rays;
+  return {};
+}
+
+Result<Row> Measure(const std::string& text, const BenchOptions& options) {
+  const Result<SceneArgument> argument = SceneArgument::Read(text);
+  if (!argument) return argument.error();
+  Row row;
+  row.name = argument->folder.substr(argument->folder.rfind('/') + 1);
+  for (int i = 0; i < options.seeds; ++i) {
+    const uint64_t seed = options.first_seed + static_cast<uint64_t>(i);
+    if (Result<void> measured = MeasureOnce(*argument, options, seed, &row); !measured)
+      return measured.error();
+  }
   return row;
 }
 
 int Run(const BenchOptions& options) {
   std::string csv =
       "scene,load_cpu_s,render_cpu_s,render_wall_s,paths_per_cpu_s,rays_per_cpu_s,relmse,relmse_x_cpu_s\n";
-  fmt::print(
-      "| scene | load CPU s | CPU s | wall s | k paths/CPU s | M rays/CPU s | relMSE | relMSE x CPU s |\n");
-  fmt::print("|---|---|---|---|---|---|---|---|\n");
-  for (const std::string& pair : options.scenes) {
-    const Result<Row> row = Measure(pair, options);
+  if (!options.json) {
+    fmt::print(
+        "| scene | load CPU s | CPU s | wall s | k paths/CPU s | M rays/CPU s | relMSE | relMSE x CPU s |\n");
+    fmt::print("|---|---|---|---|---|---|---|---|\n");
+  }
+  for (const std::string& scene : options.scenes) {
+    const Result<Row> row = Measure(scene, options);
     if (!row) {
       fmt::print(stderr, "{}\n", row.error().message);
       return static_cast<int>(row.error().kind);
@@ -155,9 +163,11 @@ int Run(const BenchOptions& options) {
     const double cpu = row->render_cpu / options.seeds, wall = row->render_wall / options.seeds;
     const double paths = static_cast<double>(row->paths) / row->render_cpu;
     const double rays = static_cast<double>(row->rays.rays()) / row->render_cpu;
-    fmt::print("| {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} | {:.2f} | {:.5f} | {:.4f} |\n", row->name,
-               row->load_seconds, cpu, wall, paths / 1e3, rays / 1e6, row->relmse, row->relmse * cpu);
-    std::fflush(stdout);
+    if (!options.json) {
+      fmt::print("| {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} | {:.2f} | {:.5f} | {:.4f} |\n", row->name,
+                 row->load_seconds, cpu, wall, paths / 1e3, rays / 1e6, row->relmse, row->relmse * cpu);
+      std::fflush(stdout);
+    }
     csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.0f},{:.0f},{:.6f},{:.6f}\n", row->name, row->load_seconds,
                        cpu, wall, paths, rays, row->relmse, row->relmse * cpu);
   }
@@ -178,11 +188,18 @@ int main(int argc, char** argv) {
   CLI::App app("Speed and noise of the renderer, per scene");
   app.add_option("--spp", options.spp, "samples per pixel");
   app.add_option("--seeds", options.seeds, "renders per scene, averaged")->check(CLI::Range(1, 1000));
+  app.add_option("--first-seed", options.first_seed, "seed of the first of them");
   app.add_option("--threads", options.threads, "render threads")->check(CLI::Range(1, 1024));
   app.add_option("--reference-spp", options.reference_spp, "samples per pixel of the references");
   app.add_option("--accelerator", options.accelerator, "as tessera render --accelerator");
+  app.add_option("--integrator", options.integrator, "as tessera render --integrator");
+  app.add_option("--max-depth", options.max_depth, "as tessera render --max-depth");
+  app.add_option("--width", options.width, "of the picture; needs --height");
+  app.add_option("--height", options.height, "of the picture");
+  app.add_flag("--json", options.json, "one line for each run instead of a table");
+  app.add_option("--write", options.write, "keep the last picture as this EXR");
   app.add_option("--csv", options.csv, "also write the table here");
-  app.add_option("scenes", options.scenes, "SCENE=REFERENCE.exr ...")->required();
+  app.add_option("scenes", options.scenes, "SCENE or SCENE=REFERENCE.exr[,REFERENCE.exr] ...")->required();
   CLI11_PARSE(app, argc, argv);
   return tessera::Run(options);
 }

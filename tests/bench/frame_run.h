@@ -1,0 +1,42 @@
+// For measuring programs: a whole frame rendered on threads of this process, with what it took, and how far
+// it is from a reference.
+#pragma once
+
+#include <string>
+
+#include "film/merger.h"
+#include "film/picture_file.h"
+#include "scene/scene.h"
+
+namespace tessera {
+
+double CpuSeconds();   // of this process, all threads
+double WallSeconds();  // since some moment
+
+struct FrameRun {
+  FramePicture picture;
+  RenderStatistics rays;
+  double cpu_seconds = 0, wall_seconds = 0;
+};
+// Every pixel of the frame, on `threads` threads.
+FrameRun RenderWhole(const Scene& scene, int threads);
+
+// References of one picture: one, or two that are independent of each other.
+struct References {
+  std::vector<LoadedPicture> pictures;
+
+  // `paths`: one or two EXR files, separated by a comma.
+  static Result<References> Load(const std::string& paths);
+};
+
+// The mean over R, G and B of (a - b)^2 / (b^2 + 0.01).
+struct RelativeError {
+  double all = 0;
+  double trimmed = 0;    // the largest 0.1 % of values left out: fireflies
+  double reference = 0;  // of the references' mean, by their difference; 0 if there is only one
+};
+// With two references r and s the square is (a - r) (a - s), whose mean is free of the references' noise.
+// With one, that noise is in the result.
+RelativeError RelativeErrorOf(const FramePicture& picture, const References& references);
+
+}  // namespace tessera
