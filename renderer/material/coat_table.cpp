@@ -23,21 +23,11 @@ float Attenuation(float thickness, float cos_theta) {
   return std::exp(-thickness / std::abs(cos_theta));
 }
 
-// The factor by which pbrt-v4's LayeredBxDF::f overestimates light that leaves towards w from -wt, where the
-// base would scatter to -wt with a cosine density: the sum of its two weights.
-float WeightSum(const DielectricBxdf& coat, Vec3 w, Vec3 wt) {
-  const float base_pdf = CosineHemispherePdf(AbsCosTheta(wt));
-  const float inward = coat.Evaluate(w, wt, TransportMode::kImportance, Lobes::kTransmission).pdf;
-  const float outward = coat.Evaluate(wt, w, TransportMode::kRadiance, Lobes::kTransmission).pdf;
-  return PowerHeuristic(inward, base_pdf) + PowerHeuristic(base_pdf, outward);
-}
-
 // Shares of the light along w, from either side.
 struct Scattered {
   float reflected = 0;
-  float reflected_attenuated = 0;  // each direction times its attenuation, as the next two
+  float reflected_attenuated = 0;  // each direction times its attenuation, as the next
   float transmitted_attenuated = 0;
-  float transmitted_pbrt = 0;
 };
 
 // Adds what the microfacet of normal m does to light along w. The estimator of a visible normal is G2/G1
@@ -60,9 +50,7 @@ void AddMicrofacet(const DielectricBxdf& coat, float thickness, Vec3 w, Vec3 m, 
   if (!refraction.exists || !(refraction.wt.z < 0) || w.z < 0)
     return;  // only light from outside is asked for
   const Vec3 wt = refraction.wt;
-  const float share = weight * (1 - fresnel) * masking(wt) * Attenuation(thickness, wt.z);
-  sum.transmitted_attenuated += share;
-  sum.transmitted_pbrt += share * WeightSum(coat, w, wt);
+  sum.transmitted_attenuated += weight * (1 - fresnel) * masking(wt) * Attenuation(thickness, wt.z);
 }
 
 // A grid over the normals that w sees. Its rows crowd towards the steepest, which hold little light but
@@ -82,11 +70,10 @@ Scattered IntegrateRough(const DielectricBxdf& coat, float thickness, Vec3 w) {
 
 Scattered IntegrateSmooth(float eta, float thickness, Vec3 w) {
   const float fresnel = FrDielectric(w.z, eta);
-  Scattered result{fresnel, fresnel * Attenuation(thickness, w.z), 0, 0};
+  Scattered result{fresnel, fresnel * Attenuation(thickness, w.z), 0};
   const Refraction refraction = Refract(w, {0, 0, 1}, eta);
   if (refraction.exists)
     result.transmitted_attenuated = (1 - fresnel) * Attenuation(thickness, refraction.wt.z);
-  result.transmitted_pbrt = result.transmitted_attenuated;
   return result;
 }
 
@@ -115,12 +102,12 @@ CoatRow ComputeRow(float alpha, float eta, float thickness) {
   CoatRow row;
   for (int i = 0; i <= CoatRow::kSteps; ++i) {
     const Scattered s = Integrate(coat, thickness, Sqr(static_cast<float>(i) / CoatRow::kSteps));
-    row.angles[i] = Float4(s.transmitted_attenuated, s.reflected, s.transmitted_pbrt, 0);
+    row.angles[i] = {s.transmitted_attenuated, s.reflected};
   }
   row.internal_reflectance = InternalReflectance(coat, thickness);
   for (int i = 0; i < kMeanPoints; ++i) {
     const float cos_theta = std::sqrt((static_cast<float>(i) + 0.5f) / kMeanPoints);
-    row.mean_transmittance += row.At(cos_theta)[0] / kMeanPoints;
+    row.mean_transmittance += row.At(cos_theta).transmittance / kMeanPoints;
   }
   return row;
 }

@@ -12,36 +12,34 @@
 #include <tuple>
 #include <vector>
 
-#include "math/float4.h"
-
 namespace tessera {
 
 // A coat at one angle outside of it.
 struct CoatAngle {
   float transmittance = 0;  // share of the light from this angle that reaches the base
   float reflectance = 0;    // share that the interface reflects
-  // The transmittance as pbrt-v4's LayeredBxDF::f estimates it for the direction that it is given, so that
-  // light sampling gives the same picture. It leaves the layer in two ways, weighted by multiple importance
-  // sampling, but takes the density of the first for the opposite direction, so that the weights of rough
-  // coats sum to 1.01 ... 1.2. Equal to `transmittance` for smooth ones. (Its Sample_f does without those
-  // weights and has no such error.)
-  float transmittance_pbrt = 0;
 };
+
+// Between a at t = 0 and b at t = 1.
+inline CoatAngle Interpolate(float t, const CoatAngle& a, const CoatAngle& b) {
+  return {a.transmittance + t * (b.transmittance - a.transmittance),
+          a.reflectance + t * (b.reflectance - a.reflectance)};
+}
 
 // One coat: a dielectric interface of microfacets over a layer of a thickness.
 struct CoatRow {
   static constexpr int kSteps = 96;
-  std::array<Float4, kSteps + 1> angles;  // the members of CoatAngle at cos theta = (i / kSteps)^2
+  std::array<CoatAngle, kSteps + 1> angles;  // at cos theta = (i / kSteps)^2
   // Of light that leaves a Lambertian base: the share that comes back to it.
   float internal_reflectance = 0;
   // Of light that falls on the coat with a cosine distribution: the share that reaches the base.
   float mean_transmittance = 0;
 
   // cos_theta in [0, 1], up to rounding.
-  Float4 At(float cos_theta) const {
+  CoatAngle At(float cos_theta) const {
     const float x = std::sqrt(std::max(0.0f, cos_theta)) * kSteps;  // 0 for what is not a number
     const int i = std::min(static_cast<int>(x), kSteps - 1);
-    return angles[i] + (x - static_cast<float>(i)) * (angles[i + 1] - angles[i]);
+    return Interpolate(x - static_cast<float>(i), angles[i], angles[i + 1]);
   }
 };
 
@@ -52,9 +50,8 @@ struct CoatLookup {
   float weight = 0;  // of `high`
 
   CoatAngle At(float cos_theta) const {
-    Float4 angle = low->At(cos_theta);
-    if (weight != 0) angle += weight * (high->At(cos_theta) - angle);
-    return {angle[0], angle[1], angle[2]};
+    const CoatAngle angle = low->At(cos_theta);
+    return weight == 0 ? angle : Interpolate(weight, angle, high->At(cos_theta));
   }
   float internal_reflectance() const { return Mix(low->internal_reflectance, high->internal_reflectance); }
   float mean_transmittance() const { return Mix(low->mean_transmittance, high->mean_transmittance); }

@@ -58,15 +58,6 @@ BsdfEvaluation CoatedDiffuseBxdf::Evaluate(Vec3 wo, Vec3 wi) const {
     wo = -wo;
     wi = -wi;
   }
-  return EvaluateAbove(wo, wi, ChoiceAt(wo.z), lookup_.At(wi.z).transmittance_pbrt);
-}
-
-BsdfEvaluation CoatedDiffuseBxdf::EvaluateExact(Vec3 wo, Vec3 wi) const {
-  if (!SameHemisphere(wo, wi)) return {};
-  if (wo.z < 0) {
-    wo = -wo;
-    wi = -wi;
-  }
   return EvaluateAbove(wo, wi, ChoiceAt(wo.z), lookup_.At(wi.z).transmittance);
 }
 

@@ -5,7 +5,9 @@
 //   f = f_coat + T(wo) T(wi) (rho / (pi eta^2)) (1 + rho R + ... + (rho R)^(n-1)),
 // where T and R are the transmittance and the internal reflectance of the coat (coat_table.h), rho is the
 // reflectance of the base and n the number of times that the walk may meet it. (The sum over n is
-// Saunderson's, 1942.)
+// Saunderson's, 1942.) pbrt-v4's LayeredBxDF::f, which light sampling uses there, weights its two ways out of
+// the layer by densities of opposite directions, so that the weights of rough coats sum to a little over 1;
+// its Sample_f does not. We have the one f that is reciprocal and that all techniques agree on.
 #pragma once
 
 #include <optional>
@@ -30,10 +32,7 @@ class CoatedDiffuseBxdf {
     const BxdfFlags coat = coat_.IsSpecular() ? BxdfFlags::kSpecular : BxdfFlags::kGlossy;
     return BxdfFlags::kReflection | BxdfFlags::kDiffuse | coat;
   }
-  // f as light sampling in pbrt-v4 sees it: CoatAngle says by how much that is off for rough coats.
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const;
-  // The true f, reciprocal, with the same density; what Sample gives for rough coats and for the base.
-  BsdfEvaluation EvaluateExact(Vec3 wo, Vec3 wi) const;
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const;
 
  private:

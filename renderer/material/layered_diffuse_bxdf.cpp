@@ -64,8 +64,8 @@ float Transmittance(float distance, Vec3 w) {
 class LayerWalk {
  public:
   LayerWalk(const DielectricBxdf& coat, SampledSpectrum reflectance, const CoatLayer& layer, Vec3 wi,
-            uint64_t seed, ExitWeights weights)
-      : coat_(coat), reflectance_(reflectance), layer_(layer), wi_(wi), weights_(weights), random_(seed) {}
+            uint64_t seed)
+      : coat_(coat), reflectance_(reflectance), layer_(layer), wi_(wi), random_(seed) {}
 
   SampledSpectrum Run(Vec3 wo) {
     if (!Enter(wo)) return {};
@@ -167,18 +167,13 @@ class LayerWalk {
     if (coat_.IsSpecular()) return;
     const BsdfEvaluation exit = coat_.Evaluate(wi_, -w_, TransportMode::kImportance, Lobes::kTransmission);
     if (!(exit.pdf > 0)) return;
-    float enter_pdf = exit.pdf;
-    if (weights_ == ExitWeights::kPbrt) {
-      enter_pdf = coat_.Evaluate(-w_, wi_, TransportMode::kRadiance, Lobes::kTransmission).pdf;
-    }
-    f_ += beta_ * exit.f * (PowerHeuristic(pdf, enter_pdf) * Transmittance(layer_.thickness - z_, w_));
+    f_ += beta_ * exit.f * (PowerHeuristic(pdf, exit.pdf) * Transmittance(layer_.thickness - z_, w_));
   }
 
   const DielectricBxdf& coat_;
   const SampledSpectrum reflectance_;
   const CoatLayer& layer_;
   const Vec3 wi_;
-  const ExitWeights weights_;
   WalkRandom random_;
   SampledSpectrum f_, beta_, exit_value_;
   Vec3 w_, exit_direction_;
@@ -188,8 +183,8 @@ class LayerWalk {
 
 }  // namespace
 
-SampledSpectrum LayeredDiffuseBxdf::EstimateWalk(Vec3 wo, Vec3 wi, uint64_t seed, ExitWeights weights) const {
-  return LayerWalk(coat_, reflectance_, layer_, wi, seed, weights).Run(wo);
+SampledSpectrum LayeredDiffuseBxdf::EstimateWalk(Vec3 wo, Vec3 wi, uint64_t seed) const {
+  return LayerWalk(coat_, reflectance_, layer_, wi, seed).Run(wo);
 }
 
 float LayeredDiffuseBxdf::CoatProbability(Vec3 wo) const {
@@ -198,19 +193,19 @@ float LayeredDiffuseBxdf::CoatProbability(Vec3 wo) const {
   return coat > 0 ? std::min(coat / (coat + inner), 1 - kCosineProbabilityMin) : 0;
 }
 
-BsdfEvaluation LayeredDiffuseBxdf::EvaluateAbove(Vec3 wo, Vec3 wi, ExitWeights weights) const {
+BsdfEvaluation LayeredDiffuseBxdf::EvaluateAbove(Vec3 wo, Vec3 wi) const {
   const float coat_probability = CoatProbability(wo);
   const BsdfEvaluation coat = coat_.Evaluate(wo, wi, TransportMode::kRadiance, Lobes::kReflection);
   SampledSpectrum walks;
   const uint64_t seed = HashDirections(wo, wi);
-  for (int i = 0; i < layer_.sample_count; ++i) walks += EstimateWalk(wo, wi, Hash(seed, i), weights);
+  for (int i = 0; i < layer_.sample_count; ++i) walks += EstimateWalk(wo, wi, Hash(seed, i));
   return {coat.f + walks / static_cast<float>(layer_.sample_count),
           coat_probability * coat.pdf + (1 - coat_probability) * CosineHemispherePdf(wi.z)};
 }
 
 BsdfEvaluation LayeredDiffuseBxdf::Evaluate(Vec3 wo, Vec3 wi) const {
   if (!SameHemisphere(wo, wi)) return {};
-  return wo.z < 0 ? EvaluateAbove(-wo, -wi, ExitWeights::kPbrt) : EvaluateAbove(wo, wi, ExitWeights::kPbrt);
+  return wo.z < 0 ? EvaluateAbove(-wo, -wi) : EvaluateAbove(wo, wi);
 }
 
 std::optional<BsdfSample> LayeredDiffuseBxdf::SampleAbove(Vec3 wo, float uc, Point2 u) const {
@@ -229,7 +224,7 @@ std::optional<BsdfSample> LayeredDiffuseBxdf::SampleAbove(Vec3 wo, float uc, Poi
     if (!(sample.wi.z > 0)) return std::nullopt;
     sample.flags = BxdfFlags::kReflection | BxdfFlags::kDiffuse;
   }
-  const BsdfEvaluation value = EvaluateAbove(wo, sample.wi, ExitWeights::kExact);
+  const BsdfEvaluation value = EvaluateAbove(wo, sample.wi);
   sample.f = value.f;
   sample.pdf = value.pdf;
   return sample;

@@ -19,10 +19,6 @@ struct CoatLayer {
   int sample_count = 1;     // walks per evaluation
 };
 
-// How the two ways of leaving the layer in a given direction are weighted: so that the weights sum to one, or
-// as pbrt-v4's LayeredBxDF::f does (see CoatAngle::transmittance_pbrt).
-enum class ExitWeights : uint8_t { kExact, kPbrt };
-
 class LayeredDiffuseBxdf {
  public:
   LayeredDiffuseBxdf(const DielectricBxdf& coat, SampledSpectrum reflectance, const CoatLayer& layer)
@@ -32,18 +28,17 @@ class LayeredDiffuseBxdf {
     const BxdfFlags coat = coat_.IsSpecular() ? BxdfFlags::kSpecular : BxdfFlags::kGlossy;
     return BxdfFlags::kReflection | BxdfFlags::kDiffuse | coat;
   }
-  // f is an estimate, the same one each time for the same two directions; pdf is exact. As light sampling in
-  // pbrt-v4 sees it, so off for rough coats.
+  // f is an estimate, the same one each time for the same two directions; pdf is exact.
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const;
   // The f of a sample is an estimate without bias.
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const;
 
   // One walk from wo to wi (both above): all of f but the reflection of the coat. `seed` decides its random
   // numbers.
-  SampledSpectrum EstimateWalk(Vec3 wo, Vec3 wi, uint64_t seed, ExitWeights weights) const;
+  SampledSpectrum EstimateWalk(Vec3 wo, Vec3 wi, uint64_t seed) const;
 
  private:
-  BsdfEvaluation EvaluateAbove(Vec3 wo, Vec3 wi, ExitWeights weights) const;
+  BsdfEvaluation EvaluateAbove(Vec3 wo, Vec3 wi) const;
   std::optional<BsdfSample> SampleAbove(Vec3 wo, float uc, Point2 u) const;
   float CoatProbability(Vec3 wo) const;
 
