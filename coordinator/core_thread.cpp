@@ -96,7 +96,10 @@ Instant CoreThread::Patience(Instant now) const {
 // Journal, sync, answer.
 void CoreThread::Deliver(FarmOutput output) {
   for (const std::string& line : output.log) spdlog::info("{}", line);
-  for (const Fact& fact : output.facts) journal_->Append(fact);
+  for (const Fact& fact : output.facts) {
+    journal_->Append(fact);
+    if (std::holds_alternative<JobEnded>(fact)) watchers_due_ = {};  // people hear of an end at once
+  }
   unsynced_.push_back(std::move(output));
   if (Now() < sync_due_) return;
   if (const auto synced = journal_->Sync(); !synced) {
@@ -117,6 +120,7 @@ void CoreThread::Deliver(FarmOutput output) {
 }
 
 void CoreThread::TellWatchers(Instant now) {
+  if (!unsynced_.empty()) return;  // what they would hear might be forgotten
   const bool all = now >= watchers_due_ || closing_;
   if (all) watchers_due_ = now + kWatchInterval;
   std::erase_if(answers_.watchers_, [&](PendingAnswers::Watcher& watcher) {

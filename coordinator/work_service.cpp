@@ -119,7 +119,7 @@ grpc::ServerUnaryReactor* WorkService::ReturnFailure(grpc::CallbackServerContext
   const WorkerId worker{request->worker()};
   const std::string words = ReadReason(request->reason());
   const auto finish = [reactor] { reactor->Finish(grpc::Status::OK); };
-  if (request->scene().empty()) {
+  if (request->lease() != 0) {
     const auto unit = ReadWorkUnit(request->unit());
     if (!unit) {
       reactor->Finish(ToStatus(unit.error()));

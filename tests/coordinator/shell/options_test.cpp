@@ -1,0 +1,54 @@
+#include "coordinator/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+Result<std::optional<CoordinatorOptions>> Parse(std::vector<std::string> words) {
+  words.insert(words.begin(), "tessera-coordinator");
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  return ParseCoordinatorOptions(static_cast<int>(arguments.size()), arguments.data());
+}
+
+TEST(CoordinatorOptions, ListensOnEveryAddressGiven) {
+  const auto options = Parse({"--listen", "127.0.0.1:80", "--data-dir", "/d", "--listen", "unix:/s"});
+  ASSERT_TRUE(options) << options.error().message;
+  ASSERT_EQ((*options)->listen.size(), 2u);
+  EXPECT_EQ((*options)->listen[1].Text(), "unix:/s");
+  EXPECT_EQ((*options)->data_dir, "/d");
+  EXPECT_EQ((*options)->attempts_max, 3);
+}
+
+TEST(CoordinatorOptions, OpenAddressesNeedInsecure) {
+  const auto refused = Parse({"--listen", "0.0.0.0:80", "--data-dir", "/d"});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kBadInput);
+  EXPECT_THAT(refused.error().message, HasSubstr("--insecure"));
+  EXPECT_TRUE(Parse({"--listen", "0.0.0.0:80", "--data-dir", "/d", "--insecure"}));
+}
+
+TEST(CoordinatorOptions, BadUsageIsRefused) {
+  const std::vector<std::string> table[] = {
+      {},
+      {"--listen", "127.0.0.1:80"},
+      {"--data-dir", "/d"},
+      {"--listen", "nonsense", "--data-dir", "/d"},
+      {"--listen", "127.0.0.1:80", "--data-dir", ""},
+      {"--listen", "127.0.0.1:80", "--data-dir", "/d", "--no-such-flag"},
+      {"--listen", "127.0.0.1:80", "--data-dir", "/d", "--attempts-max", "0"},
+      {"--listen", "127.0.0.1:80", "--data-dir", "/d", "--log-level", "loud"},
+  };
+  for (const auto& words : table) {
+    const auto options = Parse(words);
+    ASSERT_FALSE(options) << testing::PrintToString(words);
+    EXPECT_EQ(options.error().kind, ErrorKind::kBadInput);
+  }
+}
+
+}  // namespace
+}  // namespace tessera
