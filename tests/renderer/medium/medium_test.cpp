@@ -1,0 +1,171 @@
+#include "medium/medium.h"
+
+#include <gtest/gtest.h>
+
+#include "color/named_spectra.h"
+#include "language/parser.h"
+#include "medium/scattering_presets.h"
+
+namespace tessera {
+namespace {
+
+class NoFiles : public FileSource {
+ public:
+  Result<std::string> Read(const std::string& name) override { return BadInput("no file " + name); }
+};
+
+struct BuiltMedia {
+  MediumTable table;
+  std::string error;
+  std::vector<std::string> warnings;
+};
+
+BuiltMedia Build(const std::string& media,
+                 MediumTable::Unsupported unsupported = MediumTable::Unsupported::kRefuse) {
+  NoFiles files;
+  BuiltMedia built;
+  Result<SceneDescription> scene =
+      ParseSceneText(files, "m.pbrt", "Camera \"perspective\"\nWorldBegin\n" + media);
+  if (!scene) {
+    built.error = scene.error().message;
+    return built;
+  }
+  Result<MediumTable> table = MediumTable::Build(*scene, unsupported, files, &built.warnings);
+  if (table)
+    built.table = std::move(*table);
+  else
+    built.error = table.error().message;
+  return built;
+}
+
+BuiltMedia Homogeneous(const std::string& parameters) {
+  return Build("MakeNamedMedium \"m\" \"string type\" \"homogeneous\" " + parameters);
+}
+
+const SampledWavelengths kWavelengths = SampledWavelengths::SampleVisible(0.3f);
+
+void ExpectAll(SampledSpectrum found, float expected) {
+  for (int i = 0; i < 4; ++i) EXPECT_FLOAT_EQ(found[i], expected) << i;
+}
+
+TEST(Medium, ParametersHaveTheirDefaults) {
+  const BuiltMedia built = Homogeneous("");
+  ASSERT_EQ(built.error, "");
+  const MediumCoefficients at = built.table[0].At(kWavelengths);
+  ExpectAll(at.sigma_a, 1);
+  ExpectAll(at.sigma_s, 1);
+  ExpectAll(at.emission, 0);
+  EXPECT_FALSE(built.table[0].is_emissive());
+  EXPECT_FLOAT_EQ(built.table[0].phase().Evaluate({0, 0, 1}, {0, 0, 1}), kInv4Pi);
+}
+
+TEST(Medium, ScaleMultipliesBothCoefficients) {
+  const BuiltMedia built =
+      Homogeneous("\"rgb sigma_a\" [ 3 3 3 ] \"spectrum sigma_s\" [ 300 0.5 900 0.5 ] \"float scale\" 2");
+  ASSERT_EQ(built.error, "");
+  const MediumCoefficients at = built.table[0].At(kWavelengths);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(at.sigma_a[i], 6, 0.06);
+  ExpectAll(at.sigma_s, 1);
+}
+
+TEST(Medium, PositiveAsymmetryScattersForward) {
+  const BuiltMedia built = Homogeneous("\"float g\" 0.5");
+  const PhaseFunction& phase = built.table[0].phase();
+  EXPECT_GT(phase.Evaluate({0, 0, 1}, {0, 0, -1}), phase.Evaluate({0, 0, 1}, {0, 0, 1}));
+}
+
+// The luminance of a given spectrum does not count, as for lights; that of an RGB colour does.
+TEST(Medium, EmissionHasUnitLuminanceTimesItsScale) {
+  const auto luminance = [](const BuiltMedia& built) {
+    double sum = 0, weight = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const SampledWavelengths w = SampledWavelengths::SampleVisible((static_cast<float>(i) + 0.5f) / 4000);
+      const MediumCoefficients at = built.table[0].At(w);
+      sum += Average(SafeDiv(SampleTable(CieY(), w) * at.emission, w.pdf));
+      weight += 1;
+    }
+    return sum / weight;
+  };
+  const std::string absorbing = "\"spectrum sigma_a\" [ 300 0.25 900 0.25 ] ";
+  const BuiltMedia black_body = Homogeneous(absorbing + "\"blackbody Le\" 3000 \"float Lescale\" 2");
+  ASSERT_EQ(black_body.error, "");
+  EXPECT_TRUE(black_body.table[0].is_emissive());
+  EXPECT_NEAR(luminance(black_body), 0.25 * 2, 0.01);
+  const BuiltMedia rgb = Homogeneous(absorbing + "\"rgb Le\" [ 5 5 5 ]");
+  EXPECT_NEAR(luminance(rgb), 0.25 * 5, 0.02);
+}
+
+TEST(Medium, DispersionLeavesTheFirstWavelengthAlone) {
+  const BuiltMedia skin = Homogeneous("\"string preset\" \"Skin1\"");
+  ASSERT_EQ(skin.error, "");
+  SampledWavelengths wavelengths = kWavelengths;
+  const MediumCoefficients before = skin.table[0].At(wavelengths);
+  wavelengths.TerminateSecondary();
+  const MediumCoefficients after = skin.table[0].At(wavelengths);
+  ExpectAll(after.sigma_a, before.sigma_a[0]);
+  ExpectAll(after.sigma_s, before.sigma_s[0]);
+  EXPECT_NE(before.sigma_s[0], before.sigma_s[1]);
+}
+
+TEST(Medium, EveryPresetIsReadByItsName) {
+  EXPECT_EQ(ScatteringPresets().size(), 47u);
+  for (const ScatteringPreset& preset : ScatteringPresets()) {
+    const BuiltMedia built =
+        Homogeneous("\"float scale\" 1000 \"string preset\" \"" + std::string(preset.name) + "\"");
+    ASSERT_EQ(built.error, "") << preset.name;
+    EXPECT_TRUE(built.warnings.empty());
+    // What is the same in all three channels is so at all wavelengths; elsewhere the spectrum is near the
+    // channels.
+    const MediumCoefficients at = built.table[0].At(kWavelengths);
+    const float largest = 1000 * std::max({preset.sigma_a.x, preset.sigma_a.y, preset.sigma_a.z});
+    for (int i = 0; i < 4; ++i) {
+      EXPECT_GE(at.sigma_a[i], 0);
+      EXPECT_LE(at.sigma_a[i], 2.01f * largest + 1e-6f) << preset.name;
+    }
+  }
+  EXPECT_EQ(FindScatteringPreset("apple"), nullptr);
+  EXPECT_FLOAT_EQ(FindScatteringPreset("Wholemilk")->sigma_s.y, 3.21f);
+  EXPECT_FLOAT_EQ(FindScatteringPreset("Merlot")->sigma_a.z, 0.29434f);
+}
+
+TEST(Medium, AnUnknownPresetIsAWarningAndTheCoefficientsCount) {
+  const BuiltMedia built = Homogeneous("\"string preset\" \"Marbel\" \"rgb sigma_a\" [ 0 0 0 ]");
+  ASSERT_EQ(built.error, "");
+  ASSERT_EQ(built.warnings.size(), 1u);
+  EXPECT_EQ(
+      built.warnings[0],
+      "m.pbrt:3:49: unknown medium preset \"Marbel\" (did you mean \"Marble\"?): sigma_a and sigma_s count");
+  ExpectAll(built.table[0].At(kWavelengths).sigma_a, 0);
+}
+
+TEST(Medium, WhatIsWrongIsNamedWithItsPlace) {
+  EXPECT_EQ(Homogeneous("\"float g\" 1.5").error, "m.pbrt:3:49: g must lie between -1 and 1");
+  EXPECT_EQ(Homogeneous("\"float scale\" -1").error, "m.pbrt:3:49: scale must not be negative");
+  EXPECT_EQ(Homogeneous("\"float Lescale\" -1").error, "m.pbrt:3:49: Lescale must not be negative");
+  EXPECT_NE(Homogeneous("\"rgb sigma_a\" [ -1 0 0 ]").error, "");
+  EXPECT_NE(
+      Homogeneous("\"float sigma\" 1").error.find("unknown parameter \"float sigma\" of MakeNamedMedium"),
+      std::string::npos);
+  // A preset stands for both coefficients: one of them beside it would be ignored.
+  EXPECT_NE(Homogeneous("\"string preset\" \"Marble\" \"rgb sigma_a\" [ 1 1 1 ]").error, "");
+}
+
+TEST(Medium, KindsThatAreNotSupportedAreNamedWithTheirPlace) {
+  for (const std::string kind : {"uniformgrid", "rgbgrid", "cloud", "nanovdb"}) {
+    const std::string text =
+        "MakeNamedMedium \"m\" \"string type\" \"" + kind + "\" \"float density\" [ 1 2 ]";
+    EXPECT_EQ(Build(text).error,
+              "m.pbrt:3:1: medium \"" + kind +
+                  "\" is not supported yet (integrator \"path\" renders the scene without media)");
+    const BuiltMedia ignored = Build(text, MediumTable::Unsupported::kIgnore);
+    EXPECT_EQ(ignored.error, "");
+    EXPECT_EQ(ignored.table.size(), 1u);
+  }
+  for (const auto unsupported : {MediumTable::Unsupported::kRefuse, MediumTable::Unsupported::kIgnore}) {
+    EXPECT_EQ(Build("MakeNamedMedium \"m\" \"string type\" \"homogenous\"", unsupported).error,
+              "m.pbrt:3:1: unknown medium \"homogenous\" (did you mean \"homogeneous\"?)");
+  }
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,296 @@
+// Pictures of media against closed forms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "memory_files.h"
+#include "scene/scene.h"
+
+namespace tessera {
+namespace {
+
+// Eight by eight pixels in the middle of the view along +z, all in nearly the same direction.
+std::string Narrow(const std::string& rest) {
+  return R"(
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "bool savefp16" false
+PixelFilter "box"
+Camera "perspective" "float fov" 0.5
+)" + rest;
+}
+
+std::string Wide(const std::string& rest) {
+  std::string text = Narrow(rest);
+  return text.replace(text.find("0.5"), 3, "60");
+}
+
+// R, G, B of 64 pixels.
+struct Pixels {
+  std::vector<double> values;
+
+  double Mean(int channel) const {
+    double sum = 0;
+    for (size_t i = 0; i < 64; ++i) sum += values[i * 3 + static_cast<size_t>(channel)];
+    return sum / 64;
+  }
+};
+
+Result<std::unique_ptr<Scene>> Load(const std::string& text, const RenderOptions& options = {}) {
+  MemoryFiles files({{"scene.pbrt", text}});
+  return Scene::Load(files, "scene.pbrt", options, Scene::Depth::kRender);
+}
+
+std::vector<float> Sums(const std::string& text, uint32_t samples, const RenderOptions& options = {}) {
+  const Result<std::unique_ptr<Scene>> scene = Load(text, options);
+  EXPECT_TRUE(scene.has_value()) << scene.error().message;
+  if (!scene) return std::vector<float>(256);
+  RenderStatistics statistics;
+  std::vector<float> sums = (*scene)->Render({0, 0, 8, 8}, {0, samples}, nullptr, &statistics)->sums;
+  EXPECT_EQ(statistics.discarded_samples, 0u);
+  return sums;
+}
+
+Pixels Render(const std::string& text, uint32_t samples, const RenderOptions& options = {}) {
+  const std::vector<float> sums = Sums(text, samples, options);
+  Pixels pixels;
+  for (size_t i = 0; i < 64; ++i) {
+    for (size_t c = 0; c < 3; ++c)
+      pixels.values.push_back(static_cast<double>(sums[i * 4 + c] / sums[i * 4 + 3]));
+  }
+  return pixels;
+}
+
+// A sample draws its wavelengths before all else: where both pictures have the same spectrum but for a factor
+// they have the same colour noise, and nothing else if nothing else was left to chance.
+void ExpectEverywhere(const Pixels& pixels, const Pixels& original, double factor, double tolerance) {
+  for (size_t i = 0; i < pixels.values.size(); ++i) {
+    ASSERT_NEAR(pixels.values[i] / original.values[i], factor, tolerance * factor) << i;
+  }
+}
+void ExpectMean(const Pixels& pixels, const Pixels& original, double factor, double tolerance,
+                const std::string& what = "") {
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(pixels.Mean(c) / original.Mean(c), factor, tolerance * factor) << what << ", channel " << c;
+  }
+}
+
+constexpr const char* kVolPath = R"(
+Sampler "independent" "integer pixelsamples" 65536
+Integrator "volpath" "integer maxdepth" 1000
+)";
+
+// A medium with the same coefficients at all wavelengths.
+std::string Medium(const std::string& name, double sigma_a, double sigma_s, const std::string& more = "") {
+  const auto even = [](const char* what, double value) {
+    return std::string(" \"spectrum ") + what + "\" [ 300 " + std::to_string(value) + " 900 " +
+           std::to_string(value) + " ]";
+  };
+  return "MakeNamedMedium \"" + name + "\" \"string type\" \"homogeneous\"" + even("sigma_a", sigma_a) +
+         even("sigma_s", sigma_s) + " " + more + "\n";
+}
+
+// A sphere around (0, 0, 4) in what surrounds it.
+std::string Ball(const std::string& material, const std::string& inside, double radius = 1) {
+  return "AttributeBegin\nTranslate 0 0 4\nMediumInterface \"" + inside + "\" \"\"\nMaterial " + material +
+         "\nShape \"sphere\" \"float radius\" " + std::to_string(radius) + "\nAttributeEnd\n";
+}
+
+constexpr const char* kEvenLight = "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n";
+constexpr const char* kDistantLight =
+    "LightSource \"distant\" \"point3 from\" [ 0 0 -1 ] \"point3 to\" [ 0 0 1 ] \"rgb L\" [ 2 2 2 ]\n";
+
+// Beer and Lambert: through the middle of the ball, 2 long, with nothing left to chance.
+TEST(Media, AbsorptionAlongACameraRayIsTheClosedFormWithoutNoise) {
+  const std::string head = Narrow(kVolPath) + "WorldBegin\n" + kEvenLight;
+  const std::string ball = Medium("m", 0.7, 0) + Ball("\"interface\"", "m");
+  ExpectEverywhere(Render(head + ball, 4), Render(head, 4), std::exp(-0.7 * 2), 1e-3);
+}
+
+// From beside the camera through the ball, and into a larger one around the lit plane.
+TEST(Media, SampledLightIsAttenuatedByAllMediaOnItsWay) {
+  const std::string head = Narrow(kVolPath) + "WorldBegin\n" + kDistantLight, plane = R"(
+Material "diffuse" "rgb reflectance" [ 0.6 0.6 0.6 ]
+MediumInterface "n" "n"
+Shape "disk" "float height" 8 "float radius" 1.5
+)";
+  const std::string media = Medium("m", 0.2, 0) + Medium("n", 0.5, 0);
+  const std::string balls = Ball("\"interface\"", "m") + R"(
+AttributeBegin
+MediumInterface "n" ""
+Material "interface"
+Translate 0 0 8
+Shape "sphere" "float radius" 2
+AttributeEnd
+)";
+  // To the plane and back: 2 in the one, 2 in the other.
+  const double factor = std::exp(-2 * (0.2 * 2 + 0.5 * 2));
+  ExpectEverywhere(Render(head + media + balls + plane, 4), Render(head + media + plane, 4), factor, 1e-3);
+}
+
+TEST(Media, TheCameraMayStandInAMedium) {
+  const std::string wall = R"(
+AttributeBegin
+ReverseOrientation
+AreaLightSource "diffuse" "rgb L" [ 1 1 1 ]
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Shape "sphere" "float radius" 1.5
+AttributeEnd
+)";
+  const std::string head = Wide(kVolPath) + "WorldBegin\n";
+  const std::string medium = Medium("m", 1, 0) + "MediumInterface \"\" \"m\"\n";
+  ExpectEverywhere(Render(medium + head + wall, 4), Render(head + wall, 4), std::exp(-1.5), 1e-3);
+}
+
+// A ball that absorbs and glows, seen from outside: Le (1 - exp(-sigma_a d)).
+TEST(Media, EmissionOfAnAbsorbingBallIsTheClosedFormWithoutNoise) {
+  const std::string head = Narrow(kVolPath) + "WorldBegin\n";
+  const std::string ball = Medium("m", 0.4, 0, "\"rgb Le\" [ 3 3 3 ]") + Ball("\"interface\"", "m");
+  const std::string dark = "LightSource \"point\" \"rgb I\" [ 0 0 0 ]\n";
+  ExpectEverywhere(Render(head + dark + ball, 16), Render(head + kEvenLight, 16),
+                   3 * (1 - std::exp(-0.4 * 2)), 1e-3);
+}
+
+// In uniform light a medium that absorbs nothing cannot be seen. Each path finds exactly that light.
+TEST(Media, ScatteringAloneIsInvisibleInAWhiteFurnace) {
+  const std::string head = Wide(kVolPath) + "WorldBegin\n" + kEvenLight;
+  const Pixels furnace = Render(head, 16);
+  for (const char* g : {"-0.6", "0", "0.9"}) {
+    const std::string ball = Medium("m", 0, 5, "\"float g\" " + std::string(g)) + Ball("\"interface\"", "m");
+    ExpectEverywhere(Render(head + ball, 16), furnace, 1, 1e-4);
+  }
+}
+
+// In an oven of one temperature everything glows alike: what a medium absorbs it sends out. All of the
+// transport has its part: chromatic scattering weighs wavelengths against each other, the wall is found by
+// light sampling and by rays, glass refracts, and disperses.
+constexpr const char* kOven = R"(
+AttributeBegin
+ReverseOrientation
+AreaLightSource "diffuse" "rgb L" [ 1 1 1 ]
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Shape "sphere" "float radius" 9
+AttributeEnd
+)";
+
+struct OvenContent {
+  const char *sigma_a, *radiance;  // within a medium of index n a black body shines n^2 times as bright
+  std::string bodies;
+  double tolerance = 0.012;
+};
+
+TEST(Media, NothingIsSeenInAnIsothermalOven) {
+  const std::string head = Wide(kVolPath) + "WorldBegin\n" + kOven;
+  const std::string glass = "\"dielectric\" \"float eta\" 1.5";
+  // Wavelengths weigh against each other in the fog; on glass that disperses one remains.
+  const std::string prism_in_fog =
+      Ball("\"interface\"", "m", 3.5) + Ball("\"dielectric\" \"spectrum eta\" \"glass-F11\"", "", 1.5);
+  const Pixels oven = Render(head, 256);
+  for (const auto& [sigma_a, radiance, bodies, tolerance] : std::initializer_list<OvenContent>{
+           {"0 0 0", "0 0 0", Ball("\"interface\"", "m")},
+           {"0.1 0.6 0.3", "1 1 1", Ball("\"interface\"", "m")},
+           {"5 0.01 1", "1 1 1", Ball("\"interface\"", "m")},
+           {"0.1 0.6 0.3", "1 1 1", Ball("\"thindielectric\"", "m")},
+           {"0 0 0", "0 0 0", Ball(glass, "m")},
+           {"5 0.01 1", "2.25 2.25 2.25", Ball(glass, "m")},
+           {"0 0 0", "0 0 0", prism_in_fog, 0.03},
+       }) {
+    const std::string medium =
+        R"(MakeNamedMedium "m" "string type" "homogeneous" "rgb sigma_s" [ 0.2 0.8 3 ] "float g" 0.4)" +
+        std::string(" \"rgb sigma_a\" [ ") + sigma_a + " ] \"rgb Le\" [ " + radiance + " ]\n";
+    ExpectMean(Render(head + medium + bodies, 256), oven, 1, tolerance, bodies + sigma_a);
+  }
+}
+
+// Light along +z into a slab from z = 1 to 2, seen against it: the integral of the singly scattered light
+// over depth s, sigma_s p(-1) E exp(-2 sigma_t s).
+TEST(Media, SingleScatteringOfASlabIsTheClosedForm) {
+  const double sigma_s = 0.8, sigma_t = 1.1, g = 0.3;
+  std::string head = Narrow(kVolPath);
+  head.replace(head.find("1000"), 4, "1");
+  const std::string slab = Medium("m", sigma_t - sigma_s, sigma_s, "\"float g\" 0.3") + R"(
+MediumInterface "m" ""
+Material "interface"
+Shape "bilinearmesh" "point3 P" [ -40 -40 2  40 -40 2  -40 40 2  40 40 2 ]
+ReverseOrientation
+Shape "bilinearmesh" "point3 P" [ -40 -40 1  40 -40 1  -40 40 1  40 40 1 ]
+)";
+  const double back = (1 - g * g) / (4 * M_PI * std::pow(1 + g, 3));
+  const double expected = sigma_s * back * 2 * (1 - std::exp(-2 * sigma_t)) / (2 * sigma_t);
+  const Pixels picture = Render(head + "WorldBegin\n" + kDistantLight + slab, 2048);
+  ExpectMean(picture, Render(head + "WorldBegin\n" + kEvenLight, 2048), expected, 0.015);
+}
+
+// A surface in one medium on both sides is no boundary: rays keep the medium they are in.
+TEST(Media, ASurfaceWithTheSameMediumOnBothSidesChangesNothing) {
+  const std::string body = R"(
+AttributeBegin
+MediumInterface "n" "n"
+Translate 0 0 4
+Material "interface"
+Shape "sphere" "float radius" 0.5
+AttributeEnd
+)";
+  const std::string head = Narrow(kVolPath) + "WorldBegin\n" + kEvenLight;
+  const std::string media = Medium("m", 0.7, 0) + Medium("n", 9, 0);
+  ExpectEverywhere(Render(head + media + Ball("\"interface\"", "m") + body, 4), Render(head, 4),
+                   std::exp(-0.7 * 2), 1e-3);
+}
+
+constexpr const char* kRoom = R"(
+LightSource "infinite" "rgb L" [ 0.3 0.4 0.5 ]
+LightSource "point" "point3 from" [ 1 2 1 ] "rgb I" [ 8 8 8 ]
+MakeNamedMedium "m" "string type" "homogeneous" "string preset" "Skin1" "float scale" 2 "float g" 0.5
+Material "diffuse" "rgb reflectance" [ 0.7 0.5 0.3 ]
+Shape "bilinearmesh" "point3 P" [ -5 -1 0  5 -1 0  -5 -1 9  5 -1 9 ]
+AttributeBegin
+MediumInterface "m" ""
+Translate 0 0 4
+Material "dielectric" "spectrum eta" "glass-BK7" "float roughness" 0.1
+Shape "sphere"
+AttributeEnd
+)";
+
+TEST(Media, AUnitIsAPureFunctionOfSceneAndUnit) {
+  const std::string text = Wide(kVolPath) + "WorldBegin\n" + kRoom;
+  const auto first = Load(text), second = Load(text);
+  ASSERT_TRUE(first && second);
+  const RadianceTile expected = *(*first)->Render({2, 1, 7, 8}, {8, 8}, nullptr);
+  (void)(*second)->Render({0, 0, 8, 8}, {0, 4}, nullptr);
+  EXPECT_EQ(*(*second)->Render({2, 1, 7, 8}, {8, 8}, nullptr), expected);
+}
+
+std::string Without(std::string text, const std::string& part) {
+  return text.replace(text.find(part), part.size(), "");
+}
+
+TEST(Media, WithoutMediaVolpathAndPathGiveTheSameBits) {
+  RenderOptions path;
+  path.integrator = "path";
+  // Defined, but no ray can be in it.
+  const std::string text = Without(Wide(kVolPath) + "WorldBegin\n" + kRoom, "MediumInterface \"m\" \"\"");
+  EXPECT_EQ(Sums(text, 16), Sums(text, 16, path));
+}
+
+TEST(Media, PathIgnoresMedia) {
+  RenderOptions path;
+  path.integrator = "path";
+  const std::string text = Wide(kVolPath) + "WorldBegin\n" + kRoom;
+  const std::vector<float> ignored = Sums(text, 16, path);
+  EXPECT_EQ(ignored, Sums(Without(text, "MediumInterface \"m\" \"\""), 16, path));
+  EXPECT_NE(ignored, Sums(text, 16));
+}
+
+TEST(Media, KindsThatAreNotSupportedAreRefusedByVolpathAlone) {
+  const std::string text = Wide(kVolPath) + "WorldBegin\n" + kEvenLight +
+                           "MakeNamedMedium \"m\" \"string type\" \"cloud\"\n" + Ball("\"interface\"", "m");
+  const auto refused = Load(text);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "scene.pbrt:10:1: medium \"cloud\" is not supported yet (integrator \"path\" renders the scene "
+            "without media)");
+  RenderOptions path;
+  path.integrator = "path";
+  EXPECT_TRUE(Load(text, path));
+}
+
+}  // namespace
+}  // namespace tessera
