@@ -1,0 +1,58 @@
+// Blobs up and down.
+#include <gtest/gtest.h>
+
+#include "tests/coordinator/shell/services_fixture.h"
+
+namespace tessera {
+namespace {
+
+using grpc::StatusCode;
+
+TEST_F(Services, BlobsAreKeptOnlyIfTheyAreWhatTheyClaim) {
+  const std::string bytes(5000, 'x');
+  EXPECT_EQ(Upload(bytes, Sha256("other"), bytes.size()).error_code(), StatusCode::DATA_LOSS);
+  EXPECT_EQ(Upload(bytes, Sha256(bytes), 4999).error_code(), StatusCode::DATA_LOSS);
+  EXPECT_EQ(Upload(bytes, Sha256(bytes), 6000).error_code(), StatusCode::DATA_LOSS);
+  proto::FindMissingRequest request;
+  request.add_digests(WriteDigest(Sha256(bytes)));
+  proto::FindMissingAnswer answer;
+  ASSERT_TRUE(Call(*blobs, &proto::Blobs::Stub::FindMissing, request, answer).ok());
+  EXPECT_EQ(answer.missing_size(), 1);
+  EXPECT_TRUE(Upload(bytes, Sha256(bytes), bytes.size()).ok());
+  EXPECT_TRUE(Upload(bytes, Sha256(bytes), bytes.size()).ok()) << "a copy is welcome";
+  ASSERT_TRUE(Call(*blobs, &proto::Blobs::Stub::FindMissing, request, answer).ok());
+  EXPECT_EQ(answer.missing_size(), 0);
+}
+
+TEST_F(Services, BlobsAreDownloadedFromAnyOffset) {
+  std::string bytes(3'000'000, '\0');
+  for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 7 % 251);
+  ASSERT_TRUE(coordinator->blobs.Write(Sha256(bytes), bytes));
+  for (const uint64_t offset : {uint64_t{0}, uint64_t{1'234'567}, uint64_t{3'000'000}}) {
+    grpc::ClientContext context;
+    proto::DownloadRequest request;
+    request.set_digest(WriteDigest(Sha256(bytes)));
+    request.set_offset(offset);
+    const auto reader = blobs->Download(&context, request);
+    std::string received;
+    proto::DownloadChunk chunk;
+    while (reader->Read(&chunk)) received += chunk.data();
+    EXPECT_TRUE(reader->Finish().ok());
+    EXPECT_TRUE(received == bytes.substr(offset)) << offset;
+  }
+  const std::pair<uint64_t, StatusCode> table[] = {{3'000'001, StatusCode::OUT_OF_RANGE},
+                                                   {0, StatusCode::NOT_FOUND}};
+  for (const auto& [offset, code] : table) {
+    grpc::ClientContext context;
+    proto::DownloadRequest request;
+    request.set_digest(WriteDigest(Sha256(offset > 0 ? bytes : "no such blob")));
+    request.set_offset(offset);
+    const auto reader = blobs->Download(&context, request);
+    proto::DownloadChunk chunk;
+    EXPECT_FALSE(reader->Read(&chunk));
+    EXPECT_EQ(reader->Finish().error_code(), code);
+  }
+}
+
+}  // namespace
+}  // namespace tessera
