@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::chrono::seconds kConnectPatience{10};
+constexpr std::chrono::seconds kConnectPatience{5};
 constexpr std::chrono::milliseconds kConnectSlice{100};  // how soon a stop is noticed meanwhile
 constexpr std::chrono::minutes kWatchPatience{30};  // for a coordinator that is away: a machine's restart
 constexpr uint64_t kPictureSizeMax = uint64_t{8} << 30;  // bytes: the largest frame in floats

@@ -1,0 +1,129 @@
+// The picture is the same to the last bit, whoever renders it and whatever happens meanwhile.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/end_to_end/farm_fixture.h"
+
+namespace tessera {
+namespace {
+
+using Bits = EndToEnd;
+
+// Enough work to be interrupted: some seconds of one thread.
+const std::vector<std::string> kLongRender{"--spp", "200"};
+
+std::vector<std::string> With(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+TEST_F(Bits, AreTheSameForAnyNumberOfWorkersThreadsAndTiles) {
+  const std::string oracle = Oracle(BoxScene(), {});
+  const std::vector<std::vector<std::string>> ways{
+      {"--in-process", "--threads", "1"},
+      {"--in-process", "--threads", "3", "--tile-size", "7"},
+      {"--workers", "1", "--threads", "1"},
+      {"--workers", "2"},
+      {"--workers", "5", "--threads", "2", "--tile-size", "16"},
+      {"--workers", "2", "--tile-size", "256"},
+  };
+  for (const auto& way : ways) {
+    const Outcome outcome = Tessera(With({"render", BoxScene(), "-o", "picture.exr"}, way));
+    ASSERT_EQ(outcome.code, 0) << outcome.errors;
+    EXPECT_TRUE(Bytes("picture.exr") == oracle) << testing::PrintToString(way);
+  }
+}
+
+TEST_F(Bits, DependOnTheSeedAndTheSamples) {
+  const std::string oracle = Oracle(BoxScene(), {});
+  EXPECT_FALSE(Oracle(BoxScene(), {"--seed", "5"}) == oracle);
+  EXPECT_FALSE(Oracle(BoxScene(), {"--spp", "32"}) == oracle);
+}
+
+TEST_F(Bits, SurviveCropsAndSampleCountsThatAreNoPowerOfTwo) {
+  const std::vector<std::string> options{"--crop", "0.2,0.7,0.1,0.93", "--spp", "13", "--exr-type", "float"};
+  const std::string oracle = Oracle(BoxScene(), options);
+  const Outcome outcome =
+      Tessera(With({"render", BoxScene(), "-o", "picture.exr", "--workers", "2"}, options));
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+}
+
+TEST_F(Bits, SurviveAWorkerKilledInMidFrameWhileAnotherJoins) {
+  const std::string oracle = Oracle(BoxScene(), kLongRender);
+  StartCoordinator();
+  Process& doomed = StartWorker("doomed");
+  StartWorker("steady");
+  const std::string job = Submit(BoxScene(), kLongRender);
+  AwaitShare(job, 0.1);
+  doomed.Signal(SIGKILL);
+  EXPECT_EQ(doomed.Wait(), -SIGKILL);
+  EXPECT_LT(Figure(job, "samples_done"), Figure(job, "samples_total"));  // it was in mid-frame
+  StartWorker("late");
+  const Outcome watched = Ask({"watch", job});
+  ASSERT_EQ(watched.code, 0) << watched.errors;
+  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
+  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+}
+
+TEST_F(Bits, SurviveAWorkerOfRenderKilled) {
+  const std::string oracle = Oracle(BoxScene(), kLongRender);
+  Process render(
+      folder(), "tessera",
+      With({"render", BoxScene(), "-o", "picture.exr", "--workers", "3", "--threads", "1"}, kLongRender));
+  std::vector<pid_t> workers;
+  ASSERT_TRUE(Eventually([&] { return (workers = ChildrenOf(render.pid(), "tessera-worker")).size() == 3; }));
+  ::kill(workers[1], SIGKILL);
+  ASSERT_EQ(render.Wait(), 0) << render.Errors();
+  EXPECT_THAT(render.Errors(), testing::HasSubstr("warning: worker 2 ended with signal 9"));
+  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+}
+
+TEST_F(Bits, SurviveAWorkerThatDrains) {
+  const std::string oracle = Oracle(BoxScene(), kLongRender);
+  StartCoordinator();
+  Process& leaving = StartWorker("leaving");
+  const std::string job = Submit(BoxScene(), kLongRender);
+  AwaitShare(job, 0.05);
+  StartWorker("staying");
+  leaving.Signal(SIGTERM);
+  EXPECT_EQ(leaving.Wait(std::chrono::seconds(10)), 0) << leaving.Errors();
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
+  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+}
+
+TEST_F(Bits, SurviveACoordinatorKilledAndRestarted) {
+  const std::string oracle = Oracle(BoxScene(), kLongRender);
+  StartCoordinator();
+  StartWorker("steady");
+  const std::string job = Submit(BoxScene(), kLongRender);
+  Process watch(folder(), "tessera", {"watch", job, "--coordinator", address()});
+  AwaitShare(job, 0.1);
+  coordinator().Signal(SIGKILL);
+  EXPECT_EQ(coordinator().Wait(), -SIGKILL);
+  StartCoordinator();  // on the same port, with the same data
+  EXPECT_EQ(watch.Wait(), 0) << watch.Errors();
+  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
+  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+}
+
+// Names that are no plain paths in a package: above the scene's folder, absolute, with strange characters.
+TEST_F(Bits, AreTheSameForFilesOutsideTheScenesFolder) {
+  Write("shared/odd name%.pbrt", "Material \"diffuse\" \"rgb reflectance\" [ 0.2 0.6 0.3 ]\n");
+  Write("shared/ball.pbrt", "Shape \"sphere\" \"float radius\" 0.5\n");
+  const std::string scene =
+      Write("scenes/scene.pbrt",
+            "Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 32\n"
+            "LookAt 0 0 -3 0 0 0 0 1 0 Camera \"perspective\"\nWorldBegin\n"
+            "LightSource \"infinite\"\nInclude \"../shared/odd name%.pbrt\"\nInclude \"" +
+                Path("shared/ball.pbrt") + "\"\n");
+  const std::string oracle = Oracle(scene, {});
+  const Outcome outcome = Tessera({"render", scene, "-o", "picture.exr", "--workers", "2"});
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+}
+
+}  // namespace
+}  // namespace tessera

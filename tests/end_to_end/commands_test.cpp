@@ -1,0 +1,158 @@
+// What the commands answer.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <filesystem>
+
+#include "tests/end_to_end/farm_fixture.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+using Commands = EndToEnd;
+
+// More than a test can wait for: to be cancelled.
+const std::vector<std::string> kEndless{"--spp", "100000"};
+
+TEST_F(Commands, SubmitStatusWatchAndFetchLeadToThePicture) {
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit(BoxScene(), {"--name", "little box", "--priority", "3"});
+  const Outcome watched = Ask({"watch", job, "--json"});
+  EXPECT_EQ(watched.code, 0) << watched.errors;
+  EXPECT_THAT(watched.output, HasSubstr("\"state\":\"finished\""));
+  EXPECT_THAT(watched.errors, HasSubstr("samples/s"));
+  const Outcome status = Ask({"status", job});
+  EXPECT_EQ(status.code, 0);
+  EXPECT_THAT(status.output, HasSubstr("job " + job + " \"little box\": finished  100.0 %"));
+  const Outcome jobs = Ask({"jobs"});
+  EXPECT_THAT(jobs.output, HasSubstr("little box"));
+  EXPECT_THAT(Ask({"jobs", "--json"}).output, HasSubstr("\"priority\":3"));
+  EXPECT_THAT(Ask({"workers"}).output, HasSubstr("only"));
+  EXPECT_THAT(Ask({"workers", "--json"}).output, HasSubstr("\"name\":\"only\",\"slots\":1"));
+  const Outcome fetched = Ask({"fetch", job, "--png", "picture.png"});
+  EXPECT_EQ(fetched.code, 0) << fetched.errors;
+  EXPECT_EQ(fetched.output, "job-" + job + ".exr\n");
+  EXPECT_EQ(Bytes("picture.png").substr(1, 3), "PNG");
+  EXPECT_TRUE(Bytes("job-" + job + ".exr") == Oracle(BoxScene(), {}));
+}
+
+TEST_F(Commands, SubmitWithWatchEndsWithTheJob) {
+  StartCoordinator();
+  StartWorker("only");
+  const Outcome outcome = Ask({"submit", BoxScene(), "--watch", "--json"});
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_EQ(outcome.output, "{\"job\":1}\n");
+  EXPECT_THAT(outcome.errors, HasSubstr("100.0 %"));
+}
+
+TEST_F(Commands, AnUnfinishedPictureIsFetchedOnlyAsAPreview) {
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit(BoxScene(), kEndless);
+  AwaitShare(job, 0);
+  const Outcome fetched = Ask({"fetch", job, "-o", "picture.exr"});
+  EXPECT_EQ(fetched.code, 1) << fetched.errors;
+  EXPECT_THAT(fetched.errors, HasSubstr("not finished"));
+  EXPECT_FALSE(Exists("picture.exr"));
+  const Outcome preview = Ask({"fetch", job, "--preview", "-o", "picture.exr"});
+  EXPECT_EQ(preview.code, 0) << preview.errors;
+  EXPECT_EQ(Tessera({"compare", "picture.exr", "picture.exr"}).code, 0);
+}
+
+TEST_F(Commands, CancelStopsAJobAndThoseWhoWatchIt) {
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit(BoxScene(), kEndless);
+  Process watch(folder(), "tessera", {"watch", job, "--coordinator", address()});
+  AwaitShare(job, 0);
+  const Outcome cancelled = Ask({"cancel", job, "--json"});
+  EXPECT_EQ(cancelled.code, 0) << cancelled.errors;
+  EXPECT_THAT(cancelled.output, HasSubstr("\"state\":\"cancelled\""));
+  EXPECT_EQ(watch.Wait(), 1);
+  EXPECT_THAT(watch.Errors(), HasSubstr("was cancelled"));
+  // The worker is free for the next job.
+  EXPECT_EQ(Ask({"submit", BoxScene(), "--watch"}).code, 0);
+}
+
+TEST_F(Commands, AJobThatIsNotThereIsBadInput) {
+  StartCoordinator();
+  for (const char* command : {"status", "watch", "cancel", "fetch"}) {
+    const Outcome outcome = Ask({command, "77"});
+    EXPECT_EQ(outcome.code, 2) << command << outcome.errors;
+    EXPECT_THAT(outcome.errors, HasSubstr("77")) << command;
+  }
+}
+
+TEST_F(Commands, InterruptedRenderLeavesNothingBehind) {
+  for (const char* way : {"--in-process", "--workers=2"}) {
+    Process render(folder(), "tessera", {"render", BoxScene(), "-o", "picture.exr", way, "--spp", "100000"});
+    const size_t children = std::string_view(way) == "--in-process" ? 0 : 3;
+    std::vector<pid_t> pids;
+    ASSERT_TRUE(Eventually([&] { return (pids = ChildrenOf(render.pid())).size() == children; }));
+    ASSERT_TRUE(Eventually([&] { return render.Errors().find(" 0.0 %") != std::string::npos; }));
+    render.Signal(SIGINT);
+    EXPECT_EQ(render.Wait(std::chrono::seconds(10)), 130) << render.Errors();
+    for (pid_t pid : pids) EXPECT_FALSE(IsAlive(pid));
+    EXPECT_TRUE(std::filesystem::is_empty(Path("tmp")));
+    EXPECT_FALSE(Exists("picture.exr"));
+    EXPECT_THAT(render.Errors(), HasSubstr("interrupted"));
+  }
+}
+
+TEST_F(Commands, AKilledRenderTakesItsProcessesWithIt) {
+  std::vector<pid_t> pids;
+  Process render(folder(), "tessera", {"render", BoxScene(), "--workers", "2", "--spp", "100000"});
+  ASSERT_TRUE(Eventually([&] { return (pids = ChildrenOf(render.pid())).size() == 3; }));
+  render.Signal(SIGKILL);
+  EXPECT_EQ(render.Wait(), -SIGKILL);
+  for (pid_t pid : pids) EXPECT_TRUE(Eventually([&] { return !IsAlive(pid); }));
+}
+
+TEST_F(Commands, ARenderWhoseWorkersAllEndFails) {
+  Process render(folder(), "tessera", {"render", BoxScene(), "--workers", "1", "--spp", "100000"});
+  std::vector<pid_t> workers;
+  ASSERT_TRUE(Eventually([&] { return (workers = ChildrenOf(render.pid(), "tessera-worker")).size() == 1; }));
+  ::kill(workers[0], SIGKILL);
+  EXPECT_EQ(render.Wait(), 1);
+  EXPECT_THAT(render.Errors(), HasSubstr("no worker is left; worker 1 ended with signal 9"));
+}
+
+TEST_F(Commands, RenderNamesItsPictureAfterTheSceneAndReplacesWhatWasThere) {
+  Write("box.exr", "something else");
+  const Outcome outcome = Tessera({"render", BoxScene(), "--spp", "1", "--json", "--png", "box.png"});
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_THAT(outcome.output, HasSubstr("{\"output\":\"box.exr\",\"sha256\":\""));
+  EXPECT_TRUE(Bytes("box.exr") == Oracle(BoxScene(), {"--spp", "1"}));
+  EXPECT_EQ(Bytes("box.png").substr(1, 3), "PNG");
+  EXPECT_THAT(outcome.errors, HasSubstr("samples/s"));
+}
+
+TEST_F(Commands, CompareSaysHowPicturesDiffer) {
+  Oracle(BoxScene(), {"--spp", "4"});
+  std::filesystem::rename(Path("oracle.exr"), Path("a.exr"));
+  Oracle(BoxScene(), {"--spp", "4", "--seed", "9"});
+  const Outcome same = Tessera({"compare", "a.exr", "a.exr"});
+  EXPECT_EQ(same.code, 0);
+  EXPECT_EQ(same.output, "mse=0 relmse=0 psnr=inf maxabs=0 identical=yes\n");
+  const Outcome different = Tessera({"compare", "a.exr", "oracle.exr"});
+  EXPECT_EQ(different.code, 1);
+  EXPECT_THAT(different.output, HasSubstr("identical=no"));
+  EXPECT_EQ(Tessera({"compare", "a.exr", "oracle.exr", "--tolerance", "100000"}).code, 0);
+  EXPECT_EQ(Tessera({"compare", "a.exr", "nothing.exr"}).code, 2);
+}
+
+TEST_F(Commands, InfoSaysWhatASceneHolds) {
+  const Outcome text = Tessera({"info", BoxScene()});
+  EXPECT_EQ(text.code, 0) << text.errors;
+  EXPECT_THAT(text.output, HasSubstr("96x72 pixels, 16 samples per pixel"));
+  EXPECT_THAT(text.output, HasSubstr("files       2,"));
+  const Outcome json = Tessera({"info", BoxScene(), "--json", "--spp", "3"});
+  EXPECT_THAT(json.output, HasSubstr("\"samples_per_pixel\":3"));
+  EXPECT_THAT(json.output, HasSubstr("{\"path\":\"box-walls.pbrt\""));
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,123 @@
+// What is wrong is said in one clear line, before anything starts, with the right exit code.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "tests/end_to_end/farm_fixture.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+class Errors : public EndToEnd {
+ protected:
+  // A scene whose world holds `world`.
+  std::string Scene(const std::string& world) const {
+    return Write("scene.pbrt", "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\n" + world);
+  }
+  // Expects bad input, told in one line, by every command that reads a scene, and nothing done.
+  void ExpectBadInput(const std::vector<std::string>& words, const std::string& message) {
+    for (const char* way : {"--in-process", "--workers=1"}) {
+      std::vector<std::string> arguments{"render", way};
+      arguments.insert(arguments.end(), words.begin(), words.end());
+      const Outcome outcome = Tessera(arguments);
+      EXPECT_EQ(outcome.code, 2) << outcome.errors;
+      EXPECT_THAT(outcome.errors, HasSubstr(message));
+      EXPECT_EQ(std::ranges::count(outcome.errors, '\n'), 1) << outcome.errors;
+      EXPECT_EQ(outcome.output, "");
+    }
+    EXPECT_FALSE(Exists("scene.exr"));
+    EXPECT_TRUE(std::filesystem::is_empty(Path("tmp")));
+  }
+};
+
+TEST_F(Errors, ATruncatedPlyIsNamed) {
+  Write("half.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n");
+  ExpectBadInput({Scene("Shape \"plymesh\" \"string filename\" \"half.ply\"\n")}, "half.ply");
+}
+
+TEST_F(Errors, AMissingTextureIsNamedWithItsPlace) {
+  ExpectBadInput({Scene("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"gone.png\"\n"
+                        "Material \"diffuse\" \"texture reflectance\" \"t\"\nShape \"sphere\"\n")},
+                 "gone.png");
+}
+
+TEST_F(Errors, AnUnknownMaterialIsNamedWithItsPlace) {
+  ExpectBadInput({Scene("Material \"chrome\"\nShape \"sphere\"\n")}, "scene.pbrt:4:");
+}
+
+TEST_F(Errors, ASyntaxErrorInAnIncludedFileIsFoundThere) {
+  Write("part.pbrt", "Material \"diffuse\"\nShape \"sphere\" \"float radius\" [ one ]\n");
+  ExpectBadInput({Scene("Include \"part.pbrt\"\n")}, "part.pbrt:");
+}
+
+TEST_F(Errors, ANegativeResolutionIsRefusedInTheSceneAndOnTheCommandLine) {
+  const std::string scene = Write(
+      "scene.pbrt",
+      "Film \"rgb\" \"integer xresolution\" -5\nCamera \"perspective\"\nWorldBegin\nShape \"sphere\"\n");
+  ExpectBadInput({scene}, "scene.pbrt:1:");
+  ExpectBadInput({Scene("Shape \"sphere\"\n"), "--resolution", "-5x10"}, "--resolution: \"-5x10\"");
+}
+
+TEST_F(Errors, AnOutputFolderThatDoesNotExistIsFoundBeforeRendering) {
+  ExpectBadInput({BoxScene(), "-o", "nowhere/picture.exr"}, "the folder nowhere does not exist");
+  ExpectBadInput({BoxScene(), "--png", "nowhere/picture.png"}, "the folder nowhere does not exist");
+  ExpectBadInput({BoxScene(), "-o", "tmp"}, "tmp: is a folder");
+}
+
+TEST_F(Errors, AMissingSceneIsNamed) {
+  ExpectBadInput({Path("gone.pbrt")}, "gone.pbrt");
+}
+
+TEST_F(Errors, SubmitRefusesABadSceneBeforeItLooksForTheFarm) {
+  const Outcome outcome = Tessera({"submit", Scene("Material \"chrome\"\n"), "--coordinator", "127.0.0.1:1"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.errors, HasSubstr("scene.pbrt:4:"));
+}
+
+TEST_F(Errors, APortInUseEndsTheSecondCoordinator) {
+  StartCoordinator();
+  const Outcome second =
+      RunProgram(folder(), "tessera-coordinator", {"--listen", address(), "--data-dir", Path("other")});
+  EXPECT_EQ(second.code, 1);
+  EXPECT_THAT(second.errors, HasSubstr(address()));
+}
+
+TEST_F(Errors, ACoordinatorThatIsNotThereIsAFailureOfTheFarm) {
+  StartCoordinator();
+  coordinator().Signal(SIGKILL);
+  coordinator().Wait();
+  const Outcome outcome = Ask({"jobs"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.errors, HasSubstr(address() + ": no coordinator answers there"));
+}
+
+TEST_F(Errors, OtherMachinesAreNotListenedToUnlessToldSo) {
+  const Outcome outcome =
+      RunProgram(folder(), "tessera-coordinator", {"--listen", "0.0.0.0:0", "--data-dir", Path("data")});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.errors, HasSubstr("--insecure"));
+}
+
+TEST_F(Errors, AWorkerWithBadOptionsSaysSo) {
+  const auto expect = [&](const std::vector<std::string>& words, const std::string& message) {
+    const Outcome outcome = RunProgram(folder(), "tessera-worker", words);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.errors, HasSubstr(message));
+  };
+  expect({}, "--coordinator");
+  expect({"--coordinator", "nonsense"}, "nonsense");
+  expect({"--coordinator", "127.0.0.1:1", "--threads", "0"}, "--threads: \"0\"");
+  expect({"--coordinator", "127.0.0.1:1", "--cache-size", "3X"}, "--cache-size: \"3X\"");
+  expect({"--coordinator", "127.0.0.1:1", "--thread", "2"}, "did you mean \"--threads\"?");
+  expect({"--coordinator", "127.0.0.1:1", "--cache-dir", "/proc/nothing"}, "--cache-dir");
+}
+
+}  // namespace
+}  // namespace tessera

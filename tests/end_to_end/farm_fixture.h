@@ -1,0 +1,59 @@
+// A folder, and a farm of real processes in it. What a test cannot go on without throws.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/end_to_end/process.h"
+
+namespace tessera {
+
+class EndToEnd : public testing::Test {
+ protected:
+  EndToEnd();
+  ~EndToEnd() override;
+
+  const std::string& folder() const { return folder_; }
+  std::string Path(const std::string& name) const { return folder_ + "/" + name; }
+  // Writes a file in the folder.
+  std::string Write(const std::string& name, const std::string& text) const;
+  std::string Bytes(const std::string& name) const;
+  bool Exists(const std::string& name) const;
+
+  Outcome Tessera(const std::vector<std::string>& arguments) const {
+    return RunProgram(folder_, "tessera", arguments);
+  }
+  // Renders without a farm, as the oracle; the bytes of the EXR.
+  std::string Oracle(const std::string& scene, std::vector<std::string> options);
+
+  // A coordinator on a free port of this machine, or on the port it had before.
+  void StartCoordinator();
+  Process& coordinator() { return *coordinator_; }
+  const std::string& address() const { return address_; }
+  Process& StartWorker(const std::string& name, int threads = 1);
+  // `tessera COMMAND ... --coordinator ADDRESS`
+  Outcome Ask(std::vector<std::string> arguments) const;
+  // Hands in a scene; the job's number as printed.
+  std::string Submit(const std::string& scene, std::vector<std::string> options);
+  // A figure of `status --json`.
+  double Figure(const std::string& job, const std::string& key) const;
+  // Waits until more than this share of the job is done.
+  void AwaitShare(const std::string& job, double share) const;
+
+ private:
+  std::string folder_;
+  std::string address_ = "127.0.0.1:0";
+  std::optional<Process> coordinator_;
+  std::deque<Process> workers_;  // references stay good
+};
+
+// The scene that most tests render.
+inline std::string BoxScene() {
+  return std::string(TESSERA_SOURCE_DIR) + "/tests/scenes/box.pbrt";
+}
+
+}  // namespace tessera
