@@ -180,7 +180,7 @@ std::string UnknownWord(const CLI::App& app) {
   std::vector<std::string> known;
   std::string what, word;
   for (const CLI::App* command : app.get_subcommands()) {
-    if (command->remaining().empty()) continue;
+    if (command->remaining().empty() || command->get_group().empty()) continue;  // hidden: not there yet
     word = command->remaining().front();
     known = KnownWords(*command);
     what = word.starts_with("-") ? command->get_name() + ": unknown flag"

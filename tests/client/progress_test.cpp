@@ -1,0 +1,53 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/progress_line.h"
+#include "client/status_text.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Progress, IsToldInFiguresThatPeopleRead) {
+  Progress progress{12'300'000, 28'600'000, 1'420'000, 2, 8.7, 11.5, ""};
+  EXPECT_EQ(
+      ProgressText(progress, "worker"),
+      " 43.0 %  12.3 Msamples of 28.6 Msamples  1.42 Msamples/s  2 workers  8.7 s elapsed  11.5 s left");
+  progress = {100, 100, 950, 1, 192, 0, ""};
+  EXPECT_EQ(ProgressText(progress, "thread"),
+            "100.0 %  100 samples of 100 samples  950 samples/s  1 thread  3 min 12 s elapsed");
+  progress = {0, 100, 0, 0, 0, -1, "disk full"};
+  EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("time left not known yet  (disk full)"));
+}
+
+TEST(Progress, DurationsGrowIntoMinutesAndHours) {
+  EXPECT_EQ(DurationText(0.04), "0.0 s");
+  EXPECT_EQ(DurationText(59.94), "59.9 s");
+  EXPECT_EQ(DurationText(59.97), "60.0 s");
+  EXPECT_EQ(DurationText(61), "1 min 1 s");
+  EXPECT_EQ(DurationText(7500), "2 h 5 min");
+  EXPECT_EQ(DurationText(-1), "0.0 s");
+}
+
+TEST(StatusText, JsonIsValidForNamesThatAreNoUtf8) {
+  JobStatus status;
+  status.job = JobId{7};
+  status.name = "caf\xe9 \"quoted\"";
+  status.state = JobState::kRunning;
+  const std::string json = JobJson(status);
+  EXPECT_THAT(json, HasSubstr("\"job\":7"));
+  EXPECT_THAT(json, HasSubstr("\\\"quoted\\\""));
+  EXPECT_THAT(json, HasSubstr("\"left_s\":null"));
+}
+
+TEST(StatusText, TablesShowWhyAWorkerIdles) {
+  WorkerStatus worker;
+  worker.name = "slow";
+  worker.quarantined = true;
+  worker.reason = "results differ";
+  EXPECT_THAT(WorkerTable({worker}), HasSubstr("quarantined: results differ"));
+}
+
+}  // namespace
+}  // namespace tessera

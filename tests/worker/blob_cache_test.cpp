@@ -1,0 +1,95 @@
+#include "worker/blob_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+class BlobCacheTest : public testing::Test {
+ protected:
+  BlobCacheTest() {
+    folder_ = testing::TempDir() + "tessera-cache-XXXXXX";
+    EXPECT_NE(::mkdtemp(folder_.data()), nullptr);
+  }
+  ~BlobCacheTest() override { fs::remove_all(folder_); }
+  fs::path FileOf(const Digest& digest) const {
+    return fs::path(folder_) / digest.Hex().substr(0, 2) / digest.Hex();
+  }
+  const std::string& folder() const { return folder_; }
+  uint64_t BytesOnDisk() const {
+    uint64_t bytes = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_))
+      bytes += entry.is_regular_file() ? entry.file_size() : 0;
+    return bytes;
+  }
+
+ private:
+  std::string folder_;
+};
+
+constexpr uint64_t kPlenty = 1 << 20;
+
+TEST_F(BlobCacheTest, GivesBackWhatWasPutAlsoToTheNextProcess) {
+  const std::string bytes = "some bytes";
+  {
+    BlobCache cache(folder(), kPlenty);
+    EXPECT_FALSE(cache.Get(Sha256(bytes)));
+    EXPECT_TRUE(cache.Put(Sha256(bytes), bytes));
+  }
+  BlobCache cache(folder(), kPlenty);
+  EXPECT_EQ(cache.Get(Sha256(bytes)), bytes);
+}
+
+TEST_F(BlobCacheTest, NeverGivesDamagedBytes) {
+  const std::string bytes = "some bytes";
+  BlobCache cache(folder(), kPlenty);
+  EXPECT_TRUE(cache.Put(Sha256(bytes), bytes));
+  for (const char* damaged : {"some bytez", "some byte", ""}) {
+    std::ofstream(FileOf(Sha256(bytes))) << damaged;
+    EXPECT_FALSE(cache.Get(Sha256(bytes)));
+    EXPECT_FALSE(fs::exists(FileOf(Sha256(bytes))));
+    EXPECT_TRUE(cache.Put(Sha256(bytes), bytes));
+    EXPECT_EQ(cache.Get(Sha256(bytes)), bytes);
+  }
+}
+
+TEST_F(BlobCacheTest, GivesUpTheLongestUnusedBeyondItsSize) {
+  BlobCache cache(folder(), 10'000);
+  std::vector<Digest> digests;
+  const auto put = [&](char letter) {
+    const std::string bytes(1000, letter);
+    EXPECT_TRUE(cache.Put(Sha256(bytes), bytes));
+    digests.push_back(Sha256(bytes));
+    // Times of files may be coarse: set them apart.
+    fs::last_write_time(FileOf(digests.back()),
+                        fs::file_time_type::clock::now() - std::chrono::hours(100 - digests.size()));
+  };
+  for (char letter = 'a'; letter < 'k'; ++letter) put(letter);
+  EXPECT_TRUE(cache.Get(digests[0]));  // now the latest used
+  put('k');
+  EXPECT_LE(BytesOnDisk(), 10'000u);
+  EXPECT_TRUE(cache.Get(digests[0]));
+  EXPECT_FALSE(cache.Get(digests[1]));
+  EXPECT_TRUE(cache.Get(digests.back()));
+}
+
+TEST_F(BlobCacheTest, DoesWithoutWhatIsLargerThanTheCache) {
+  BlobCache cache(folder(), 100);
+  const std::string bytes(1000, 'x');
+  EXPECT_TRUE(cache.Put(Sha256(bytes), bytes));
+  EXPECT_EQ(BytesOnDisk(), 0u);
+}
+
+TEST_F(BlobCacheTest, AFolderThatCannotBeMadeIsRefused) {
+  EXPECT_TRUE(BlobCache::Prepare(folder() + "/new/deep"));
+  EXPECT_FALSE(BlobCache::Prepare("/proc/nothing"));
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,88 @@
+#include "worker/scene_loader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/worker/tiny_scene.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(SceneLoader, BuildsTheSceneThatWasOrdered) {
+  BlobMap blobs;
+  const auto scene = LoadOrderedScene(MakeOrder(blobs, kTinyScene), blobs.Fetcher());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ((*scene)->frame().samples_per_pixel, 4u);
+  const std::atomic<bool> stop = false;
+  EXPECT_TRUE((*scene)->Render({0, 0, 8, 8}, {0, 4}, &stop));
+}
+
+TEST(SceneLoader, RefusesAFrameOtherThanTheOneOrdered) {
+  BlobMap blobs;
+  SceneOrder order = MakeOrder(blobs, kTinyScene);
+  order.frame.samples_per_pixel = 5;
+  const auto scene = LoadOrderedScene(order, blobs.Fetcher());
+  ASSERT_FALSE(scene);
+  EXPECT_THAT(scene.error().message, HasSubstr("another frame"));
+}
+
+TEST(SceneLoader, APackageThatLacksAFileFailsByName) {
+  BlobMap blobs;
+  const SceneOrder order = MakeOrder(blobs, std::string(kTinyScene) + "Include \"more.pbrt\"\n");
+  const auto scene = LoadOrderedScene(order, blobs.Fetcher());
+  ASSERT_FALSE(scene);
+  EXPECT_THAT(scene.error().message, HasSubstr("more.pbrt"));
+}
+
+TEST(SceneLoader, ABlobThatCannotBeHadFailsTheScene) {
+  BlobMap blobs;
+  const SceneOrder order = MakeOrder(blobs, kTinyScene);
+  const BlobMap nothing;
+  EXPECT_FALSE(LoadOrderedScene(order, nothing.Fetcher()));
+}
+
+TEST(PackageFileSource, ReachesNothingOutsideThePackage) {
+  BlobMap blobs;
+  ScenePackage package;
+  package.files["a.txt"] = {blobs.Add("inside"), 6};
+  PackageFileSource files(package, blobs.Fetcher());
+  EXPECT_EQ(*files.Read("a.txt"), "inside");
+  for (const char* name : {"/etc/passwd", "../a.txt", "./a.txt", "b.txt", ""})
+    EXPECT_FALSE(files.Read(name)) << name;
+}
+
+TEST(PackageFileSource, FindsNamesThatAreNoPathsOfAPackage) {
+  BlobMap blobs;
+  ScenePackage package;
+  package.files[PackagePath("../up/x y.txt")] = {blobs.Add("up"), 2};
+  package.files[PackagePath("/abs.txt")] = {blobs.Add("abs"), 3};
+  PackageFileSource files(package, blobs.Fetcher());
+  EXPECT_EQ(*files.Read("../up/x y.txt"), "up");
+  EXPECT_EQ(*files.Read("/abs.txt"), "abs");
+}
+
+TEST(PackageFileSource, RefusesABlobWhoseSizeIsNotTheManifests) {
+  BlobMap blobs;
+  ScenePackage package;
+  package.files["a.txt"] = {blobs.Add("inside"), 7};
+  PackageFileSource files(package, blobs.Fetcher());
+  EXPECT_FALSE(files.Read("a.txt"));
+}
+
+TEST(PackagePath, DifferentNamesHaveDifferentPathsInsideThePackage) {
+  const std::string names[] = {"a",    "./a", "../a", "/a",  "names/a", "names/%2Fa",
+                               "a%2F", "a b", "a\nb", "\\a", "a//b"};
+  std::set<std::string> paths;
+  for (const std::string& name : names) {
+    const std::string path = PackagePath(name);
+    EXPECT_TRUE(IsPackagePath(path)) << name;
+    EXPECT_TRUE(paths.insert(path).second) << name;
+  }
+  EXPECT_EQ(PackagePath("textures/wood.png"), "textures/wood.png");
+  EXPECT_EQ(PackagePath(std::string(5000, 'x')), "");
+}
+
+}  // namespace
+}  // namespace tessera
