@@ -1,6 +1,7 @@
 // All media of a scene.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ class MediumTable {
 
   const HomogeneousMedium& operator[](int medium) const { return media_[static_cast<size_t>(medium)]; }
   bool empty() const { return media_.empty(); }
+  // Whether any of them glows.
+  bool is_emissive() const { return std::ranges::any_of(media_, &HomogeneousMedium::is_emissive); }
   size_t size() const { return media_.size(); }
 
  private:

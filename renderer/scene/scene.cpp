@@ -127,7 +127,7 @@ Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const Integrat
 
 // A scene without light is rendered black, as pbrt does, but for its wavefront renderer, which refuses it.
 Result<void> SceneLoader::CheckLights(const std::string& name) {
-  if (!data_->world.lights.empty()) return {};
+  if (!data_->world.lights.empty() || data_->world.media.is_emissive()) return {};
   if (wavefront_)
     return BadInput(name + ": the scene asks for the wavefront renderer but has no light source");
   data_->summary.warnings.push_back(name + ": the scene has no light source: every pixel will be black");

@@ -144,9 +144,15 @@ AttributeEnd
 TEST(Media, EmissionOfAnAbsorbingBallIsTheClosedFormWithoutNoise) {
   const std::string head = Narrow(kVolPath) + "WorldBegin\n";
   const std::string ball = Medium("m", 0.4, 0, "\"rgb Le\" [ 3 3 3 ]") + Ball("\"interface\"", "m");
-  const std::string dark = "LightSource \"point\" \"rgb I\" [ 0 0 0 ]\n";
-  ExpectEverywhere(Render(head + dark + ball, 16), Render(head + kEvenLight, 16),
-                   3 * (1 - std::exp(-0.4 * 2)), 1e-3);
+  ExpectEverywhere(Render(head + ball, 16), Render(head + kEvenLight, 16), 3 * (1 - std::exp(-0.4 * 2)),
+                   1e-3);
+}
+
+TEST(Media, AGlowingMediumIsALightSource) {
+  const std::string ball = Medium("m", 0.4, 0, "\"rgb Le\" [ 3 3 3 ]") + Ball("\"interface\"", "m");
+  const auto scene = Load(Narrow(kVolPath) + "WorldBegin\n" + ball);
+  ASSERT_TRUE(scene);
+  EXPECT_TRUE((*scene)->summary().warnings.empty());
 }
 
 // In uniform light a medium that absorbs nothing cannot be seen. Each path finds exactly that light.
