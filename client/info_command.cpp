@@ -15,6 +15,21 @@ uint64_t FileBytes(const ScenePackage& package) {
   return bytes;
 }
 
+// Whether the accelerator was built, too.
+bool IsBuilt(const SceneSummary& scene) {
+  return scene.build_seconds > 0;
+}
+
+void PrintAccelerator(const SceneSummary& scene) {
+  fmt::print("accelerator {}", scene.accelerator);
+  if (IsBuilt(scene)) {
+    fmt::print(": built in {:.3f} s, {} bytes", scene.build_seconds, scene.accelerator_bytes);
+    if (scene.accelerator_nodes > 0) fmt::print(", {} nodes", scene.accelerator_nodes);
+    if (scene.accelerator_cost > 0) fmt::print(", surface area cost {:.2f}", scene.accelerator_cost);
+  }
+  fmt::print("\n");
+}
+
 void PrintText(const SceneJob& job) {
   const SceneSummary& scene = job.scene->summary();
   const FrameSpec& frame = job.packed.frame.spec;
@@ -24,9 +39,9 @@ void PrintText(const SceneJob& job) {
     fmt::print(", of which {},{} to {},{}", crop.x0, crop.y0, crop.x1, crop.y1);
   }
   fmt::print(", {} samples per pixel\n", frame.samples_per_pixel);
-  fmt::print(
-      "camera      {}\nfilm        {}\nfilter      {}\nsampler     {}\nintegrator  {}\naccelerator {}\n",
-      scene.camera, scene.film, scene.filter, scene.sampler, scene.integrator, scene.accelerator);
+  fmt::print("camera      {}\nfilm        {}\nfilter      {}\nsampler     {}\nintegrator  {}\n", scene.camera,
+             scene.film, scene.filter, scene.sampler, scene.integrator);
+  PrintAccelerator(scene);
   fmt::print("shapes      {}: {} triangles, {} patches, {} quadrics, {} bytes\n", scene.shapes,
              scene.triangles, scene.patches, scene.quadrics, scene.geometry_bytes);
   fmt::print("instances   {} of {} groups\n", scene.instances, scene.groups);
@@ -65,6 +80,12 @@ void PrintJson(const SceneJob& job) {
   json["image_bytes"] = scene.image_bytes;
   json["package"] = job.packed.digest.Hex();
   json["load_seconds"] = scene.load_seconds;
+  if (IsBuilt(scene)) {
+    json["build_seconds"] = scene.build_seconds;
+    json["accelerator_nodes"] = scene.accelerator_nodes;
+    json["accelerator_bytes"] = scene.accelerator_bytes;
+    json["accelerator_cost"] = scene.accelerator_cost;
+  }
   json["warnings"] = scene.warnings;
   json["files"] = nlohmann::ordered_json::array();
   for (const auto& [path, file] : job.packed.package.files) {
@@ -76,7 +97,9 @@ void PrintJson(const SceneJob& job) {
 }  // namespace
 
 Result<int> RunInfo(const Options& options, Cancellation&) {
-  const auto job = LoadSceneJob(options, Scene::Depth::kCheck);
+  // An accelerator is only built to tell about it, when it was asked for.
+  const bool is_to_build = !options.render.accelerator.empty();
+  const auto job = LoadSceneJob(options, is_to_build ? Scene::Depth::kRender : Scene::Depth::kCheck);
   if (!job) return job.error();
   if (options.json) {
     PrintJson(*job);

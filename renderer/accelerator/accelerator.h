@@ -12,8 +12,11 @@ namespace tessera {
 
 struct AcceleratorStatistics {
   double build_seconds = 0;
-  uint64_t nodes = 0;  // 0 if the structure does not tell
+  uint64_t nodes = 0;  // 0 if there are none or the structure does not tell
   uint64_t bytes = 0;
+  // Surface area cost: the expected number of tests (of a box of a child, a block of triangles, another
+  // primitive) for a random line through the bounds. 0 if the structure does not tell.
+  double sah_cost = 0;
 };
 
 class Accelerator {
@@ -26,7 +29,8 @@ class Accelerator {
   virtual AcceleratorStatistics statistics() const = 0;
 };
 
-// `kind` is "embree" (others follow). `geometry` and `textures` must outlive the accelerator.
+// `kind` is "embree", "bvh" (a tree of our own) or "list" (every primitive is tried). An error if the kind is
+// unknown or cannot hold a primitive of the scene. `geometry` and `textures` must outlive the accelerator.
 Result<std::unique_ptr<Accelerator>> MakeAccelerator(std::string_view kind, const Geometry& geometry,
                                                      const TextureTable& textures);
 

@@ -55,7 +55,7 @@ class EmbreeAccelerator : public Accelerator {
     return query.tfar < 0;
   }
 
-  AcceleratorStatistics statistics() const override { return {build_seconds_, 0, device_->bytes()}; }
+  AcceleratorStatistics statistics() const override { return {build_seconds_, 0, device_->bytes(), 0}; }
 
  private:
   // False hits in a row after which a ray counts as lost; one is already rare.

@@ -1,14 +1,12 @@
 #include "accelerator/embree_callbacks.h"
 
 #include <algorithm>
-#include <bit>
 
+#include "accelerator/alpha_test.h"
 #include "shape/hit_refinement.h"
 #include "shape/patch_intersection.h"
 #include "shape/quadric_intersection.h"
-#include "shape/shape_interaction.h"
 #include "shape/shape_sampling.h"
-#include "util/hash.h"
 
 namespace tessera {
 namespace {
@@ -17,8 +15,8 @@ const EmbreeRayContext& ContextOf(const RTCIntersectContext* context) {
   return *reinterpret_cast<const EmbreeRayContext*>(context);
 }
 
-uint64_t Bits(float a, float b) {
-  return uint64_t{std::bit_cast<uint32_t>(a)} << 32 | std::bit_cast<uint32_t>(b);
+bool AlphaIsHit(const EmbreeRayContext& context, const FloatInput& alpha, const Hit& hit) {
+  return AlphaIsHit(*context.geometry, *context.textures, *context.ray, alpha, hit);
 }
 
 void Bounds(const RTCBoundsFunctionArguments* arguments) {
@@ -134,23 +132,6 @@ void SetAlphaFilter(RTCGeometry geometry) {
 
 void SetOcclusionFilter(RTCGeometry geometry) {
   rtcSetGeometryOccludedFilterFunction(geometry, FilterOcclusion);
-}
-
-bool AlphaIsHit(const EmbreeRayContext& context, const FloatInput& alpha, const Hit& hit) {
-  float value = alpha.constant;
-  if (!alpha.IsConstant()) {
-    const HitPoint point = MakeHitPoint(*context.geometry, hit, *context.ray);
-    TextureContext lookup{};
-    lookup.p = point.p;
-    lookup.n = point.n;
-    lookup.uv = point.uv;
-    value = context.textures->Evaluate(alpha, lookup);
-  }
-  if (value >= 1) return true;
-  if (!(value > 0)) return false;
-  const auto& [o, d, t_max, time] = *context.ray;
-  const uint64_t hash = Hash(Bits(o.x, o.y), Bits(o.z, d.x), Bits(d.y, d.z), hit.instance);
-  return UniformFloat(static_cast<uint32_t>(hash >> 32)) < value;
 }
 
 }  // namespace tessera

@@ -28,9 +28,4 @@ void SetAlphaFilter(RTCGeometry geometry);
 // inexact normals.
 void SetOcclusionFilter(RTCGeometry geometry);
 
-// Whether the surface at `hit` is there for this ray: always where alpha is 1, never where it is 0, and in
-// between with that probability, decided by a hash of the ray. Without regard to the primitive, as in pbrt:
-// two layers of the same alpha on a ray's way are there both or not at all.
-bool AlphaIsHit(const EmbreeRayContext& context, const FloatInput& alpha, const Hit& hit);
-
 }  // namespace tessera

@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "accelerator/alpha_test.h"
 #include "accelerator/embree_callbacks.h"
 #include "shape/patch.h"
 
@@ -35,11 +36,6 @@ float LongestEdge(const std::vector<Point3>& P, const std::vector<uint32_t>& ind
     }
   }
   return std::sqrt(longest_squared);
-}
-
-bool IsNeverHit(const Shape& shape) {
-  return shape.PrimitiveCount() == 0 ||
-         (shape.surface.alpha.IsConstant() && shape.surface.alpha.constant <= 0);
 }
 
 }  // namespace

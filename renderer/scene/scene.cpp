@@ -142,6 +142,10 @@ Result<void> SceneLoader::BuildAccelerator() {
   if (!accelerator) return accelerator.error();
   data.world.accelerator = std::move(*accelerator);
   data.summary.build_seconds = SecondsSince(start);
+  const AcceleratorStatistics statistics = data.world.accelerator->statistics();
+  data.summary.accelerator_nodes = statistics.nodes;
+  data.summary.accelerator_bytes = statistics.bytes;
+  data.summary.accelerator_cost = statistics.sah_cost;
   return {};
 }
 

@@ -63,14 +63,12 @@ Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, std::vector
 
 Result<std::string> ChooseAccelerator(const Entity& entity, const std::string& option) {
   static constexpr std::string_view kSceneKinds[] = {"bvh", "kdtree"};
-  static constexpr std::string_view kOurKinds[] = {"embree"};
+  static constexpr std::string_view kOurKinds[] = {"embree", "bvh", "list"};
   if (!Contains(kSceneKinds, entity.kind)) {
     return ErrorAt(entity.location,
                    "unknown accelerator \"" + entity.kind + "\"" + DidYouMean(entity.kind, kSceneKinds));
   }
   if (option.empty()) return std::string("embree");
-  if (option == "bvh" || option == "list")
-    return BadInput("--accelerator: \"" + option + "\" is not supported yet");
   if (!Contains(kOurKinds, option)) return BadInput("--accelerator: unknown accelerator \"" + option + "\"");
   return option;
 }

@@ -355,7 +355,7 @@ TEST(Accelerator, AnUnknownKindIsAnErrorThatNamesTheKnownOnes) {
   ASSERT_FALSE(made.has_value());
   EXPECT_EQ(made.error().kind, ErrorKind::kBadInput);
   EXPECT_EQ(made.error().message,
-            "unknown accelerator \"embre\" (did you mean \"embree\"?); expected embree");
+            "unknown accelerator \"embre\" (did you mean \"embree\"?); expected embree, bvh or list");
 }
 
 TEST(Accelerator, EmbreeTellsItsMemory) {

@@ -1,0 +1,116 @@
+#include "accelerator/hit_search.h"
+
+#include <algorithm>
+#include <bit>
+#include <tuple>
+
+#include "shape/hit_refinement.h"
+#include "shape/patch_intersection.h"
+#include "shape/quadric_intersection.h"
+
+namespace tessera {
+namespace {
+
+bool PrecedesInOrder(const Hit& a, const Hit& b) {
+  return std::tie(a.instance, a.shape, a.primitive) < std::tie(b.instance, b.shape, b.primitive);
+}
+
+Bounds3 BoundsOf(const TrianglePoints& triangle) {
+  return {Min(Min(triangle.p0, triangle.p1), triangle.p2), Max(Max(triangle.p0, triangle.p1), triangle.p2)};
+}
+
+// As RefineHit does, but a hit beyond the ray's end is none.
+bool RefineOnTriangle(const TrianglePoints& triangle, const DoubleRay& ray, float t_max, Hit* hit) {
+  TriangleCrossing crossing;
+  if (!CrossTriangle(triangle, ray, &crossing)) return false;
+  if (!(crossing.t > 0 && crossing.t <= t_max)) return false;
+  const double u = std::clamp(crossing.u, 0.0, 1.0);
+  hit->t = static_cast<float>(crossing.t);
+  hit->u = static_cast<float>(u);
+  hit->v = static_cast<float>(std::clamp(crossing.v, 0.0, 1 - u));
+  return true;
+}
+
+bool RefineOnParallelogram(const Shape& shape, const DoubleRay& ray, float t_max, Hit* hit) {
+  PatchHit found;
+  const PatchPoints patch = PatchAt(std::get<BilinearMesh>(shape.form), hit->primitive);
+  if (!CrossParallelogram(patch, ray, &found) || !(found.t > 0 && found.t <= t_max)) return false;
+  *hit = {static_cast<float>(found.t), found.u, found.v, hit->shape, hit->primitive, hit->instance};
+  return true;
+}
+
+bool IntersectOther(const Shape& shape, const DoubleRay& ray, float t_max, Hit* hit) {
+  double t = 0;
+  if (const auto* quadric = std::get_if<Quadric>(&shape.form)) {
+    if (!IntersectQuadric(*quadric, ray, t_max, &t)) return false;
+  } else {
+    PatchHit found;
+    const PatchPoints patch = PatchAt(std::get<BilinearMesh>(shape.form), hit->primitive);
+    if (!IntersectPatch(patch, ray, t_max, &found)) return false;
+    t = found.t;
+    hit->u = found.u;
+    hit->v = found.v;
+  }
+  hit->t = std::min(static_cast<float>(t), t_max);
+  return true;
+}
+
+}  // namespace
+
+template <bool kAny>
+void HitSearch<kAny>::Offer(const Hit& hit, float key, bool has_alpha) {
+  if (!(key <= limit_)) return;
+  if (key == limit_ && best_.found && !PrecedesInOrder(hit, best_.hit)) return;
+  if (has_alpha) {
+    const FloatInput& alpha = ShapeOf(geometry_, hit.instance, hit.shape).surface.alpha;
+    if (!AlphaIsHit(geometry_, textures_, ray_, alpha, hit)) return;
+  }
+  best_ = {hit, true};
+  limit_ = key;
+}
+
+template <bool kAny>
+void HitSearch<kAny>::TestBlock(const TriangleBlock& block, const TracedRay& ray) {
+  alignas(32) float nearest[TriangleBlock::kLanes];
+  unsigned lanes = CrossedLanes(block, ray, limit_, nearest);
+  if (kAny) lanes &= ~unsigned{block.interfaces};
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    TestLane(block, lane, ray, nearest[lane]);
+    if (is_done()) return;
+  }
+}
+
+template <bool kAny>
+void HitSearch<kAny>::TestLane(const TriangleBlock& block, int lane, const TracedRay& ray,
+                               float nearest_vertex) {
+  const TrianglePoints triangle = block.Triangle(lane);
+  float entry = 0;
+  if (!ray.Enters(BoundsOf(triangle), &entry)) return;
+  Hit hit;
+  hit.shape = block.shape[lane];
+  hit.primitive = block.primitive[lane];
+  hit.instance = instance_;
+  const bool is_hit =
+      block.of_patches >> lane & 1
+          ? RefineOnParallelogram(ShapeOf(geometry_, instance_, hit.shape), ray.exact, ray_.t_max, &hit)
+          : RefineOnTriangle(triangle, ray.exact, ray_.t_max, &hit);
+  if (!is_hit) return;
+  Offer(hit, std::max({hit.t, nearest_vertex, entry, entry_}), block.with_alpha >> lane & 1);
+}
+
+template <bool kAny>
+void HitSearch<kAny>::TestOther(const OtherPrimitive& other, const TracedRay& ray, float entry) {
+  if (kAny && other.name.is_interface) return;
+  Hit hit;
+  hit.shape = other.name.shape;
+  hit.primitive = other.name.primitive;
+  hit.instance = instance_;
+  if (!IntersectOther(ShapeOf(geometry_, instance_, hit.shape), ray.exact, ray_.t_max, &hit)) return;
+  Offer(hit, std::max({hit.t, entry, entry_}), other.name.has_alpha);
+}
+
+template class HitSearch<false>;
+template class HitSearch<true>;
+
+}  // namespace tessera

@@ -1,0 +1,60 @@
+// Finds the nearest hit, or any, among primitives that are offered in any order: what is found depends on the
+// ray and the primitives alone.
+//
+// That holds because a primitive's candidate is a pure function of ray and primitive, and so is its key: its
+// distance, but at least that of everything a traversal may discard it by (its own box, its instance's, its
+// nearest vertex). The least key wins, and among equals the lowest instance, shape and primitive. Distances
+// are those of hit_refinement.h.
+#pragma once
+
+#include "accelerator/alpha_test.h"
+#include "accelerator/search_space.h"
+#include "accelerator/traced_ray.h"
+#include "shape/geometry.h"
+#include "shape/interaction.h"
+
+namespace tessera {
+
+template <bool kAny>
+class HitSearch {
+ public:
+  HitSearch(const Geometry& geometry, const TextureTable& textures, const Ray& ray)
+      : geometry_(geometry), textures_(textures), ray_(ray), limit_(ray.t_max) {}
+
+  // From now on primitives are those of an instance, whose box the ray enters at `entry`.
+  void EnterInstance(uint32_t instance, float entry) {
+    instance_ = instance;
+    entry_ = entry;
+  }
+  void LeaveInstance() { EnterInstance(Hit::kNoInstance, 0); }
+
+  void TestBlock(const TriangleBlock& block, const TracedRay& ray);
+  // Not an instance. `entry`: where the ray enters the primitive's box.
+  void TestOther(const OtherPrimitive& other, const TracedRay& ray, float entry);
+
+  // What lies beyond need not be offered.
+  float limit() const { return limit_; }
+  bool found() const { return best_.found; }
+  bool is_done() const { return kAny && best_.found; }
+  const Hit& hit() const { return best_.hit; }
+  const Ray& ray() const { return ray_; }
+
+ private:
+  struct Best {
+    Hit hit;
+    bool found = false;
+  };
+
+  void TestLane(const TriangleBlock& block, int lane, const TracedRay& ray, float nearest_vertex);
+  void Offer(const Hit& hit, float key, bool has_alpha);
+
+  const Geometry& geometry_;
+  const TextureTable& textures_;
+  const Ray& ray_;
+  float limit_;  // key of the best, or the end of the ray
+  Best best_;
+  uint32_t instance_ = Hit::kNoInstance;
+  float entry_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,370 @@
+// The three accelerators find the same hits.
+#include <gtest/gtest.h>
+
+#include <bit>
+
+#include "accelerator/accelerator.h"
+#include "accelerator/bvh_builder.h"
+#include "tests/renderer/shape/example_shapes.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kRaysPerScene = 200000;
+
+std::vector<Shape> Soup(TestRandom& random) {
+  std::vector<Shape> shapes;
+  std::vector<Point3> P;
+  std::vector<uint32_t> indices;
+  for (uint32_t i = 0; i < 120; ++i) {
+    const Point3 center = RandomPoint(random, 5);
+    for (int j = 0; j < 3; ++j) P.push_back(center + RandomPoint(random, i % 10 == 0 ? 6 : 1));
+    indices.insert(indices.end(), {3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  // Some twice: all their hits are ties.
+  for (uint32_t i = 0; i < 30; ++i) indices.push_back(indices[i]);
+  shapes.push_back(MeshShape(std::move(P), std::move(indices)));
+  shapes.push_back(BallMesh(6, {2, 1, 0}, 1.5f));
+  shapes.push_back(shapes.back());
+  return shapes;
+}
+
+std::vector<Shape> Quadrics(TestRandom& random) {
+  std::vector<Shape> shapes;
+  for (int i = 0; i < 60; ++i) {
+    const auto kind = static_cast<Quadric::Kind>(i % 3);
+    const bool whole = i % 2 == 0;
+    shapes.push_back(QuadricShape(kind, RandomTransform(random, 5), 0.7f, whole ? -0.7f : -0.4f,
+                                  whole ? 0.7f : 0.5f, whole ? 2 * kPi : 4.f, whole ? 0 : 0.2f));
+  }
+  return shapes;
+}
+
+std::vector<Shape> Patches(TestRandom& random) {
+  std::vector<Shape> shapes;
+  for (int i = 0; i < 60; ++i) {
+    const Point3 a = RandomPoint(random, 5), u = RandomPoint(random, 2), v = RandomPoint(random, 2);
+    const Vec3 twist = i % 2 == 0 ? Vec3{} : RandomPoint(random, 0.7f);
+    shapes.push_back(PatchShape(a, a + u, a + v, a + u + v + twist));
+  }
+  // A box, whose faces lie in planes of constant coordinates.
+  shapes.push_back(PatchShape({-6, -6, -6}, {6, -6, -6}, {-6, 6, -6}, {6, 6, -6}));
+  shapes.push_back(PatchShape({-6, -6, -6}, {6, -6, -6}, {-6, -6, 6}, {6, -6, 6}));
+  return shapes;
+}
+
+Geometry SoupScene() {
+  TestRandom random(1);
+  return {Soup(random), {}, {}};
+}
+Geometry QuadricScene() {
+  TestRandom random(2);
+  return {Quadrics(random), {}, {}};
+}
+Geometry PatchScene() {
+  TestRandom random(3);
+  return {Patches(random), {}, {}};
+}
+
+// A bit of everything.
+std::vector<Shape> Mixture(TestRandom& random) {
+  std::vector<Shape> shapes = Soup(random);
+  for (Shape& shape : Quadrics(random)) shapes.push_back(std::move(shape));
+  for (Shape& shape : Patches(random)) shapes.push_back(std::move(shape));
+  return shapes;
+}
+
+Geometry AlphaScene() {
+  TestRandom random(4);
+  Geometry geometry{Mixture(random), {}, {}};
+  int i = 0;
+  for (Shape& shape : geometry.shapes) {
+    ++i;
+    if (i % 3 == 0) shape.surface.alpha = {0.25f * static_cast<float>(i % 4), -1};
+    shape.surface.is_interface = i % 7 == 0;
+  }
+  return geometry;
+}
+
+Geometry InstanceScene() {
+  TestRandom random(5);
+  Geometry geometry;
+  geometry.groups.push_back({Soup(random)});
+  geometry.groups.push_back({Quadrics(random)});
+  geometry.groups.push_back({});  // an empty group may be instanced
+  geometry.groups.push_back({Patches(random)});
+  for (int i = 0; i < 8; ++i) geometry.instances.push_back({i % 4, RandomTransform(random, 8)});
+  geometry.instances.push_back(geometry.instances[0]);  // twice in the same place
+  geometry.shapes.push_back(BallMesh(6, {2, 1, 0}, 1.5f));
+  return geometry;
+}
+
+// Whether the ray goes through a vertex: each accelerator may hit or miss what has its corner there.
+bool IsAtVertex(int kind) {
+  return kind % 4 == 1;
+}
+
+// Into the scene from outside or inside; some along axes, some at vertices, some short.
+Ray FuzzedRay(TestRandom& random, const std::vector<Point3>& vertices, int kind) {
+  Ray ray;
+  ray.o = RandomPoint(random, 12);
+  const bool at_vertex = IsAtVertex(kind) && !vertices.empty();
+  const Point3 target =
+      at_vertex ? vertices[static_cast<size_t>(random.Next() * static_cast<float>(vertices.size()))]
+                : RandomPoint(random, 7);
+  ray.d = target - ray.o;
+  if (kind % 16 == 2) ray.d[kind / 16 % 3] = 0;
+  if (kind % 16 == 3) ray.d = kind / 16 % 2 == 0 ? Vec3{0, 0, 3} : Vec3{-0.0f, -2, 0};
+  if (kind % 16 == 6) ray.o = target + ray.d * 1e-4f;
+  if (kind % 16 == 7) ray.o = ray.o * 1000;
+  if (kind % 8 == 4) ray.t_max = 1.5f * random.Next();
+  return ray;
+}
+
+std::vector<Point3> VerticesOf(const Geometry& geometry) {
+  std::vector<Point3> vertices;
+  for (const Shape& shape : geometry.shapes) {
+    if (const auto* mesh = std::get_if<TriangleMesh>(&shape.form)) {
+      vertices.insert(vertices.end(), mesh->P.begin(), mesh->P.end());
+    } else if (const auto* patches = std::get_if<BilinearMesh>(&shape.form)) {
+      vertices.insert(vertices.end(), patches->P.begin(), patches->P.end());
+    }
+  }
+  return vertices;
+}
+
+struct Answer {
+  bool hit = false, occluded = false;
+  Hit at;
+};
+Answer Ask(const Accelerator& accelerator, const Ray& ray) {
+  Answer answer;
+  answer.hit = accelerator.Intersect(ray, &answer.at);
+  answer.occluded = accelerator.Occluded(ray);
+  return answer;
+}
+
+bool SameBits(const Answer& a, const Answer& b) {
+  if (a.hit != b.hit || a.occluded != b.occluded) return false;
+  if (!a.hit) return true;
+  const auto bits = [](float f) { return std::bit_cast<uint32_t>(f); };
+  return bits(a.at.t) == bits(b.at.t) && bits(a.at.u) == bits(b.at.u) && bits(a.at.v) == bits(b.at.v) &&
+         a.at.shape == b.at.shape && a.at.primitive == b.at.primitive && a.at.instance == b.at.instance;
+}
+
+bool SamePrimitive(const Hit& a, const Hit& b) {
+  return a.shape == b.shape && a.primitive == b.primitive && a.instance == b.instance;
+}
+
+struct Tally {
+  int rays = 0, hits = 0, ties = 0, at_edges = 0, other_bits = 0, other_occlusion = 0;
+};
+
+// Ties are different primitives at the same distance within some rounding errors.
+void CompareWithEmbree(const Answer& ours, const Answer& embree, Tally* tally) {
+  ++tally->rays;
+  tally->hits += ours.hit;
+  tally->other_occlusion += ours.occluded != embree.occluded;
+  if (ours.hit != embree.hit) {
+    ++tally->at_edges;
+  } else if (ours.hit && !SamePrimitive(ours.at, embree.at)) {
+    const bool same_distance = std::abs(ours.at.t - embree.at.t) <= 2e-6f * embree.at.t;
+    ++(same_distance ? tally->ties : tally->at_edges);
+  } else if (ours.hit && !SameBits({true, true, ours.at}, {true, true, embree.at})) {
+    ++tally->other_bits;
+  }
+}
+
+void Print(const char* what, const Tally& tally) {
+  std::printf("%s: %d rays, %d hits, %d ties, %d different at edges, %d other bits, %d other occlusions\n",
+              what, tally.rays, tally.hits, tally.ties, tally.at_edges, tally.other_bits,
+              tally.other_occlusion);
+}
+
+struct Trio {
+  explicit Trio(const Geometry& geometry)
+      : embree(*MakeAccelerator("embree", geometry, textures)),
+        bvh(*MakeAccelerator("bvh", geometry, textures)),
+        list(*MakeAccelerator("list", geometry, textures)) {}
+
+  TextureTable textures;
+  std::unique_ptr<Accelerator> embree, bvh, list;
+};
+
+class Agreement : public testing::TestWithParam<Geometry (*)()> {};
+
+TEST_P(Agreement, AllAcceleratorsFindTheSameHits) {
+  const Geometry geometry = GetParam()();
+  const Trio trio(geometry);
+  const std::vector<Point3> vertices = VerticesOf(geometry);
+  TestRandom random(6);
+  Tally at_vertices, others;
+  for (int i = 0; i < kRaysPerScene; ++i) {
+    const Ray ray = FuzzedRay(random, vertices, i);
+    const Answer of_bvh = Ask(*trio.bvh, ray);
+    ASSERT_TRUE(SameBits(of_bvh, Ask(*trio.list, ray))) << i;
+    ASSERT_TRUE(of_bvh.hit || !of_bvh.occluded) << i;
+    CompareWithEmbree(of_bvh, Ask(*trio.embree, ray), IsAtVertex(i) ? &at_vertices : &others);
+  }
+  Print("at vertices", at_vertices);
+  Print("others", others);
+  EXPECT_GT(others.hits, others.rays / 4);
+  EXPECT_LE(others.at_edges, 10);
+  EXPECT_LE(others.other_occlusion, 10);
+  EXPECT_EQ(others.other_bits + at_vertices.other_bits, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Agreement,
+                         testing::Values(SoupScene, QuadricScene, PatchScene, AlphaScene, InstanceScene));
+
+class OwnKind : public testing::TestWithParam<const char*> {};
+
+TEST_P(OwnKind, AnyHitMeansOccluded) {
+  TestRandom random(11);
+  const Geometry geometry{Mixture(random), {}, {}};
+  const TextureTable textures;
+  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  const std::vector<Point3> vertices = VerticesOf(geometry);
+  for (int i = 0; i < 20000; ++i) {
+    Ray ray = FuzzedRay(random, vertices, i);
+    Hit hit;
+    const bool found = accelerator->Intersect(ray, &hit);
+    ASSERT_EQ(accelerator->Occluded(ray), found);
+    if (!found) continue;
+    ASSERT_GT(hit.t, 0);
+    ASSERT_LE(hit.t, ray.t_max);
+    ray.t_max = hit.t * 0.999f;
+    Hit nearer;
+    ASSERT_FALSE(accelerator->Intersect(ray, &nearer));
+  }
+}
+
+TEST_P(OwnKind, AClosedMeshLetsNoRayThrough) {
+  const Geometry geometry{{BallMesh(12, {1000, 50, 3}, 10)}, {}, {}};
+  const TextureTable textures;
+  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  const auto& mesh = std::get<TriangleMesh>(geometry.shapes[0].form);
+  TestRandom random(7);
+  const Point3 inside{1002, 52, 4};
+  Hit hit;
+  for (int i = 0; i < 30000; ++i) {
+    const auto [p0, p1, p2] =
+        TriangleAt(mesh, static_cast<uint32_t>(random.Next() * static_cast<float>(mesh.indices.size() / 3)));
+    const Point3 target = i % 2 == 0 ? p0 : Lerp(random.Next(), p1, p2);
+    const Ray outward{inside, target - inside};
+    ASSERT_TRUE(accelerator->Intersect(outward, &hit)) << i;
+    ASSERT_TRUE(accelerator->Occluded(outward)) << i;
+    // From far away: positions are only good to some thousandths.
+    const Point3 far = inside + Normalize(target - inside) * 1e4f;
+    ASSERT_TRUE(accelerator->Intersect({far, inside - far}, &hit)) << i;
+  }
+}
+
+TEST_P(OwnKind, RaysThatLeaveASurfaceDoNotFindItAgain) {
+  TestRandom random(8);
+  Geometry geometry;
+  geometry.shapes.push_back(BallMesh(8, {30, 10, 5}, 2));
+  geometry.shapes.push_back(SphereShape({24, 0, 5}, 2));
+  geometry.groups.push_back({{BallMesh(8, {5, 1, 2}, 2), SphereShape({1, 0, 5}, 1)}});
+  geometry.instances.push_back({0, RandomTransform(random, 30)});
+  const TextureTable textures;
+  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  int tried = 0, again = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const Ray ray{RandomPoint(random, 40), {}};
+    const Vec3 d = RandomPoint(random, 10) + Vec3{30, 10, 5} - ray.o;
+    Hit hit;
+    if (!accelerator->Intersect({ray.o, d}, &hit)) continue;
+    const SurfaceInteraction at = MakeInteraction(geometry, hit, {ray.o, d});
+    const Vec3 outward = FaceForward(RandomDirection(random), at.n);
+    if (Dot(at.wo, at.n) <= 0) continue;
+    ++tried;
+    Hit next;
+    again += accelerator->Intersect(at.SpawnRay(outward), &next) && next.shape == hit.shape &&
+             next.instance == hit.instance;
+  }
+  EXPECT_GT(tried, 1000);
+  EXPECT_EQ(again, 0);
+}
+
+TEST_P(OwnKind, InterfacesAreHitButCastNoShadow) {
+  Geometry geometry{{SphereShape({0, 0, 5}, 1), TriangleShape({-3, -3, 1}, {3, -3, 1}, {0, 3, 1})}, {}, {}};
+  for (Shape& shape : geometry.shapes) shape.surface.is_interface = true;
+  const TextureTable textures;
+  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  Hit hit;
+  EXPECT_TRUE(accelerator->Intersect({{0, 0, 0}, {0, 0, 1}}, &hit));
+  EXPECT_EQ(hit.shape, 1u);
+  EXPECT_FALSE(accelerator->Occluded({{0, 0, 0}, {0, 0, 1}}));
+}
+
+TEST_P(OwnKind, AnEmptySceneHitsNothing) {
+  Geometry geometry;
+  geometry.groups.push_back({});
+  geometry.instances.push_back({0, Transform()});
+  const TextureTable textures;
+  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  Hit hit;
+  EXPECT_FALSE(accelerator->Intersect({{0, 0, 0}, {0, 0, 1}}, &hit));
+  EXPECT_FALSE(accelerator->Occluded({{0, 0, 0}, {0, 0, 1}}));
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, OwnKind, testing::Values("bvh", "list"));
+
+SearchSpace BuildTree(const std::vector<Shape>& shapes, int threads) {
+  return *BuildBvhSpace(shapes, *CollectPrimitives(shapes), threads);
+}
+
+TEST(Bvh, ThreadsDoNotChangeTheTree) {
+  std::vector<Shape> shapes;
+  for (int i = 0; i < 6; ++i) {
+    shapes.push_back(BallMesh(80, {static_cast<float>(i) * 0.9f - 5, 1, 2}, 1));
+    shapes.push_back(SphereShape({static_cast<float>(i), 2, 2}, 1));
+  }
+  const SearchSpace one = BuildTree(shapes, 1), four = BuildTree(shapes, 4);
+  EXPECT_GT(one.nodes.size(), 1000u);
+  ASSERT_EQ(one.nodes.size(), four.nodes.size());
+  ASSERT_EQ(one.blocks.size(), four.blocks.size());
+  EXPECT_EQ(one.cost, four.cost);
+  for (size_t i = 0; i < one.nodes.size(); ++i) {
+    const BvhNode &a = one.nodes[i], &b = four.nodes[i];
+    ASSERT_TRUE(std::equal(a.planes[0], a.planes[0] + 6 * BvhNode::kChildren, b.planes[0]));
+    ASSERT_TRUE(std::equal(std::begin(a.child), std::end(a.child), std::begin(b.child)));
+  }
+  for (size_t i = 0; i < one.blocks.size(); ++i) {
+    const TriangleBlock &a = one.blocks[i], &b = four.blocks[i];
+    ASSERT_EQ(a.used, b.used);
+    ASSERT_TRUE(std::equal(std::begin(a.shape), std::end(a.shape), std::begin(b.shape)));
+    ASSERT_TRUE(std::equal(std::begin(a.primitive), std::end(a.primitive), std::begin(b.primitive)));
+  }
+}
+
+TEST(Bvh, ManyPrimitivesInOnePlaceStillMakeATree) {
+  std::vector<Shape> shapes;
+  for (int i = 0; i < 200; ++i) {
+    shapes.push_back(TriangleShape({0, 0, 1}, {1, 0, 1}, {0, 1, 1}));
+    shapes.push_back(SphereShape({0, 0, 5}, 1));
+  }
+  const Geometry geometry{std::move(shapes), {}, {}};
+  const Trio trio(geometry);
+  const Ray ray{{0.2f, 0.2f, 0}, {0, 0, 1}};
+  Hit hit;
+  ASSERT_TRUE(trio.bvh->Intersect(ray, &hit));
+  EXPECT_EQ(hit.shape, 0u);
+  ASSERT_TRUE(trio.bvh->Intersect({{0.2f, 0.2f, 2}, {0, 0, 1}}, &hit));
+  EXPECT_EQ(hit.shape, 1u);
+}
+
+TEST(Bvh, TellsWhatItTook) {
+  const Geometry geometry{{BallMesh(60, {}, 1)}, {}, {}};
+  const Trio trio(geometry);
+  const AcceleratorStatistics of_bvh = trio.bvh->statistics(), of_list = trio.list->statistics();
+  EXPECT_GT(of_bvh.nodes, 100u);
+  EXPECT_GT(of_bvh.bytes, of_list.bytes);
+  EXPECT_EQ(of_list.nodes, 0u);
+  EXPECT_GT(of_bvh.sah_cost, 8);
+  EXPECT_LT(of_bvh.sah_cost, of_list.sah_cost / 10);
+}
+
+}  // namespace
+}  // namespace tessera
