@@ -21,7 +21,7 @@ LightWalk::Event LightWalk::Advance(Sampler& sampler) {
     ++(left_camera_ ? counts_.bounce : counts_.camera);
     Hit hit;
     const bool found = world_.accelerator->Intersect(ray, &hit);
-    if (medium_ >= 0 && Collides(found ? hit.t : std::numeric_limits<float>::max(), sampler)) {
+    if (medium_ >= 0 && Collides(found ? hit.t : kFlightMax, sampler)) {
       in_medium_ = true;
       return Event::kInMedium;
     }

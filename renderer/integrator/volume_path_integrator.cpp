@@ -73,7 +73,8 @@ bool VolumePath::Extend() {
     if (sigma_s > 0) {
       u = sampler_.Get1D();
       // What lies behind the first collision need not be found, unless the medium glows all the way to it.
-      if (!world_.media[medium_].is_emissive()) ray_.t_max = SampleExponential(u, sigma_s);
+      if (!world_.media[medium_].is_emissive())
+        ray_.t_max = std::min(SampleExponential(u, sigma_s), kFlightMax);
     }
   }
   (depth_ == 0 ? counts_.camera : counts_.bounce) += 1;

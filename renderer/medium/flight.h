@@ -77,6 +77,10 @@ inline SampledSpectrum IntegralOfExp(SampledSpectrum sigma, float t) {
   return _mm_load_ps(s);
 }
 
+// Flights end here at the latest, in scene units: what is not hit by then never will be, and paths of a
+// million flights stay where rays can still be traced (Embree: below 1.8e18).
+constexpr float kFlightMax = 1e12f;
+
 // How a flight ended.
 enum class FlightEnd {
   kPassed,     // at t_max
@@ -180,14 +184,14 @@ void TrackRatio(const MediumRay& medium, const MajorantSegment& segment, float t
 
 }  // namespace flight
 
-// Flies from t = 0 until something happens or t_max, which may be infinite, is reached. Updates the weights
-// and adds to *emitted, unless it is null, what the medium itself sends against the ray. *t_event is set if
-// scattered.
+// Flies from t = 0 until something happens or t_max, which may be infinite, or kFlightMax is reached. Updates
+// the weights and adds to *emitted, unless it is null, what the medium itself sends against the ray. *t_event
+// is set if scattered.
 template <typename MediumRay>
 FlightEnd Fly(MediumRay medium, float t_max, FlightRandom& random, PathWeights* weights,
               SampledSpectrum* emitted, float* t_event) {
   float t = 0;
-  t_max = std::min(t_max, std::numeric_limits<float>::max());
+  t_max = std::min(t_max, kFlightMax);
   MajorantSegment segment;
   while (t < t_max && medium.Next(&segment)) {
     const float end = std::min(segment.t_end, t_max);

@@ -10,10 +10,17 @@
 namespace tessera {
 namespace {
 
+constexpr float kCoefficientMax = 1e20f;  // per scene unit: products of two stay finite
+
 DenseTable Tabulate(const Spectrum& spectrum) {
   DenseTable table;
   for (int i = 0; i < kLambdaCount; ++i) table[i] = spectrum.At(static_cast<float>(kLambdaMin + i));
   return table;
+}
+
+void CheckCoefficients(const DenseTable& table, const char* name, ParameterReader& reader) {
+  const bool fine = std::ranges::all_of(table, [](float value) { return value <= kCoefficientMax; });
+  if (!fine) reader.FailAt(name, std::string(name) + " is too large: at most 1e20 per scene unit");
 }
 
 // A factor of the medium's coefficients or emission.
@@ -73,6 +80,8 @@ HomogeneousMedium HomogeneousMedium::Read(ParameterReader& reader, FileSource& f
   HomogeneousMedium medium;
   medium.sigma_a_ = Tabulate(sigma_a.Scaled(scale));
   medium.sigma_s_ = Tabulate(sigma_s.Scaled(scale));
+  CheckCoefficients(medium.sigma_a_, "sigma_a", reader);
+  CheckCoefficients(medium.sigma_s_, "sigma_s", reader);
   medium.emission_ = Tabulate(radiance);
   for (int i = 0; i < kLambdaCount; ++i) {
     medium.emission_[i] *= medium.sigma_a_[i];

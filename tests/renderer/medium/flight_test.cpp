@@ -133,6 +133,16 @@ TEST(Flight, TransmittanceOfShadowRaysIsExactWhereTheMediumIsUniform) {
   EXPECT_EQ(ToFour(weights.r_l), (Four{1, 1, 1, 1}));
 }
 
+TEST(Flight, ThinMediaWithoutEndAreLeftBeforeFloatsOverflow) {
+  const MediumCoefficients thin{{}, SampledSpectrum(1e-30f), {}};
+  const Ray ray;
+  FlightRandom numbers(ray, 0.5f);
+  PathWeights weights;
+  float t = 0;
+  EXPECT_EQ(Fly(HomogeneousRay(thin), kNothingElse, numbers, &weights, nullptr, &t), FlightEnd::kPassed);
+  ExpectNear(ToFour(weights.Throughput()), {1, 1, 1, 1}, 1e-6, "beta");
+}
+
 // Both techniques must agree on the densities of a path that both can make, or their weights do not add up
 // to 1.
 TEST(Flight, PathsAndShadowRaysAgreeOnTheRatioOfTheirDensities) {

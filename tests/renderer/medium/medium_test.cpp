@@ -141,6 +141,8 @@ TEST(Medium, AnUnknownPresetIsAWarningAndTheCoefficientsCount) {
 TEST(Medium, WhatIsWrongIsNamedWithItsPlace) {
   EXPECT_EQ(Homogeneous("\"float g\" 1.5").error, "m.pbrt:3:49: g must lie between -1 and 1");
   EXPECT_EQ(Homogeneous("\"float scale\" -1").error, "m.pbrt:3:49: scale must not be negative");
+  EXPECT_EQ(Homogeneous("\"rgb sigma_s\" [ 3e38 0 3e38 ]").error,
+            "m.pbrt:3:49: sigma_s is too large: at most 1e20 per scene unit");
   EXPECT_EQ(Homogeneous("\"float Lescale\" -1").error, "m.pbrt:3:49: Lescale must not be negative");
   EXPECT_NE(Homogeneous("\"rgb sigma_a\" [ -1 0 0 ]").error, "");
   EXPECT_NE(

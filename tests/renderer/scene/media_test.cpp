@@ -206,6 +206,24 @@ TEST(Media, NothingIsSeenInAnIsothermalOven) {
   }
 }
 
+// Untrusted scenes hold such numbers: nothing may overflow into a ray that cannot be traced, or a pixel that
+// is NaN.
+TEST(Media, ExtremeCoefficientsWithoutEndRenderWithoutHarm) {
+  for (const char* value : {"0", "1e-30", "1e-12", "1e10", "1e19"}) {
+    for (const char* g : {"-1", "1"}) {
+      const std::string v = value;
+      SCOPED_TRACE(v + " " + g);
+      const std::string medium =
+          "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 0 " + v +
+          " 0 ] \"rgb sigma_s\" [ " + v + " 0 " + v + " ] \"rgb Le\" [ 1 2 3 ] \"float g\" " + g +
+          "\nMediumInterface \"m\"\n";
+      std::string head = Wide(kVolPath);
+      head.replace(head.find("1000"), 4, "30");
+      (void)Render(medium + head + "WorldBegin\n" + kEvenLight + kDistantLight + Ball("\"diffuse\"", "m"), 8);
+    }
+  }
+}
+
 // Light along +z into a slab from z = 1 to 2, seen against it: the integral of the singly scattered light
 // over depth s, sigma_s p(-1) E exp(-2 sigma_t s).
 TEST(Media, SingleScatteringOfASlabIsTheClosedForm) {
