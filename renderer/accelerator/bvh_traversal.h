@@ -4,6 +4,7 @@
 #include <immintrin.h>
 
 #include <bit>
+#include <utility>
 
 #include "accelerator/bvh_builder.h"
 #include "accelerator/search_space.h"
@@ -14,6 +15,7 @@ namespace tessera {
 // The ray's side of the slab test, eight copies of each number.
 struct SlabRay {
   explicit SlabRay(const TracedRay& ray) {
+#pragma GCC unroll 3
     for (int axis = 0; axis < 3; ++axis) {
       inverse[axis] = _mm256_set1_ps(ray.inverse[axis]);
       near_shift[axis] = _mm256_set1_ps(ray.near_shift[axis]);
@@ -25,6 +27,7 @@ struct SlabRay {
   // The children whose boxes the ray enters before t_max, one bit each, and where. As TracedRay::Enters.
   unsigned Enters(const BvhNode& node, float t_max, float entry[BvhNode::kChildren]) const {
     __m256 enter = _mm256_setzero_ps(), leave = _mm256_set1_ps(t_max);
+#pragma GCC unroll 3
     for (int axis = 0; axis < 3; ++axis) {
       const __m256 near_t = _mm256_load_ps(node.planes[near_plane[axis]]);
       const __m256 far_t = _mm256_load_ps(node.planes[near_plane[axis] ^ 1]);
@@ -62,32 +65,54 @@ struct BvhStack {
   int size = 0;
 };
 
+// The child to go on with, of those that were entered (at least one); the others are put on the stack.
+template <bool kSorted>
+uint32_t ChooseChild(const BvhNode& node, unsigned entered, const float entry[BvhNode::kChildren],
+                     BvhStack* stack) {
+  int i = std::countr_zero(entered);
+  entered &= entered - 1;
+  if (entered == 0) return node.child[i];
+  int j = std::countr_zero(entered);
+  entered &= entered - 1;
+  if (entered == 0) {
+    if (entry[j] < entry[i]) std::swap(i, j);
+    stack->Push(node.child[j], entry[j]);
+    return node.child[i];
+  }
+  const int first = stack->size;
+  stack->Push(node.child[i], entry[i]);
+  stack->Push(node.child[j], entry[j]);
+  for (; entered != 0; entered &= entered - 1) {
+    i = std::countr_zero(entered);
+    stack->Push(node.child[i], entry[i]);
+  }
+  if (kSorted) stack->SortFrom(first);
+  return stack->entries[--stack->size].child;
+}
+
 // Calls visit_leaf(child), until it returns true, for the leaves that the ray enters before limit(), which
 // may decrease.
 template <bool kSorted, typename Limit, typename VisitLeaf>
 void TraverseBvh(const SearchSpace& space, const TracedRay& ray, const Limit& limit,
                  const VisitLeaf& visit_leaf) {
   const SlabRay slabs(ray);
+  const BvhNode* const nodes = space.nodes.data();
   BvhStack stack;
   stack.Push(0, 0);
   while (stack.size > 0) {
-    const BvhStack::Entry entry = stack.entries[--stack.size];
-    if (entry.t > limit()) continue;
-    uint32_t child = entry.child;
+    const BvhStack::Entry top = stack.entries[--stack.size];
+    if (top.t > limit()) continue;
+    uint32_t child = top.child;
+    bool is_lost = false;
     while (!(child & BvhNode::kLeaf)) {
-      const BvhNode& node = space.nodes[child];
-      alignas(32) float entries[BvhNode::kChildren];
-      unsigned entered = slabs.Enters(node, limit(), entries);
-      const int first = stack.size;
-      for (; entered != 0; entered &= entered - 1) {
-        const int i = std::countr_zero(entered);
-        stack.Push(node.child[i], entries[i]);
-      }
-      if (stack.size == first) break;
-      if (kSorted) stack.SortFrom(first);
-      child = stack.entries[--stack.size].child;
+      const BvhNode& node = nodes[child];
+      alignas(32) float entry[BvhNode::kChildren];
+      const unsigned entered = slabs.Enters(node, limit(), entry);
+      is_lost = entered == 0;
+      if (is_lost) break;
+      child = ChooseChild<kSorted>(node, entered, entry, &stack);
     }
-    if (child & BvhNode::kLeaf && visit_leaf(child)) return;
+    if (!is_lost && visit_leaf(child)) return;
   }
 }
 

@@ -1,7 +1,6 @@
 #include "accelerator/hit_search.h"
 
 #include <algorithm>
-#include <bit>
 #include <tuple>
 
 #include "shape/hit_refinement.h"
@@ -67,18 +66,6 @@ void HitSearch<kAny>::Offer(const Hit& hit, float key, bool has_alpha) {
   }
   best_ = {hit, true};
   limit_ = key;
-}
-
-template <bool kAny>
-void HitSearch<kAny>::TestBlock(const TriangleBlock& block, const TracedRay& ray) {
-  alignas(32) float nearest[TriangleBlock::kLanes];
-  unsigned lanes = CrossedLanes(block, ray, limit_, nearest);
-  if (kAny) lanes &= ~unsigned{block.interfaces};
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int lane = std::countr_zero(lanes);
-    TestLane(block, lane, ray, nearest[lane]);
-    if (is_done()) return;
-  }
 }
 
 template <bool kAny>

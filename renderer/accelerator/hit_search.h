@@ -7,6 +7,8 @@
 // are those of hit_refinement.h.
 #pragma once
 
+#include <bit>
+
 #include "accelerator/alpha_test.h"
 #include "accelerator/search_space.h"
 #include "accelerator/traced_ray.h"
@@ -56,5 +58,17 @@ class HitSearch {
   uint32_t instance_ = Hit::kNoInstance;
   float entry_ = 0;
 };
+
+template <bool kAny>
+inline void HitSearch<kAny>::TestBlock(const TriangleBlock& block, const TracedRay& ray) {
+  alignas(32) float nearest[TriangleBlock::kLanes];
+  unsigned lanes = CrossedLanes(block, ray, limit_, nearest);
+  if (kAny) lanes &= ~unsigned{block.interfaces};
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    TestLane(block, lane, ray, nearest[lane]);
+    if (is_done()) return;
+  }
+}
 
 }  // namespace tessera

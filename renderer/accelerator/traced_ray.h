@@ -19,6 +19,7 @@ namespace tessera {
 struct TracedRay {
   TracedRay(const DoubleRay& ray, const Bounds3& space) : exact(ray), o(ray.o.ToFloat()), d(ray.d.ToFloat()) {
     const float padding = 1e-6f * Reach(space);
+#pragma GCC unroll 3
     for (int axis = 0; axis < 3; ++axis) {
       is_negative[axis] = std::signbit(d[axis]);
       const float away = std::max(std::abs(d[axis]), kSmallestComponent);
@@ -29,16 +30,19 @@ struct TracedRay {
     }
     const Vec3 size = Abs(d);
     kz = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
-    kx = (kz + 1) % 3;
-    ky = (kz + 2) % 3;
-    shear_x = d[kx] / d[kz];
-    shear_y = d[ky] / d[kz];
-    scale_z = 1 / d[kz];
+    kx = kz == 2 ? 0 : kz + 1;
+    ky = kx == 2 ? 0 : kx + 1;
+    const float origin[3]{o.x, o.y, o.z}, direction[3]{d.x, d.y, d.z};
+    sheared_o = {origin[kx], origin[ky], origin[kz]};
+    scale_z = 1 / direction[kz];
+    shear_x = direction[kx] * scale_z;
+    shear_y = direction[ky] * scale_z;
   }
 
   // Where the ray enters a box, at least 0; false if it misses it.
   bool Enters(const Bounds3& box, float* t) const {
     float enter = 0, leave = std::numeric_limits<float>::infinity();
+#pragma GCC unroll 3
     for (int axis = 0; axis < 3; ++axis) {
       const float near_plane = is_negative[axis] ? box.max[axis] : box.min[axis];
       const float far_plane = is_negative[axis] ? box.min[axis] : box.max[axis];
@@ -55,6 +59,7 @@ struct TracedRay {
   bool is_negative[3];
   // Woop's shear that makes the ray (0, 0, t); z is the axis along which d is longest.
   int kx, ky, kz;
+  Point3 sheared_o;  // o, its axes exchanged alike
   float shear_x, shear_y, scale_z;
 
  private:
@@ -62,6 +67,7 @@ struct TracedRay {
 
   float Reach(const Bounds3& space) const {
     float reach = 0;
+#pragma GCC unroll 3
     for (int axis = 0; axis < 3; ++axis) {
       reach = std::max({reach, std::abs(o[axis]), std::abs(space.min[axis] - o[axis]),
                         std::abs(space.max[axis] - o[axis])});

@@ -43,9 +43,10 @@ struct ShearedVertices {
 
 inline ShearedVertices Shear(const TriangleBlock& block, const TracedRay& ray) {
   ShearedVertices sheared;
-  const __m256 ox = _mm256_set1_ps(ray.o[ray.kx]), oy = _mm256_set1_ps(ray.o[ray.ky]),
-               oz = _mm256_set1_ps(ray.o[ray.kz]);
+  const __m256 ox = _mm256_set1_ps(ray.sheared_o.x), oy = _mm256_set1_ps(ray.sheared_o.y),
+               oz = _mm256_set1_ps(ray.sheared_o.z);
   const __m256 sx = _mm256_set1_ps(ray.shear_x), sy = _mm256_set1_ps(ray.shear_y);
+#pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
     sheared.z[i] = _mm256_sub_ps(_mm256_load_ps(block.p[i][ray.kz]), oz);
     sheared.x[i] = _mm256_fnmadd_ps(sx, sheared.z[i], _mm256_sub_ps(_mm256_load_ps(block.p[i][ray.kx]), ox));
