@@ -11,7 +11,7 @@ namespace tessera {
 constexpr int kWorkersMax = 1024;         // processes or threads on one box: more is a mistake in typing
 constexpr int kPathDepthMax = 1'000'000;  // bounces: beyond what any path survives
 
-constexpr const char* kCoordinatorAddressDefault = "127.0.0.1:7420";
+constexpr const char* kCoordinatorAddressDefault = "127.0.0.1:7700";
 
 // Parsed and checked once by ParseCommandLine, constant ever after. A member that a command does not take has
 // its default.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "client/status_text.h"
@@ -10,10 +11,15 @@ namespace tessera {
 
 Result<JobStatus> WatchWithProgress(CoordinatorClient& client, JobId job) {
   ProgressLine line("worker");
+  uint32_t workers_most = 0;  // at the end none is left: say how many it were
   auto last = client.Watch(job, [&](const JobStatus& status) {
+    workers_most = std::max(workers_most, status.workers);
     if (!HasEnded(status.state)) line.Show(ProgressOf(status));
   });
-  if (last) line.Finish(ProgressOf(*last));
+  if (!last) return last;
+  Progress progress = ProgressOf(*last);
+  progress.workers = std::max(progress.workers, static_cast<int>(workers_most));
+  line.Finish(progress);
   return last;
 }
 

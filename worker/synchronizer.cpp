@@ -47,7 +47,8 @@ Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState s
       bench_(bench),
       on_refusal_(std::move(on_refusal)),
       backoff_(Number(self_.worker)),
-      next_call_(Clock::now()) {}
+      next_call_(Clock::now()),
+      next_retry_(next_call_) {}
 
 // gRPC calls us back once for every call, so wait for that.
 Synchronizer::~Synchronizer() {
@@ -85,7 +86,8 @@ void Synchronizer::Start() {
 
 std::chrono::steady_clock::time_point Synchronizer::NextWakeup() const {
   // With a call open the next is not due before its answer; the bound is only a bound.
-  return open_.empty() ? next_call_ : Clock::now() + kSynchronizeWaitMax + kAnswerPatience;
+  return open_.empty() ? std::max(next_call_, next_retry_)
+                       : Clock::now() + kSynchronizeWaitMax + kAnswerPatience;
 }
 
 void Synchronizer::Run(std::stop_token stop) {
@@ -103,8 +105,9 @@ void Synchronizer::Run(std::stop_token stop) {
       std::erase(open_, call);
       Handle(*call);
     }
-    const bool due = Clock::now() >= next_call_;
-    if (!stop.stop_requested() && due && (open_.empty() || (news && open_.size() < kOpenCallsMax))) Start();
+    const auto now = Clock::now();
+    const bool due = open_.empty() ? news || now >= next_call_ : news && open_.size() < kOpenCallsMax;
+    if (!stop.stop_requested() && due && now >= next_retry_) Start();
   }
 }
 
@@ -113,7 +116,7 @@ void Synchronizer::Handle(const Call& call) {
   if (IsRefusal(call.status)) return on_refusal_(ToError(call.status, "join the farm"));
   if (connected_) spdlog::warn("disconnected reason=\"{}\"", call.status.error_message());
   connected_ = false;
-  next_call_ = Clock::now() + backoff_.Next();
+  next_retry_ = Clock::now() + backoff_.Next();
 }
 
 void Synchronizer::HandleDirective(const Call& call) {

@@ -54,7 +54,8 @@ class Synchronizer {
   Workbench& bench_;
   const std::function<void(Error)> on_refusal_;
   Backoff backoff_;
-  std::chrono::steady_clock::time_point next_call_;
+  std::chrono::steady_clock::time_point next_call_;   // unless there is news
+  std::chrono::steady_clock::time_point next_retry_;  // after a failure, news or not
   std::vector<std::shared_ptr<Call>> open_;
   std::string notice_;
   bool connected_ = false;
