@@ -101,27 +101,21 @@ void Farm::Synchronize(Instant now, CallId call, const WorkerState& state) {
   // An older call of the same worker has nothing more to bring.
   if (const auto older = parked_.find(state.worker); older != parked_.end()) {
     output_.directives.push_back({older->second.call, {}});
-    Unpark(state.worker);
+    parked_calls_.erase(older->second.call);
+    parked_.erase(older);
   }
   const bool answer_now = state.leaving || state.wait.count() <= 0;
   const Instant wait = answer_now ? Instant{0} : std::min<Instant>(state.wait, kParkMax);
   parked_[state.worker] = {call, now + wait};
   parked_calls_[call] = state.worker;
-  parked_until_.emplace(now + wait, state.worker);
-}
-
-void Farm::Unpark(WorkerId worker) {
-  const auto found = parked_.find(worker);
-  parked_calls_.erase(found->second.call);
-  parked_until_.erase({found->second.until, worker});
-  parked_.erase(found);
 }
 
 void Farm::Cut(Instant now, CallId call) {
   const auto found = parked_calls_.find(call);
   if (found == parked_calls_.end()) return;
   const WorkerId worker = found->second;
-  Unpark(worker);
+  parked_calls_.erase(found);
+  parked_.erase(worker);
   scheduler_.Disconnect(now, worker);
 }
 
@@ -222,27 +216,25 @@ void Farm::Advance(Instant now) {
 
 void Farm::AnswerParked(Instant now) {
   std::vector<WorkerId> due;
-  for (const WorkerId worker : scheduler_.news()) {
-    if (parked_.contains(worker) && scheduler_.HasNews(worker)) due.push_back(worker);
+  for (const auto& [worker, parked] : parked_) {
+    if (now >= parked.until || scheduler_.HasNews(worker)) due.push_back(worker);
   }
-  for (const WorkerId worker : due) Answer(now, worker);
-  while (!parked_until_.empty() && parked_until_.begin()->first <= now) {
-    Answer(now, parked_until_.begin()->second);
-  }
+  for (const WorkerId worker : due) Answer(now, worker, parked_.at(worker).call);
 }
 
-void Farm::Answer(Instant now, WorkerId worker) {
-  output_.directives.push_back({parked_.at(worker).call, scheduler_.TakeDirective(now, worker)});
-  Unpark(worker);
+void Farm::Answer(Instant now, WorkerId worker, CallId call) {
+  output_.directives.push_back({call, scheduler_.TakeDirective(now, worker)});
+  parked_calls_.erase(call);
+  parked_.erase(worker);
 }
 
 void Farm::AnswerAll(Instant now) {
-  while (!parked_.empty()) Answer(now, parked_.begin()->first);
+  while (!parked_.empty()) Answer(now, parked_.begin()->first, parked_.begin()->second.call);
 }
 
 Instant Farm::Patience(Instant now) const {
   Instant patience = scheduler_.TickInterval();
-  if (!parked_until_.empty()) patience = std::min(patience, parked_until_.begin()->first - now);
+  for (const auto& [worker, parked] : parked_) patience = std::min(patience, parked.until - now);
   return std::max(patience, Instant{0});
 }
 

@@ -145,8 +145,7 @@ class Farm {
   JobStatus StatusOf(Instant now, const JobEntry& job) const;
   void MeasureProgress(Instant now);
   void AnswerParked(Instant now);
-  void Answer(Instant now, WorkerId worker);
-  void Unpark(WorkerId worker);
+  void Answer(Instant now, WorkerId worker, CallId call);
 
   Scheduler scheduler_;
   std::map<JobId, JobEntry> jobs_;
@@ -155,7 +154,6 @@ class Farm {
   uint64_t job_next_ = 1;
   std::map<WorkerId, Parked> parked_;
   std::map<CallId, WorkerId> parked_calls_;
-  std::set<std::pair<Instant, WorkerId>> parked_until_;
   std::vector<PendingResults> pending_results_;
   FarmOutput output_;
 };

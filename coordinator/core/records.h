@@ -52,6 +52,7 @@ struct WorkerRecord {
   int queue_unknown = 0;     // how many are not
   std::vector<LeaseId> unannounced;
   std::vector<LeaseId> drops;  // not told yet
+  uint64_t starved_at = 0;     // version of the open work in which it found nothing
 
   uint64_t units_finished = 0, units_failed = 0;
   int strikes = 0;

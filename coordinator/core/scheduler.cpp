@@ -45,7 +45,7 @@ void Scheduler::AddJob(JobId id, std::shared_ptr<const JobSpec> spec,
   }
   job.spec = std::move(spec);
   priorities_[job.priority].insert(id);
-  AnnounceWork();
+  ++work_version_;
 }
 
 void Scheduler::RemoveJob(JobId id) {
@@ -58,7 +58,7 @@ void Scheduler::RemoveJob(JobId id) {
     }
   }
   for (const LeaseId lease : void_leases) {
-    Drop(workers_.at(leases_.at(lease).worker), lease);
+    workers_.at(leases_.at(lease).worker).drops.push_back(lease);
     Forget(lease);
   }
   for (auto& [worker_id, worker] : workers_) {
@@ -68,7 +68,7 @@ void Scheduler::RemoveJob(JobId id) {
   priorities_[job->priority].erase(id);
   if (priorities_[job->priority].empty()) priorities_.erase(job->priority);
   jobs_.erase(id);
-  AnnounceWork();  // who wanted a scene of this job may want another
+  ++work_version_;  // who wanted a scene of this job may want another
 }
 
 bool Scheduler::IsKnown(const WorkUnit& unit) const {
@@ -138,7 +138,7 @@ void Scheduler::DropMoot(const WorkUnit& unit, FrameRecord& frame) {
     if (range.Overlaps(unit.range) && frame.work.IsDone({unit.tile, range})) moot.push_back(lease);
   }
   for (const LeaseId lease : moot) {
-    Drop(workers_.at(leases_.at(lease).worker), lease);
+    workers_.at(leases_.at(lease).worker).drops.push_back(lease);
     Forget(lease);
   }
 }
@@ -181,7 +181,7 @@ void Scheduler::FailScene(Instant now, WorkerId worker_id, const Digest& scene, 
   if (worker == nullptr) return;
   worker->scenes.erase(scene);
   std::erase_if(worker->wanted, [&](const SceneOrder& order) { return order.key == scene; });
-  ForgetHunger(*worker);
+  worker->starved_at = 0;
   Log(fmt::format("scene_failed worker={:016x} name=\"{}\" scene={} reason=\"{}\"", Number(worker_id),
                   worker->name, scene.Hex(), words));
   for (const LeaseId lease : std::vector<LeaseId>(worker->leases.begin(), worker->leases.end())) {
@@ -195,7 +195,6 @@ void Scheduler::FailScene(Instant now, WorkerId worker_id, const Digest& scene, 
       if (const auto condemned = frame.failures.Condemned(options_.attempts_max)) Condemn(job, *condemned);
     }
   }
-  UpdateHunger(*worker);
 }
 
 void Scheduler::RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
@@ -211,12 +210,11 @@ void Scheduler::Strike(Instant, WorkerId worker_id, const std::string& reason) {
   if (++worker->strikes < kStrikesMax) return;
   worker->quarantine = reason;
   worker->notice_told = false;
-  news_.insert(worker_id);
-  workers_changed_ = true;
+  speeds_changed_ = true;
   Log(fmt::format("worker_quarantined worker={:016x} name=\"{}\" reason=\"{}\"", Number(worker_id),
                   worker->name, reason));
   for (const LeaseId lease : std::vector<LeaseId>(worker->leases.begin(), worker->leases.end())) {
-    Drop(*worker, lease);
+    worker->drops.push_back(lease);
     Return(lease);
   }
   UpdateHunger(*worker);

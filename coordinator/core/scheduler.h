@@ -73,8 +73,6 @@ class Scheduler {
   Instant TickInterval() const;
   // Whether there is something to tell the worker.
   bool HasNews(WorkerId worker) const;
-  // Workers that HasNews may be true for; all others have none.
-  const std::set<WorkerId>& news() const { return news_; }
   // What the worker should have and do, besides what its last state listed.
   WorkerDirective TakeDirective(Instant now, WorkerId worker);
   // The part of it that answers to results bring.
@@ -118,14 +116,11 @@ class Scheduler {
   bool TakeOver(Instant now, WorkerRecord& worker, const HeldLease& held);
   void Expire(Instant now);
   void ForgetWorkers(Instant now);
-  void SumSpeeds(Instant now);
-  void Drop(WorkerRecord& worker, LeaseId lease);
+  void SumSpeeds();
 
   // scheduler_dispatch.cpp: who gets what
   bool HasRoom(const WorkerRecord& worker) const;
   void UpdateHunger(const WorkerRecord& worker);
-  void ForgetHunger(const WorkerRecord& worker);
-  void AnnounceWork() { hungry_.merge(starved_); }
   double QueueSeconds(const WorkerRecord& worker) const;
   void Dispatch(Instant now);
   bool GrantOne(Instant now, WorkerRecord& worker);
@@ -155,15 +150,12 @@ class Scheduler {
   std::map<int, std::set<JobId>, std::greater<int>> priorities_;
   std::map<WorkerId, WorkerRecord> workers_;
   std::map<LeaseId, LeaseRecord> leases_;
-  std::set<WorkerId>
-      hungry_;  // may work, have room, and have not asked in vain since open work came into being
-  std::set<WorkerId> starved_;  // may work, have room, and there is nothing for them
-  std::set<WorkerId> news_;     // see news()
-  double total_speed_ = 0;      // slots times speed of the workers that may work
+  std::set<WorkerId> hungry_;  // may work and have room
+  uint64_t work_version_ = 1;  // counts the times that open work came into being
+  double total_speed_ = 0;     // slots times speed of the workers that may work
   int total_slots_ = 0;
-  bool workers_changed_ = false;  // the two above are to be summed at once
-  bool speeds_changed_ = false;   // they are to be summed soon
-  Instant tail_due_{}, expiry_due_{}, sum_due_{};
+  bool speeds_changed_ = false;  // the two above are to be summed again
+  Instant tail_due_{}, expiry_due_{};
   std::vector<CondemnedJob> condemned_;
   std::vector<std::string> log_;
 };

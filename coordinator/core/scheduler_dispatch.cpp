@@ -11,7 +11,7 @@ namespace tessera {
 
 void Scheduler::Advance(Instant now) {
   Expire(now);
-  SumSpeeds(now);
+  SumSpeeds();
   Dispatch(now);
   RelieveTail(now);
 }
@@ -27,16 +27,11 @@ bool Scheduler::HasRoom(const WorkerRecord& worker) const {
 }
 
 void Scheduler::UpdateHunger(const WorkerRecord& worker) {
-  if (!worker.MayWork() || !HasRoom(worker)) {
-    ForgetHunger(worker);
-  } else if (!starved_.contains(worker.id)) {
+  if (worker.MayWork() && HasRoom(worker)) {
     hungry_.insert(worker.id);
+  } else {
+    hungry_.erase(worker.id);
   }
-}
-
-void Scheduler::ForgetHunger(const WorkerRecord& worker) {
-  hungry_.erase(worker.id);
-  starved_.erase(worker.id);
 }
 
 // In rounds, so that no worker has units waiting while another has a slot without one.
@@ -45,11 +40,8 @@ void Scheduler::Dispatch(Instant now) {
     for (const WorkerId id : std::vector<WorkerId>(hungry_.begin(), hungry_.end())) {
       WorkerRecord& worker = workers_.at(id);
       const size_t enough = static_cast<size_t>(worker.slots) * static_cast<size_t>(per_slot);
-      while (worker.leases.size() < enough && HasRoom(worker)) {
-        if (GrantOne(now, worker)) continue;
-        hungry_.erase(id);
-        starved_.insert(id);
-        break;
+      while (worker.starved_at != work_version_ && worker.leases.size() < enough && HasRoom(worker)) {
+        if (!GrantOne(now, worker)) worker.starved_at = work_version_;
       }
     }
   }
@@ -124,7 +116,6 @@ void Scheduler::Want(WorkerRecord& worker, const Choice& choice) {
   if (!worker.wanted.empty() && worker.wanted.front().key == scene.key) return;
   worker.wanted = {scene};
   worker.wanted_told = false;
-  news_.insert(worker.id);
 }
 
 std::optional<double> Scheduler::OpenCost(const JobRecord& job) const {
@@ -168,7 +159,6 @@ LeaseRecord& Scheduler::Grant(Instant now, WorkerRecord& worker, JobRecord& job,
   }
   worker.leases.insert(id);
   worker.unannounced.push_back(id);
-  news_.insert(worker.id);
   frame.leases[unit.tile][id] = unit.range;
   ++job.leases;
   UpdateHunger(worker);
@@ -206,7 +196,7 @@ void Scheduler::Return(LeaseId id) {
     for (const auto& [other, range] : others->second) held.push_back(range);
   }
   frame.work.GiveBack({unit.tile, unit.range}, held);
-  AnnounceWork();
+  ++work_version_;
 }
 
 uint32_t Scheduler::WorkersOf(JobId id) const {

@@ -2,7 +2,6 @@
 // slow worker are moved; those that run are split and rendered a second time (backup tasks: Dean and Ghemawat
 // 2004, section 3.6).
 #include <algorithm>
-#include <deque>
 
 #include "core/policy.h"
 #include "core/scheduler.h"
@@ -20,36 +19,30 @@ bool HasStarted(Instant now, const LeaseRecord& record) {
 }
 
 constexpr size_t kCandidatesPerSlot = 4;  // looked at for each idle slot: some are not for it
-constexpr size_t kHelpersPerUnit = 8;     // asked for each slow unit: the fastest that are idle
 
 }  // namespace
 
 void Scheduler::RelieveTail(Instant now) {
-  if (now < tail_due_ || starved_.empty() || leases_.empty()) return;
+  if (now < tail_due_ || hungry_.empty() || leases_.empty()) return;
   tail_due_ = now + kTailInterval;
-  const auto idle_slots_of = [](const WorkerRecord& worker) {
-    return worker.slots - static_cast<int>(worker.leases.size());
-  };
-  std::deque<WorkerRecord*> helpers;
+  std::vector<WorkerRecord*> helpers;
   int idle_slots = 0;
-  for (const WorkerId id : starved_) {
+  for (const WorkerId id : hungry_) {
     WorkerRecord& worker = workers_.at(id);
-    if (idle_slots_of(worker) <= 0) continue;
+    const int idle = worker.slots - static_cast<int>(worker.leases.size());
+    if (idle <= 0 || worker.starved_at != work_version_) continue;
     helpers.push_back(&worker);
-    idle_slots += idle_slots_of(worker);
+    idle_slots += idle;
   }
+  if (helpers.empty()) return;
   std::stable_sort(helpers.begin(), helpers.end(),
                    [](const auto* a, const auto* b) { return a->speed > b->speed; });
-  for (const LeaseId slow : SlowestUnits(now, static_cast<size_t>(idle_slots) * kCandidatesPerSlot)) {
-    for (size_t h = 0; h < std::min(helpers.size(), kHelpersPerUnit);) {
-      WorkerRecord& helper = *helpers[h];
-      while (idle_slots_of(helper) > 0 && leases_.contains(slow) && Relieve(now, helper, slow, idle_slots)) {
-      }
-      if (!leases_.contains(slow)) break;
-      if (idle_slots_of(helper) > 0) {
-        ++h;
-      } else {
-        helpers.erase(helpers.begin() + static_cast<std::ptrdiff_t>(h));
+  const std::vector<LeaseId> slowest =
+      SlowestUnits(now, static_cast<size_t>(idle_slots) * kCandidatesPerSlot);
+  for (WorkerRecord* const helper : helpers) {
+    for (const LeaseId slow : slowest) {
+      const auto is_idle = [&] { return static_cast<int>(helper->leases.size()) < helper->slots; };
+      while (is_idle() && leases_.contains(slow) && Relieve(now, *helper, slow, idle_slots)) {
       }
     }
   }
@@ -88,7 +81,7 @@ bool Scheduler::Relieve(Instant now, WorkerRecord& helper, LeaseId slow, int idl
     taken.range = *piece;
   } else {
     if (remaining_s < kStealGain * (whole_s + kHandoverDuration_s)) return false;
-    Drop(workers_.at(record.worker), slow);
+    workers_.at(record.worker).drops.push_back(slow);
     Forget(slow);
   }
   Grant(now, helper, job, frame, taken, NextLease());

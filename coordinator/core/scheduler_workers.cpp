@@ -21,14 +21,14 @@ WorkerRecord& Scheduler::Admit(Instant now, const WorkerState& state) {
     Log(fmt::format("worker_joined worker={:016x} name=\"{}\" slots={}", Number(state.worker), state.name,
                     state.slots));
     worker.live = true;
+    worker.starved_at = 0;
     worker.notice_told = !worker.quarantined();
-    if (worker.quarantined()) news_.insert(state.worker);
-    workers_changed_ = true;
+    speeds_changed_ = true;
   }
   worker.id = state.worker;
   worker.name = state.name;
   worker.software_version = state.software_version;
-  if (worker.slots != state.slots || worker.draining != state.draining) workers_changed_ = true;
+  if (worker.slots != state.slots || worker.draining != state.draining) speeds_changed_ = true;
   worker.slots = state.slots;
   worker.draining = state.draining;
   worker.last_contact = now;
@@ -41,7 +41,7 @@ void Scheduler::Synchronize(Instant now, const WorkerState& state) {
   WorkerRecord& worker = Admit(now, state);
   worker.sequence = state.sequence;
   for (const HeldScene& scene : state.scenes) {
-    if (scene.ready && !worker.HasReady(scene.key)) ForgetHunger(worker);
+    if (scene.ready && !worker.HasReady(scene.key)) worker.starved_at = 0;
   }
   worker.scenes.clear();
   for (const HeldScene& scene : state.scenes) worker.scenes[scene.key] = scene.ready;
@@ -62,7 +62,7 @@ void Scheduler::ReconcileLeases(Instant now, WorkerRecord& worker, const WorkerS
         known->second.lease.unit == held.unit) {
       Renew(now, known->second, held);
     } else if (held.stage != LeaseStage::kReturning && !TakeOver(now, worker, held)) {
-      Drop(worker, held.id);
+      worker.drops.push_back(held.id);
     }
   }
   for (const LeaseId lease : worker.leases) {
@@ -70,7 +70,6 @@ void Scheduler::ReconcileLeases(Instant now, WorkerRecord& worker, const WorkerS
     if (record.listed || !record.announced || now - record.announced_at < kAnnounceAgain) continue;
     record.announced = false;
     worker.unannounced.push_back(lease);
-    news_.insert(worker.id);
   }
 }
 
@@ -107,13 +106,12 @@ void Scheduler::Disconnect(Instant now, WorkerId worker_id) {
   worker->last_contact = now;
   worker->scenes.clear();
   worker->wanted.clear();
-  workers_changed_ = true;
+  speeds_changed_ = true;
   Log(fmt::format("worker_lost worker={:016x} name=\"{}\" leases={}", Number(worker_id), worker->name,
                   worker->leases.size()));
   for (const LeaseId lease : std::vector<LeaseId>(worker->leases.begin(), worker->leases.end()))
     Return(lease);
   worker->drops.clear();
-  news_.erase(worker_id);
   UpdateHunger(*worker);
 }
 
@@ -133,7 +131,7 @@ void Scheduler::Expire(Instant now) {
     LeaseRecord& record = leases_.at(id);
     Log(fmt::format("lease_expired lease={} worker={:016x} unit=\"{}\"", Number(id), Number(record.worker),
                     record.lease.unit.Text()));
-    Drop(workers_.at(record.worker), id);
+    workers_.at(record.worker).drops.push_back(id);
     Return(id);
   }
   ForgetWorkers(now);
@@ -142,22 +140,13 @@ void Scheduler::Expire(Instant now) {
 
 void Scheduler::ForgetWorkers(Instant now) {
   std::erase_if(workers_, [&](const auto& entry) {
-    const auto& [id, worker] = entry;
-    const bool forgotten = !worker.live && now - worker.last_contact > kWorkerForgotten;
-    if (forgotten) news_.erase(id);
-    return forgotten;
+    return !entry.second.live && now - entry.second.last_contact > kWorkerForgotten;
   });
 }
 
-void Scheduler::Drop(WorkerRecord& worker, LeaseId lease) {
-  worker.drops.push_back(lease);
-  news_.insert(worker.id);
-}
-
-void Scheduler::SumSpeeds(Instant now) {
-  if (!workers_changed_ && (!speeds_changed_ || now < sum_due_)) return;
-  workers_changed_ = speeds_changed_ = false;
-  sum_due_ = now + kExpiryInterval;
+void Scheduler::SumSpeeds() {
+  if (!speeds_changed_) return;
+  speeds_changed_ = false;
   total_speed_ = 0;
   total_slots_ = 0;
   for (const auto& [id, worker] : workers_) {
@@ -168,7 +157,7 @@ void Scheduler::SumSpeeds(Instant now) {
 }
 
 Instant Scheduler::TickInterval() const {
-  if (!starved_.empty() && !leases_.empty()) return kTailInterval;
+  if (!hungry_.empty() && !leases_.empty()) return kTailInterval;
   return workers_.empty() && jobs_.empty() ? kIdleInterval : kExpiryInterval;
 }
 
@@ -190,7 +179,6 @@ Scheduler::Grants Scheduler::TakeGrants(Instant now, WorkerId id) {
     grants.leases.push_back(record.lease);
   }
   grants.drop = std::exchange(worker->drops, {});
-  if (worker->wanted_told && worker->notice_told) news_.erase(id);
   return grants;
 }
 
@@ -207,7 +195,6 @@ WorkerDirective Scheduler::TakeDirective(Instant now, WorkerId id) {
   worker->wanted_told = true;
   directive.notice = worker->quarantine;
   worker->notice_told = true;
-  news_.erase(id);
   return directive;
 }
 
