@@ -13,6 +13,14 @@ SphericalRectangle RectangleSeenFrom(const PatchPoints& patch, Point3 p) {
   return {p, patch.p00, patch.p10 - patch.p00, patch.p01 - patch.p00};
 }
 
+// A plane lights no point of itself. Rounding puts such points a little off it, from where it would seem to
+// fill half of all directions.
+bool IsInPlaneOf(const PatchPoints& patch, const ReferencePoint& reference) {
+  const Vec3 n = Normalize(Cross(patch.p10 - patch.p00, patch.p01 - patch.p00));
+  const float error = Dot(Abs(n), reference.p_error + PatchPointError(patch));
+  return std::abs(Dot(n, reference.p - patch.p00)) <= error;
+}
+
 BilinearWeights CosineWarp(const PatchPoints& patch, const ReferencePoint& reference) {
   return {CornerWeight(reference, patch.p00), CornerWeight(reference, patch.p10),
           CornerWeight(reference, patch.p01), CornerWeight(reference, patch.p11)};
@@ -48,6 +56,7 @@ std::optional<ShapeSample> SamplePatch(const BilinearMesh& mesh, uint32_t primit
   const PatchPoints patch = PatchAt(mesh, primitive);
   const bool is_rectangle = IsRectangle(patch);
   if (is_rectangle) {
+    if (IsInPlaneOf(patch, reference)) return std::nullopt;
     const SphericalRectangle spherical = RectangleSeenFrom(patch, reference.p);
     if (spherical.area() >= kSphericalAreaMin) {
       float pdf = 1 / spherical.area();
@@ -72,6 +81,7 @@ float PatchPdf(const BilinearMesh& mesh, uint32_t primitive, const ReferencePoin
   const PatchPoints patch = PatchAt(mesh, primitive);
   const bool is_rectangle = IsRectangle(patch);
   if (is_rectangle) {
+    if (IsInPlaneOf(patch, reference)) return 0;
     const SphericalRectangle spherical = RectangleSeenFrom(patch, reference.p);
     if (spherical.area() >= kSphericalAreaMin) {
       const float pdf = 1 / spherical.area();

@@ -16,7 +16,7 @@
 namespace tessera {
 namespace {
 
-constexpr int kTests = 8;  // chi-square tests in this file
+constexpr int kTests = 9;  // chi-square tests in this file
 
 // A world and a place in it.
 struct Place {
@@ -128,6 +128,25 @@ TEST(Mixture, DirectionsFollowTheDensityOnRoughMetalUnderSkies) {
 TEST(Mixture, DirectionsFollowTheDensityInsideALamp) {
   const auto place = PlaceAlong(kInsideALamp, {-0.6f, 0.3f, 1});
   const ChiSquareResult result = TestMixtureAt(*place, 6);
+  EXPECT_TRUE(result.Passes(kTests)) << result.text;
+}
+
+TEST(Mixture, DirectionsFollowTheDensityInAMedium) {
+  const auto place = PlaceAlong(kDiffuseBox, {0, 0, 1});
+  const LightDirections lights(place->world);
+  const Ray ray{{0.3f, 0.2f, 2}, Normalize(Vec3{0.5f, -0.4f, 1})};
+  const PhaseFunction phase(0.6f);
+  TestRandom random(8);
+  const auto sample = [&]() -> std::optional<Vec3> {
+    const float u_choice = random.Next();
+    const Point2 u = random.Next2<Point2>();
+    const auto drawn = SampleMixture(lights, ray, phase, u_choice, u, place->wavelengths);
+    if (!drawn) return std::nullopt;
+    EXPECT_NEAR(drawn->weight[0], phase.Evaluate(-ray.d, drawn->ray.d) / drawn->density, 1e-4f);
+    return drawn->ray.d;
+  };
+  const auto pdf = [&](Vec3 w) { return MixturePdf(lights, ray, phase, w, place->wavelengths); };
+  const ChiSquareResult result = ChiSquareSphere<Vec3>(sample, pdf, 24, 32, 200000);
   EXPECT_TRUE(result.Passes(kTests)) << result.text;
 }
 

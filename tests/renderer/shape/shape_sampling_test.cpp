@@ -239,6 +239,22 @@ TEST(ShapeSampling, NormalConesHoldEveryNormal) {
   EXPECT_EQ(ShapeNormals(disk, 0).cos_angle, 1);
 }
 
+// As seen from a rounding error above itself, it would seem to fill half of all directions.
+TEST(ShapeSampling, ARectangleIsNotSampledFromItsOwnPlane) {
+  const Shape shape =
+      PatchShape({1.75f, 0.25f, -2.6f}, {1.75f, 3.9f, -2.6f}, {3.35f, 0.25f, 0.2f}, {3.35f, 3.9f, 0.2f});
+  TestRandom random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const Point2 uv = Random2(random);
+    const BilinearMesh& mesh = std::get<BilinearMesh>(shape.form);
+    SurfaceInteraction here;
+    FillPatchInteraction(mesh, 0, uv, &here);
+    const ReferencePoint reference{here.p, here.p_error, here.n, here.n};
+    EXPECT_FALSE(SampleShape(shape, 0, reference, Random2(random)));
+    EXPECT_EQ(ShapePdf(shape, 0, reference, here.n, here), 0);
+  }
+}
+
 TEST(ShapeSampling, AShapeWithoutAreaIsNeverSampled) {
   const ReferencePoint reference = InVolume({0, 0, 0});
   EXPECT_FALSE(SampleShape(TriangleShape({1, 0, 1}, {2, 0, 1}, {3, 0, 1}), 0, reference, {0.5f, 0.5f}));
