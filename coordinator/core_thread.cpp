@@ -101,26 +101,40 @@ void CoreThread::Deliver(FarmOutput output) {
     if (std::holds_alternative<JobEnded>(fact)) watchers_due_ = {};  // people hear of an end at once
   }
   unsynced_.push_back(std::move(output));
-  if (Now() < sync_due_) return;
-  if (const auto synced = journal_->Sync(); !synced) {
-    spdlog::error("journal_delayed reason=\"{}\"", synced.error().message);
-    sync_due_ = Now() + kSyncRetry;
+  if (!Sync()) {
+    if (closing_) Abandon();
     return;
   }
   for (FarmOutput& each : std::exchange(unsynced_, {})) {
     for (const auto& answer : each.results) {
-      if (const auto waiting = answers_.results_.extract(answer.call)) waiting.mapped()(answer);
+      if (const auto waiting = answers_.results_.extract(answer.call)) waiting.mapped()(&answer);
     }
     for (const auto& answer : each.directives) {
       if (const auto waiting = answers_.TakeDirective(answer.call)) waiting(&answer.directive);
     }
     for (FinishedPicture& picture : each.pictures) write_picture_(std::move(picture));
   }
-  for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer();
+  for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer(true);
+}
+
+bool CoreThread::Sync() {
+  if (Now() < sync_due_ && !closing_) return false;
+  const auto synced = journal_->Sync();
+  if (synced) return true;
+  spdlog::error("journal_delayed reason=\"{}\"", synced.error().message);
+  sync_due_ = Now() + kSyncRetry;
+  return false;
+}
+
+// The end has come before the disk took the facts: nobody may hear of them, but nobody may wait either.
+void CoreThread::Abandon() {
+  for (const auto& [call, answer] : std::exchange(answers_.results_, {})) answer(nullptr);
+  for (const auto& [call, answer] : std::exchange(answers_.directives_, {})) answer(nullptr);
+  for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer(false);
 }
 
 void CoreThread::TellWatchers(Instant now) {
-  if (!unsynced_.empty()) return;  // what they would hear might be forgotten
+  if (!unsynced_.empty() && !closing_) return;  // what they would hear might be forgotten
   const bool all = now >= watchers_due_ || closing_;
   if (all) watchers_due_ = now + kWatchInterval;
   std::erase_if(answers_.watchers_, [&](PendingAnswers::Watcher& watcher) {

@@ -22,15 +22,18 @@ class PendingAnswers {
  public:
   // Gets the directive, or nothing if the call was cut.
   using OnDirective = std::function<void(const WorkerDirective*)>;
-  using OnResults = std::function<void(const FarmOutput::Results&)>;
+  // Gets the answer, or nothing if the coordinator ends before it could keep what it should.
+  using OnResults = std::function<void(const FarmOutput::Results*)>;
   // Gets each new status; `last` if there will be no other: the job has ended or (status null) the
   // coordinator ends. Answers false if nobody watches any more.
   using OnStatus = std::function<bool(const JobStatus* status, bool last)>;
 
   void AwaitDirective(CallId call, OnDirective answer) { directives_[call] = std::move(answer); }
   void AwaitResults(CallId call, OnResults answer) { results_[call] = std::move(answer); }
-  // Called when everything that the event caused is on stable storage.
-  void AfterSync(std::function<void()> answer) { after_sync_.push_back(std::move(answer)); }
+  // Gets true when everything that the event caused is on stable storage; false if the coordinator ends
+  // before.
+  using OnSync = std::function<void(bool synced)>;
+  void AfterSync(OnSync answer) { after_sync_.push_back(std::move(answer)); }
   void Watch(JobId job, OnStatus watcher) { watchers_.push_back({job, std::move(watcher), {}}); }
   // The waiting answer of a call that is cut; empty if it was given already.
   OnDirective TakeDirective(CallId call);
@@ -44,7 +47,7 @@ class PendingAnswers {
   };
   std::map<CallId, OnDirective> directives_;
   std::map<CallId, OnResults> results_;
-  std::vector<std::function<void()>> after_sync_;
+  std::vector<OnSync> after_sync_;
   std::vector<Watcher> watchers_;
 };
 
@@ -74,6 +77,8 @@ class CoreThread {
   void Run();
   std::vector<Event> WaitForEvents(Instant patience);
   void Deliver(FarmOutput output);
+  bool Sync();
+  void Abandon();
   void TellWatchers(Instant now);
   Instant Patience(Instant now) const;
 

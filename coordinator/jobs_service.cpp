@@ -33,9 +33,9 @@ grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* conte
   const auto shared = std::make_shared<const JobSpec>(std::move(*spec));
   core_.Post([=](CoreContext& core) {
     const auto job = core.farm.Submit(core.now, shared);
-    core.answers.AfterSync([=] {
+    core.answers.AfterSync([=](bool synced) {
       if (job) answer->set_job(Number(*job));
-      reactor->Finish(job ? grpc::Status::OK : ToStatus(job.error()));
+      reactor->Finish(!job ? ToStatus(job.error()) : synced ? grpc::Status::OK : CoordinatorEnds());
     });
   });
   return reactor;
@@ -81,9 +81,9 @@ grpc::ServerUnaryReactor* JobsService::Cancel(grpc::CallbackServerContext* conte
   grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
   core_.Post([=, job = JobId{request->job()}](CoreContext& core) {
     const auto status = core.farm.Cancel(core.now, job);
-    core.answers.AfterSync([=] {
+    core.answers.AfterSync([=](bool synced) {
       if (status) Write(*status, *answer);
-      reactor->Finish(status ? grpc::Status::OK : NoJob(job));
+      reactor->Finish(!status ? NoJob(job) : synced ? grpc::Status::OK : CoordinatorEnds());
     });
   });
   return reactor;

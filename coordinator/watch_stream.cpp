@@ -1,5 +1,6 @@
 #include "coordinator/watch_stream.h"
 
+#include "wire/channel.h"
 #include "wire/convert.h"
 
 namespace tessera {
@@ -10,7 +11,7 @@ WatchStream::WatchStream() : link_(std::make_shared<Link>()) {
 
 bool WatchStream::Link::Offer(const JobStatus* status, bool last) {
   if (status == nullptr) {
-    Finish({grpc::StatusCode::UNAVAILABLE, "the coordinator ends"});
+    Finish(CoordinatorEnds());
     return false;
   }
   const std::lock_guard lock(mutex_);
@@ -36,19 +37,21 @@ void WatchStream::Link::SendNext() {
 }
 
 void WatchStream::OnWriteDone(bool ok) {
-  const std::lock_guard lock(link_->mutex_);
-  link_->sending_ = false;
-  if (link_->stream_ == nullptr) return;
-  if (ok && link_->next_) {
-    link_->SendNext();
-  } else if (!ok || link_->last_) {
-    link_->stream_ = nullptr;
+  const auto link = link_;  // outlives this stream, whose end may come with Finish
+  const std::lock_guard lock(link->mutex_);
+  link->sending_ = false;
+  if (link->stream_ == nullptr) return;
+  if (ok && link->next_) {
+    link->SendNext();
+  } else if (!ok || link->last_) {
+    link->stream_ = nullptr;
     Finish(ok ? grpc::Status::OK : grpc::Status::CANCELLED);
   }
 }
 
 void WatchStream::OnCancel() {
-  link_->Finish(grpc::Status::CANCELLED);
+  const auto link = link_;
+  link->Finish(grpc::Status::CANCELLED);
 }
 
 }  // namespace tessera

@@ -103,9 +103,9 @@ grpc::ServerUnaryReactor* WorkService::ReturnResults(grpc::CallbackServerContext
   const WorkerId worker{request->worker()};
   const auto shared = std::make_shared<std::vector<ReturnedUnit>>(std::move(*units));
   core_.Post([=](CoreContext& core) {
-    core.answers.AwaitResults(id, [reactor, answer](const FarmOutput::Results& results) {
-      WriteResults(results, *answer);
-      reactor->Finish(grpc::Status::OK);
+    core.answers.AwaitResults(id, [reactor, answer](const FarmOutput::Results* results) {
+      if (results != nullptr) WriteResults(*results, *answer);
+      reactor->Finish(results != nullptr ? grpc::Status::OK : CoordinatorEnds());
     });
     core.farm.ReturnResults(core.now, id, worker, std::move(*shared));
   });
@@ -118,7 +118,9 @@ grpc::ServerUnaryReactor* WorkService::ReturnFailure(grpc::CallbackServerContext
   grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
   const WorkerId worker{request->worker()};
   const std::string words = ReadReason(request->reason());
-  const auto finish = [reactor] { reactor->Finish(grpc::Status::OK); };
+  const auto finish = [reactor](bool synced) {
+    reactor->Finish(synced ? grpc::Status::OK : CoordinatorEnds());
+  };
   if (request->lease() != 0) {
     const auto unit = ReadWorkUnit(request->unit());
     if (!unit) {

@@ -92,7 +92,7 @@ Result<void> Farm::CheckAdmission(const WorkerState& state) const {
         fmt::format("worker \"{}\" is version {}, this coordinator {}: install the same release on both",
                     state.name, state.software_version, kSoftwareVersion));
   }
-  if (scheduler_.worker_count() >= kWorkersMax) return Failed("the farm has too many workers");
+  if (scheduler_.IsFull(state.worker)) return Failed("the farm has too many workers");
   return {};
 }
 

@@ -84,7 +84,7 @@ class Scheduler {
 
   // ---- For people ----
   std::vector<WorkerStatus> Workers(Instant now) const;
-  size_t worker_count() const { return workers_.size(); }
+  bool IsFull(WorkerId worker) const { return workers_.size() >= kWorkersMax && !workers_.contains(worker); }
   uint32_t WorkersOf(JobId job) const;
   std::optional<double> SecondsLeft(JobId job) const;  // if the whole farm works on it
   size_t lease_count() const { return leases_.size(); }

@@ -85,6 +85,10 @@ Error ToError(const grpc::Status& status, const std::string& what) {
   }
 }
 
+grpc::Status CoordinatorEnds() {
+  return {grpc::StatusCode::UNAVAILABLE, "the coordinator ends"};
+}
+
 bool IsTransient(const grpc::Status& status) {
   return status.error_code() == grpc::StatusCode::UNAVAILABLE ||
          status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;

@@ -36,6 +36,8 @@ grpc::Status ToStatus(const Error& error);
 // The error of a failed call. `what` names what was tried, as "submit the job". INVALID_ARGUMENT and
 // NOT_FOUND become kBadInput, CANCELLED kInterrupted, everything else kFailed.
 Error ToError(const grpc::Status& status, const std::string& what);
+// The answer to calls that a coordinator which ends cannot answer any more: they are to be tried again.
+grpc::Status CoordinatorEnds();
 // Whether the same call may succeed later: the coordinator is away or did not answer in time.
 bool IsTransient(const grpc::Status& status);
 
