@@ -78,8 +78,10 @@ void CoreThread::Run() {
     CoreContext context{*farm_, now, answers_};
     for (Event& event : events) event(context);
     farm_->Advance(now);
-    if (closing_) farm_->AnswerAll(now);
     Deliver(farm_->TakeOutput());
+    if (closing_) {
+      for (const auto& [call, answer] : std::exchange(answers_.directives_, {})) answer(nullptr);
+    }
     TellWatchers(now);
     const std::lock_guard lock(mutex_);
     if (stopping_ && events_.empty()) return;

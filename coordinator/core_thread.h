@@ -20,7 +20,7 @@ namespace tessera {
 // Answers that wait for their time. Belongs to the core thread.
 class PendingAnswers {
  public:
-  // Gets the directive, or nothing if the call was cut.
+  // Gets the directive, or nothing if the call was cut or the coordinator ends.
   using OnDirective = std::function<void(const WorkerDirective*)>;
   // Gets the answer, or nothing if the coordinator ends before it could keep what it should.
   using OnResults = std::function<void(const FarmOutput::Results*)>;
@@ -68,7 +68,7 @@ class CoreThread {
 
   // Thread safe. Events are applied in order.
   void Post(Event event);
-  // From now on every waiting call is answered at once. Thread safe.
+  // From now on no call waits: workers and watchers are told that the coordinator ends. Thread safe.
   void Close();
   // Applies what was posted, then ends the thread.
   void Stop();

@@ -83,7 +83,7 @@ grpc::ServerUnaryReactor* WorkService::Synchronize(grpc::CallbackServerContext* 
     }
     core.answers.AwaitDirective(id, [call, answer](const WorkerDirective* directive) {
       if (directive != nullptr) Write(*directive, *answer);
-      call->Finish(directive != nullptr ? grpc::Status::OK : grpc::Status::CANCELLED);
+      call->Finish(directive != nullptr ? grpc::Status::OK : CoordinatorEnds());
     });
     core.farm.Synchronize(core.now, id, state);
   });

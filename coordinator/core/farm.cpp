@@ -228,10 +228,6 @@ void Farm::Answer(Instant now, WorkerId worker, CallId call) {
   parked_.erase(worker);
 }
 
-void Farm::AnswerAll(Instant now) {
-  while (!parked_.empty()) Answer(now, parked_.begin()->first, parked_.begin()->second.call);
-}
-
 Instant Farm::Patience(Instant now) const {
   Instant patience = scheduler_.TickInterval();
   for (const auto& [worker, parked] : parked_) patience = std::min(patience, parked.until - now);

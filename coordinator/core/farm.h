@@ -103,8 +103,6 @@ class Farm {
   void Advance(Instant now);
   Instant Patience(Instant now) const;
   FarmOutput TakeOutput();
-  // Answers all waiting calls, before the end of the process.
-  void AnswerAll(Instant now);
 
   const Scheduler& scheduler() const { return scheduler_; }
 
