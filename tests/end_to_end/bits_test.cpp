@@ -94,6 +94,23 @@ TEST_F(Bits, SurviveAWorkerThatDrains) {
   EXPECT_TRUE(Bytes("picture.exr") == oracle);
 }
 
+TEST_F(Bits, SurviveAWorkerThatHangsAndComesBack) {
+  const std::string oracle = Oracle(BoxScene(), kLongRender);
+  StartCoordinator();
+  Process& hanging = StartWorker("hanging");
+  const std::string job = Submit(BoxScene(), kLongRender);
+  AwaitShare(job, 0.05);
+  StartWorker("steady");
+  hanging.Signal(SIGSTOP);
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  hanging.Signal(SIGCONT);  // with late results of a job that is over
+  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
+  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+  EXPECT_EQ(Ask({"submit", BoxScene(), "--watch"}).code, 0);
+  hanging.Signal(SIGTERM);
+  EXPECT_EQ(hanging.Wait(std::chrono::seconds(10)), 0) << hanging.Errors();
+}
+
 TEST_F(Bits, SurviveACoordinatorKilledAndRestarted) {
   const std::string oracle = Oracle(BoxScene(), kLongRender);
   StartCoordinator();
