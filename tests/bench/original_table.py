@@ -20,6 +20,7 @@ A cell that would take longer than --run-seconds is measured with fewer samples,
 divided, and is marked so.
 
 Usage: original_table.py [--quick] [--bin DIR] [--out DIR] [--scenes NAME ...]
+On two cores the whole table takes some four hours, at most 6 x (4 x --reference-seconds + 5 x --runs x --run-seconds).
 Writes DIR/original_table.md, DIR/original_table.csv (cells) and DIR/original_table_runs.csv (every run).
 """
 
@@ -291,8 +292,9 @@ def number(value, digits=3):
 
 def seconds_text(cell, key):
     mark = "" if cell["scale"] == 1 else "\\*"
-    spread = f' ({cell[key + "_min"]:.1f}–{cell[key + "_max"]:.1f})' if cell["runs"] > 1 else ""
-    return f"{cell[key]:.1f}{spread}{mark}"
+    digits = 1 if cell[key] >= 1 else 3
+    spread = f' ({cell[key + "_min"]:.{digits}f}–{cell[key + "_max"]:.{digits}f})' if cell["runs"] > 1 else ""
+    return f"{cell[key]:.{digits}f}{spread}{mark}"
 
 
 def matrix(results, text):
@@ -344,7 +346,7 @@ def write_markdown(results, machine, options, path):
     same = [f"{scene}: {cells['bvh'].get('same_picture', 'not compared')}" for scene, cells in results.items()]
     text = f"""# The original ray tracer's evaluation, by Tessera
 
-{options.size} x {options.size} pixels, {options.spp} samples per pixel, {options.runs} runs (median, least and greatest).
+{options.size} x {options.size} pixels, {options.spp} samples per pixel, {options.runs} run{"s (median, least and greatest)" if options.runs > 1 else ""}.
 {chr(10).join(f'- {key}: {value}' for key, value in machine.items())}
 
 What the columns are, and how errors are measured, is said in `tests/bench/original_table.py`. Numbers with a star were
@@ -405,9 +407,9 @@ def parse_options():
     parser.add_argument("--spp", type=int, default=200)
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--threads", type=int, default=2, help="of all columns but farm, which has 2 workers of 1")
-    parser.add_argument("--run-seconds", type=float, default=100, help="wall seconds that one run may take")
+    parser.add_argument("--run-seconds", type=float, default=200, help="wall seconds that one run may take")
     parser.add_argument("--reference-spp", type=int, default=16384, help="at most")
-    parser.add_argument("--reference-seconds", type=float, default=300, help="wall seconds for one of four references")
+    parser.add_argument("--reference-seconds", type=float, default=400, help="wall seconds for one of four references")
     parser.add_argument("--quick", action="store_true", help="small pictures, one run: to see that all works")
     options = parser.parse_args()
     if options.quick:
