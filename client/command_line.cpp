@@ -24,10 +24,11 @@ T Take(Result<T> result) {
 
 // Adds a flag with one word that `set` turns into a value.
 template <typename Set>
-void AddWord(CLI::App& app, const std::string& flag, const std::string& help, const std::string& kind,
-             Set set) {
-  app.add_option_function<std::string>(
-         flag, [set](const std::string& word) { set(word); }, help)
+CLI::Option* AddWord(CLI::App& app, const std::string& flag, const std::string& help, const std::string& kind,
+                     Set set) {
+  return app
+      .add_option_function<std::string>(
+          flag, [set](const std::string& word) { set(word); }, help)
       ->type_name(kind);
 }
 
@@ -50,11 +51,15 @@ void AddFutureFlags(CLI::App& app) {
   }
 }
 
-void AddRenderOptions(CLI::App& app, RenderOptions& render) {
-  AddWord(app, "--spp", "samples per pixel", "N", [&render](const std::string& word) {
+CLI::Option* AddSamples(CLI::App& app, RenderOptions& render) {
+  return AddWord(app, "--spp", "samples per pixel", "N", [&render](const std::string& word) {
     render.samples_per_pixel =
         static_cast<uint32_t>(Take(ParseUnsigned("--spp", word, 1, kSamplesPerPixelMax)));
   });
+}
+
+void AddRenderOptions(CLI::App& app, RenderOptions& render) {
+  AddSamples(app, render);
   AddWord(app, "--resolution", "size of the picture, pixels", "WxH", [&render](const std::string& word) {
     const auto [width, height] = Take(ParseResolution(word));
     render.width = width;
@@ -112,7 +117,7 @@ CLI::App& AddCommand(CLI::App& app, Options& options, const std::string& name, c
 
 // So are the commands that DESIGN.md promises for later.
 void AddFutureCommands(CLI::App& app) {
-  for (const char* name : {"pause", "resume", "extend"}) {
+  for (const char* name : {"pause", "resume"}) {
     CLI::App* command = app.add_subcommand(name)->group("")->allow_extras();
     command->callback([name] { throw CLI::ValidationError(fmt::format("{} is not supported yet", name)); });
   }
@@ -155,11 +160,13 @@ void AddFarmCommands(CLI::App& app, Options& options) {
   const std::pair<const char*, const char*> job_commands[] = {{"status", "say how far a job is"},
                                                               {"watch", "follow a job until it ends"},
                                                               {"cancel", "stop a job"},
+                                                              {"extend", "give a job more samples"},
                                                               {"fetch", "get the picture of a job"}};
   for (const auto& [name, help] : job_commands) {
     CLI::App& command = AddCommand(app, options, name, help);
     AddJob(command, options);
     AddCoordinator(command, options);
+    if (std::string_view(name) == "extend") AddSamples(command, options.render)->required();
     if (std::string_view(name) != "fetch") continue;
     AddOutput(command, options, "job-JOB.exr");
     command.add_flag("--preview", options.preview, "take what is there of an unfinished picture");

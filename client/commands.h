@@ -14,6 +14,7 @@ Result<int> RunSubmit(const Options& options, Cancellation& cancellation);
 Result<int> RunStatus(const Options& options, Cancellation& cancellation);
 Result<int> RunWatch(const Options& options, Cancellation& cancellation);
 Result<int> RunCancel(const Options& options, Cancellation& cancellation);
+Result<int> RunExtend(const Options& options, Cancellation& cancellation);
 Result<int> RunFetch(const Options& options, Cancellation& cancellation);
 Result<int> RunJobs(const Options& options, Cancellation& cancellation);
 Result<int> RunWorkers(const Options& options, Cancellation& cancellation);

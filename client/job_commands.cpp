@@ -1,4 +1,4 @@
-// tessera status, watch, cancel: commands about one job.
+// tessera status, watch, cancel, extend: commands about one job.
 #include <fmt/format.h>
 
 #include "client/commands.h"
@@ -38,6 +38,15 @@ Result<int> RunCancel(const Options& options, Cancellation& cancellation) {
   const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
   if (!client) return client.error();
   const auto status = (*client)->Cancel(JobId{options.job});
+  if (!status) return status.error();
+  Print(options, *status);
+  return 0;
+}
+
+Result<int> RunExtend(const Options& options, Cancellation& cancellation) {
+  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  if (!client) return client.error();
+  const auto status = (*client)->Extend(JobId{options.job}, *options.render.samples_per_pixel);
   if (!status) return status.error();
   Print(options, *status);
   return 0;

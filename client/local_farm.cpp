@@ -76,11 +76,11 @@ Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Ca
   auto folder = TemporaryFolder::Make();
   if (!folder) return folder.error();
   std::string socket = folder->path() + "/socket";
-  auto coordinator =
-      ChildProcess::Start(*programs + "/tessera-coordinator",
-                          {"--listen", "unix:" + socket, "--data-dir", folder->path() + "/coordinator",
-                           "--attempts-max", std::to_string(std::min(workers, kAttemptsMax))},
-                          folder->path() + "/coordinator.log");
+  auto coordinator = ChildProcess::Start(
+      *programs + "/tessera-coordinator",
+      {"--listen", "unix:" + socket, "--data-dir", folder->path() + "/coordinator", "--keep-sums", "0",
+       "--attempts-max", std::to_string(std::min(workers, kAttemptsMax))},
+      folder->path() + "/coordinator.log");
   if (!coordinator) return coordinator.error();
   std::unique_ptr<LocalFarm> farm(
       new LocalFarm(std::move(*folder), std::move(socket), std::move(*coordinator), cancellation));

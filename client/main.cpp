@@ -18,7 +18,7 @@ const std::map<std::string, Command>& Commands() {
   static const std::map<std::string, Command> kCommands{
       {"render", RunRender}, {"submit", RunSubmit},   {"status", RunStatus}, {"watch", RunWatch},
       {"cancel", RunCancel}, {"fetch", RunFetch},     {"jobs", RunJobs},     {"workers", RunWorkers},
-      {"info", RunInfo},     {"compare", RunCompare},
+      {"info", RunInfo},     {"compare", RunCompare}, {"extend", RunExtend},
   };
   return kCommands;
 }

@@ -46,6 +46,7 @@ Result<SceneJob> LoadSceneJob(const Options& options, Scene::Depth depth) {
   job.packed.frame.scene_file = PackagePath(name);
   job.packed.frame.options = EncodeRenderOptions(options.render);
   job.packed.frame.spec = job.scene->frame();
+  job.packed.frame.extendable = job.scene->summary().extendable;
   job.packed.frame.spec.attributes[kSceneDigestAttribute] = job.packed.digest.Hex();
   return job;
 }

@@ -9,32 +9,13 @@
 #include "coordinator/core_thread.h"
 #include "coordinator/jobs_service.h"
 #include "coordinator/picture_writer.h"
+#include "coordinator/recovery.h"
 #include "coordinator/server.h"
 #include "coordinator/work_service.h"
 #include "store/data_dir.h"
-#include "store/file_journal.h"
 
 namespace tessera {
 namespace {
-
-struct Recovered {
-  std::unique_ptr<Farm> farm;
-  std::unique_ptr<Journal> journal;
-};
-
-// The farm as its journal tells.
-Result<Recovered> Recover(const DataDir& directory, int attempts_max) {
-  std::vector<Fact> facts;
-  uint32_t epoch = 1;
-  auto journal = FileJournal::Open(directory.JournalPath(), [&](const Fact& fact) {
-    if (const auto* started = std::get_if<CoordinatorStarted>(&fact)) epoch = started->epoch + 1;
-    facts.push_back(fact);
-  });
-  if (!journal) return journal.error();
-  Recovered recovered{std::make_unique<Farm>(SchedulerOptions{epoch, attempts_max}), std::move(*journal)};
-  for (const Fact& fact : facts) recovered.farm->Restore(fact);
-  return recovered;
-}
 
 void WaitForSignal() {
   sigset_t signals;
@@ -53,13 +34,16 @@ Result<void> RunCoordinator(const CoordinatorOptions& options) {
   if (!directory) return directory.error();
   auto blobs = BlobStore::Open(directory->BlobsPath());
   if (!blobs) return blobs.error();
-  auto recovered = Recover(*directory, options.attempts_max);
-  if (!recovered) return recovered.error();
+  BackgroundThread spooling;
+  const auto run = [&](std::function<void()> task) { spooling.Post(std::move(task)); };
+  auto parts = Recover(*directory, {options.attempts_max, options.keep_sums_bytes}, run);
+  if (!parts) return parts.error();
 
   PictureWriter writer(*directory);
   CoreThread* core_of_writer = nullptr;
-  CoreThread core(std::move(recovered->farm), std::move(recovered->journal),
-                  [&](FinishedPicture picture) { writer.Write(*core_of_writer, std::move(picture)); });
+  parts->write_picture = [&](FinishedPicture picture) { writer.Write(*core_of_writer, std::move(picture)); };
+  parts->remove_pictures = [&](JobId job) { spooling.Post([&, job] { directory->RemovePictures(job); }); };
+  CoreThread core(std::move(*parts));
   core_of_writer = &core;
   WorkService work(core);
   BlobService blob_service(*blobs);
@@ -76,6 +60,7 @@ Result<void> RunCoordinator(const CoordinatorOptions& options) {
   jobs.Stop();
   writer.Stop();
   core.Stop();
+  spooling.Stop();
   return {};
 }
 

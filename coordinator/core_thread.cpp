@@ -8,9 +8,11 @@ namespace tessera {
 namespace {
 
 using std::chrono::milliseconds;
+using std::chrono::seconds;
 
 constexpr Instant kWatchInterval = milliseconds(250);  // people see no more
 constexpr Instant kSyncRetry = milliseconds(1000);     // after a failure of the disk
+constexpr Instant kCompactInterval = seconds(10);      // of the journal
 constexpr Instant kPatienceMin = milliseconds(1);
 
 Instant Now() {
@@ -32,12 +34,7 @@ PendingAnswers::OnDirective PendingAnswers::TakeDirective(CallId call) {
   return answer;
 }
 
-CoreThread::CoreThread(std::unique_ptr<Farm> farm, std::unique_ptr<Journal> journal,
-                       std::function<void(FinishedPicture)> write_picture)
-    : farm_(std::move(farm)),
-      journal_(std::move(journal)),
-      write_picture_(std::move(write_picture)),
-      thread_([this] { Run(); }) {}
+CoreThread::CoreThread(Parts parts) : parts_(std::move(parts)), thread_([this] { Run(); }) {}
 
 CoreThread::~CoreThread() {
   Stop();
@@ -71,14 +68,14 @@ std::vector<CoreThread::Event> CoreThread::WaitForEvents(Instant patience) {
 }
 
 void CoreThread::Run() {
-  farm_->Begin(Now());
+  parts_.farm->Begin(Now());
   while (true) {
     std::vector<Event> events = WaitForEvents(Patience(Now()));
     const Instant now = Now();
-    CoreContext context{*farm_, now, answers_};
+    CoreContext context{*parts_.farm, now, answers_};
     for (Event& event : events) event(context);
-    farm_->Advance(now);
-    Deliver(farm_->TakeOutput());
+    parts_.farm->Advance(now);
+    Deliver(parts_.farm->TakeOutput());
     if (closing_) {
       for (const auto& [call, answer] : std::exchange(answers_.directives_, {})) answer(nullptr);
     }
@@ -89,17 +86,18 @@ void CoreThread::Run() {
 }
 
 Instant CoreThread::Patience(Instant now) const {
-  Instant patience = farm_->Patience(now);
+  Instant patience = parts_.farm->Patience(now);
   if (!answers_.watchers_.empty()) patience = std::min(patience, watchers_due_ - now);
   if (!unsynced_.empty()) patience = std::min(patience, sync_due_ - now);
   return std::max(patience, kPatienceMin);
 }
 
-// Journal, sync, answer.
+// Keep, sync, answer.
 void CoreThread::Deliver(FarmOutput output) {
   for (const std::string& line : output.log) spdlog::info("{}", line);
+  for (auto& [frame, node] : std::exchange(output.accepted, {})) parts_.spool->Append(frame, std::move(node));
   for (const Fact& fact : output.facts) {
-    journal_->Append(fact);
+    parts_.journal->Append(fact);
     if (std::holds_alternative<JobEnded>(fact)) watchers_due_ = {};  // people hear of an end at once
   }
   unsynced_.push_back(std::move(output));
@@ -107,25 +105,50 @@ void CoreThread::Deliver(FarmOutput output) {
     if (closing_) Abandon();
     return;
   }
-  for (FarmOutput& each : std::exchange(unsynced_, {})) {
-    for (const auto& answer : each.results) {
-      if (const auto waiting = answers_.results_.extract(answer.call)) waiting.mapped()(&answer);
-    }
-    for (const auto& answer : each.directives) {
-      if (const auto waiting = answers_.TakeDirective(answer.call)) waiting(&answer.directive);
-    }
-    for (FinishedPicture& picture : each.pictures) write_picture_(std::move(picture));
-  }
+  for (FarmOutput& each : std::exchange(unsynced_, {})) Answer(std::move(each));
   for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer(true);
+  Compact();
+}
+
+void CoreThread::Answer(FarmOutput output) {
+  for (const auto& answer : output.results) {
+    if (const auto waiting = answers_.results_.extract(answer.call)) waiting.mapped()(&answer);
+  }
+  for (const auto& answer : output.directives) {
+    if (const auto waiting = answers_.TakeDirective(answer.call)) waiting(&answer.directive);
+  }
+  for (FinishedPicture& picture : output.pictures) parts_.write_picture(std::move(picture));
+  for (auto& [frame, nodes] : output.sums) parts_.spool->Replace(frame, std::move(nodes));
+  for (const FrameId frame : output.dropped) parts_.spool->Drop(frame);
+  for (const FrameId frame : output.loads) Load(frame);
+  for (const JobId job : output.forgotten) parts_.remove_pictures(job);
+}
+
+void CoreThread::Load(FrameId frame) {
+  parts_.spool->Load(frame, [this, frame](Result<std::vector<TileNode>> nodes) {
+    const auto shared = std::make_shared<Result<std::vector<TileNode>>>(std::move(nodes));
+    Post([=](CoreContext& core) { core.farm.SumsLoaded(core.now, frame, std::move(*shared)); });
+  });
 }
 
 bool CoreThread::Sync() {
   if (Now() < sync_due_ && !closing_) return false;
-  const auto synced = journal_->Sync();
-  if (synced) return true;
-  spdlog::error("journal_delayed reason=\"{}\"", synced.error().message);
-  sync_due_ = Now() + kSyncRetry;
-  return false;
+  for (const FrameId frame : parts_.spool->Grown()) {
+    if (auto nodes = parts_.farm->Sums(frame)) parts_.spool->Replace(frame, std::move(*nodes));
+  }
+  auto synced = parts_.spool->Sync();
+  if (synced) synced = parts_.journal->Sync();
+  parts_.farm->StorageDelayed(synced ? "" : synced.error().message);
+  if (!synced) sync_due_ = Now() + kSyncRetry;
+  return synced.has_value();
+}
+
+// Failing does no harm: the journal stays as it was, and is tried again when it has grown further.
+void CoreThread::Compact() {
+  if (!parts_.journal->IsLarge() || Now() < compact_due_) return;
+  compact_due_ = Now() + kCompactInterval;
+  const auto replaced = parts_.journal->Replace(parts_.farm->Snapshot());
+  if (!replaced) spdlog::warn("journal_not_compacted reason=\"{}\"", replaced.error().message);
 }
 
 // The end has come before the disk took the facts: nobody may hear of them, but nobody may wait either.
@@ -136,7 +159,6 @@ void CoreThread::Abandon() {
 }
 
 void CoreThread::TellWatchers(Instant now) {
-  if (!unsynced_.empty() && !closing_) return;  // what they would hear might be forgotten
   const bool all = now >= watchers_due_ || closing_;
   if (all) watchers_due_ = now + kWatchInterval;
   std::erase_if(answers_.watchers_, [&](PendingAnswers::Watcher& watcher) {
@@ -145,8 +167,9 @@ void CoreThread::TellWatchers(Instant now) {
       watcher.offer(nullptr, true);
       return true;
     }
-    const auto status = farm_->Status(now, watcher.job);
+    const auto status = parts_.farm->Status(now, watcher.job);
     const bool last = !status || HasEnded(status->state);
+    if (last && !unsynced_.empty()) return false;  // that it has ended might be forgotten
     if (!last && watcher.told && IsSame(*watcher.told, *status)) return false;
     watcher.told = status;
     return !watcher.offer(status ? &*status : nullptr, last) || last;

@@ -1,6 +1,7 @@
-// The one thread that owns the farm. Others post events; it applies all that wait, journals their facts,
-// syncs once and then gives the answers (group commit). No lock is held while it does: the mutex guards the
-// queue alone.
+// The one thread that owns the farm. Others post events; it applies all that wait, puts the results among
+// them into the spool and their facts into the journal, syncs once and then gives the answers (group commit).
+// While the disk refuses, nothing is answered: all of it waits, and is tried again. No lock is held
+// meanwhile: the mutex guards the queue alone.
 #pragma once
 
 #include <condition_variable>
@@ -14,6 +15,7 @@
 #include "core/farm.h"
 #include "core/instant.h"
 #include "core/journal.h"
+#include "core/spool.h"
 
 namespace tessera {
 
@@ -61,9 +63,15 @@ class CoreThread {
  public:
   using Event = std::function<void(CoreContext&)>;
 
-  // `write_picture` is handed frames that are complete; it must not block.
-  CoreThread(std::unique_ptr<Farm> farm, std::unique_ptr<Journal> journal,
-             std::function<void(FinishedPicture)> write_picture);
+  // What it owns, and what it has others do, who must not block.
+  struct Parts {
+    std::unique_ptr<Farm> farm;
+    std::unique_ptr<Journal> journal;
+    std::unique_ptr<Spool> spool;
+    std::function<void(FinishedPicture)> write_picture;  // a frame that is complete
+    std::function<void(JobId)> remove_pictures;          // of a job that is forgotten
+  };
+  explicit CoreThread(Parts parts);
   ~CoreThread();  // Stop
 
   // Thread safe. Events are applied in order.
@@ -77,19 +85,20 @@ class CoreThread {
   void Run();
   std::vector<Event> WaitForEvents(Instant patience);
   void Deliver(FarmOutput output);
+  void Answer(FarmOutput output);
   bool Sync();
+  void Compact();
+  void Load(FrameId frame);
   void Abandon();
   void TellWatchers(Instant now);
   Instant Patience(Instant now) const;
 
-  std::unique_ptr<Farm> farm_;
-  std::unique_ptr<Journal> journal_;
-  std::function<void(FinishedPicture)> write_picture_;
+  Parts parts_;
   PendingAnswers answers_;
   std::vector<FarmOutput> unsynced_;  // in order; their answers wait for the disk
   bool closing_ = false;              // of the core thread
   Instant watchers_due_{};
-  Instant sync_due_{};
+  Instant sync_due_{}, compact_due_{};
 
   std::mutex mutex_;
   std::condition_variable posted_;

@@ -89,6 +89,45 @@ grpc::ServerUnaryReactor* JobsService::Cancel(grpc::CallbackServerContext* conte
   return reactor;
 }
 
+grpc::ServerUnaryReactor* JobsService::Extend(grpc::CallbackServerContext* context,
+                                              const proto::ExtendRequest* request, proto::JobStatus* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  const JobId job{request->job()};
+  const uint32_t samples = request->samples_per_pixel();
+  if (samples < 1 || samples > kSamplesPerPixelMax) {
+    reactor->Finish(
+        {grpc::StatusCode::INVALID_ARGUMENT, "message refused: samples_per_pixel are beyond the limit"});
+    return reactor;
+  }
+  const auto extend = [=](CoreContext& core) {
+    if (core.farm.IsMovingSums(job)) {
+      reactor->Finish({grpc::StatusCode::UNAVAILABLE, "a picture of the job is being written; try again"});
+      return;
+    }
+    const auto status = core.farm.Extend(core.now, job, samples);
+    core.answers.AfterSync([=](bool synced) {
+      if (status) Write(*status, *answer);
+      reactor->Finish(!status ? ToStatus(status.error()) : synced ? grpc::Status::OK : CoordinatorEnds());
+    });
+  };
+  // Blobs may have gone since the job ended. Looking takes long: not on the core thread.
+  const auto check = [=, this](const JobSpec& spec) {
+    if (const auto checked = CheckSubmission(spec, blobs_); !checked) {
+      reactor->Finish(ToStatus(Failed(checked.error().message + "; submit the scene again")));
+    } else {
+      core_.Post(extend);
+    }
+  };
+  core_.Post([=, this](CoreContext& core) {
+    if (const auto spec = core.farm.Spec(job)) {
+      background_.Post([=] { check(*spec); });
+    } else {
+      reactor->Finish(NoJob(job));
+    }
+  });
+  return reactor;
+}
+
 grpc::ServerUnaryReactor* JobsService::Workers(grpc::CallbackServerContext* context,
                                                const proto::WorkersRequest*, proto::WorkersAnswer* answer) {
   grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();

@@ -29,6 +29,8 @@ class JobsService final : public proto::Jobs::CallbackService {
                                                     const proto::JobRequest* request) override;
   grpc::ServerUnaryReactor* Cancel(grpc::CallbackServerContext* context, const proto::JobRequest* request,
                                    proto::JobStatus* answer) override;
+  grpc::ServerUnaryReactor* Extend(grpc::CallbackServerContext* context, const proto::ExtendRequest* request,
+                                   proto::JobStatus* answer) override;
   grpc::ServerUnaryReactor* Workers(grpc::CallbackServerContext* context,
                                     const proto::WorkersRequest* request,
                                     proto::WorkersAnswer* answer) override;

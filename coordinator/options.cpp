@@ -31,8 +31,8 @@ Result<CoordinatorOptions> Check(CoordinatorOptions options, const std::vector<s
 }  // namespace
 
 std::string CoordinatorOptions::Text() const {
-  std::string text =
-      fmt::format("data_dir=\"{}\" insecure={} exit_with_parent={}", data_dir, insecure, exit_with_parent);
+  std::string text = fmt::format("data_dir=\"{}\" insecure={} exit_with_parent={} keep_sums={}", data_dir,
+                                 insecure, exit_with_parent, keep_sums_bytes);
   for (const Address& address : listen) text += fmt::format(" listen={}", address.Text());
   return text;
 }
@@ -57,6 +57,12 @@ Result<std::optional<CoordinatorOptions>> ParseCoordinatorOptions(int argc, char
          "--attempts-max", options.attempts_max,
          "different workers that may fail a unit before its job fails (3); for a farm of fewer: how many")
       ->check(CLI::Range(1, kAttemptsMax));
+  app.add_option(
+         "--keep-sums", options.keep_sums_bytes,
+         "how much of the disk the sums of finished frames may take, as 500MB or 16GB (the default), so "
+         "that tessera extend has something to go on from; the oldest go first; 0: none")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("SIZE");
   app.add_option("--log-level", options.log_level, "how much goes to stderr")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
   try {

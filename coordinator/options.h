@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/farm.h"
 #include "util/result.h"
 #include "wire/address.h"
 
@@ -16,6 +17,7 @@ struct CoordinatorOptions {
   bool insecure = false;          // listen where other machines can reach it, though nobody has to log in
   bool exit_with_parent = false;  // end when the process that started this one ends
   int attempts_max = 3;           // different workers that may fail a unit before its job fails
+  uint64_t keep_sums_bytes = kKeptBytesMaxDefault;  // of finished frames, so that they can be extended
   std::string log_level = "info";
 
   std::string Text() const;  // for the log

@@ -37,7 +37,7 @@ void PictureWriter::WriteNow(CoreThread& core, const FinishedPicture& picture) {
     }
     const std::string reason = written.error().message;
     core.Post([=](CoreContext& context) { context.farm.PictureDelayed(job, reason); });
-    if (!thread_.Sleep(kRetry)) return;  // the process ends; the next one renders the frame again
+    if (!thread_.Sleep(kRetry)) return;  // the process ends; the next one has the frame in its spool
   }
 }
 

@@ -131,6 +131,7 @@ struct FrameOrder {
   std::string options;  // EncodeRenderOptions
   FrameSpec spec;
   int32_t number = 0;
+  bool extendable = false;  // its samples do not depend on how many there will be
 };
 
 // What a client submits. Immutable once accepted.

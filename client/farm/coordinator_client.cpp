@@ -133,6 +133,17 @@ Result<JobStatus> CoordinatorClient::Cancel(JobId job) {
   return ReadJobStatus(answer);
 }
 
+Result<JobStatus> CoordinatorClient::Extend(JobId job, uint32_t samples_per_pixel) {
+  proto::ExtendRequest request;
+  request.set_job(Number(job));
+  request.set_samples_per_pixel(samples_per_pixel);
+  proto::JobStatus answer;
+  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Extend, request, answer,
+                    fmt::format("extend job {}", Number(job)));
+  if (!asked) return asked.error();
+  return ReadJobStatus(answer);
+}
+
 Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(const JobStatus&)>& report) {
   const std::string what = fmt::format("watch job {}", Number(job));
   auto heard = std::chrono::steady_clock::now();

@@ -37,6 +37,7 @@ class CoordinatorClient {
   // The bytes of the picture's OpenEXR file.
   Result<std::string> FetchPicture(JobId job, bool preview);
   Result<JobStatus> Cancel(JobId job);
+  Result<JobStatus> Extend(JobId job, uint32_t samples_per_pixel);
   Result<std::vector<JobStatus>> Jobs();
   Result<std::vector<WorkerStatus>> Workers();
 

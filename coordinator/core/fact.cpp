@@ -7,7 +7,15 @@
 namespace tessera {
 namespace {
 
-enum class Kind : uint32_t { kCoordinatorStarted = 1, kJobSubmitted = 2, kFrameFinished = 3, kJobEnded = 4 };
+enum class Kind : uint32_t {
+  kCoordinatorStarted = 1,
+  kJobSubmitted = 2,
+  kFrameFinished = 3,
+  kJobEnded = 4,
+  kJobExtended = 8,
+  kJobsForgotten = 10,
+  kFrameResumed = 11,
+};
 
 void Add(ByteWriter& out, const Digest& digest) {
   out.AddText({reinterpret_cast<const char*>(digest.bytes.data()), digest.bytes.size()});
@@ -64,6 +72,7 @@ void Add(ByteWriter& out, const JobSpec& spec) {
     out.AddText(frame.scene_file);
     out.AddText(frame.options);
     out.Add32(static_cast<uint32_t>(frame.number));
+    out.Add32(frame.extendable ? 1 : 0);
     Add(out, frame.spec);
   }
 }
@@ -78,6 +87,7 @@ bool Read(ByteReader& in, JobSpec& spec) {
     frame.scene_file = in.ReadText();
     frame.options = in.ReadText();
     frame.number = static_cast<int32_t>(in.Read32());
+    frame.extendable = in.Read32() != 0;
     if (!Read(in, frame.spec)) return false;
   }
   return in.ok() && !spec.frames.empty() && spec.frames.size() <= static_cast<size_t>(kFramesPerJobMax);
@@ -108,6 +118,23 @@ void Add(ByteWriter& out, const JobEnded& fact) {
   out.AddText(fact.reason);
 }
 
+void Add(ByteWriter& out, const JobExtended& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kJobExtended));
+  out.Add64(Number(fact.job));
+  out.Add32(fact.samples_per_pixel);
+}
+
+void Add(ByteWriter& out, const JobsForgotten& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kJobsForgotten));
+  out.Add64(Number(fact.last));
+}
+
+void Add(ByteWriter& out, const FrameResumed& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kFrameResumed));
+  out.Add64(Number(fact.job));
+  out.Add32(fact.frame);
+}
+
 std::optional<Fact> ReadFact(ByteReader& in) {
   switch (static_cast<Kind>(in.Read32())) {
     case Kind::kCoordinatorStarted: return CoordinatorStarted{in.Read32()};
@@ -133,6 +160,20 @@ std::optional<Fact> ReadFact(ByteReader& in) {
           fact.state != JobState::kCancelled) {
         return std::nullopt;
       }
+      return fact;
+    }
+    case Kind::kJobExtended: {
+      JobExtended fact;
+      fact.job = JobId{in.Read64()};
+      fact.samples_per_pixel = in.Read32();
+      if (fact.samples_per_pixel < 1 || fact.samples_per_pixel > kSamplesPerPixelMax) return std::nullopt;
+      return fact;
+    }
+    case Kind::kJobsForgotten: return JobsForgotten{JobId{in.Read64()}};
+    case Kind::kFrameResumed: {
+      FrameResumed fact;
+      fact.job = JobId{in.Read64()};
+      fact.frame = in.Read32();
       return fact;
     }
   }

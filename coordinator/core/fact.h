@@ -34,7 +34,26 @@ struct JobEnded {
   std::string reason;
 };
 
-using Fact = std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded>;
+// From now on each of its frames has so many samples per pixel; those that were finished are so no more.
+struct JobExtended {
+  JobId job{};
+  uint32_t samples_per_pixel = 0;
+};
+
+// A frame that was finished before its job was extended has got more samples: the spool holds more than the
+// sums that it was finished with.
+struct FrameResumed {
+  JobId job{};
+  uint32_t frame = 0;
+};
+
+// Facts of ended jobs have been left out. No job gets a number up to this one again.
+struct JobsForgotten {
+  JobId last{};
+};
+
+using Fact = std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended,
+                          JobsForgotten, FrameResumed>;
 
 // A 32-bit number that tells the kind, then its members in order, integers little-endian, texts and lists
 // preceded by a 64-bit length. New kinds get new numbers; the meaning of a number never changes.

@@ -4,15 +4,12 @@
 
 #include <algorithm>
 
+#include "core/extension.h"
 #include "core/policy.h"
 #include "util/check.h"
 
 namespace tessera {
 namespace {
-
-uint64_t SamplesOf(const FrameSpec& spec) {
-  return static_cast<uint64_t>(spec.crop.area()) * spec.samples_per_pixel;
-}
 
 // What is wrong with a tile that was returned for a unit, or nothing.
 std::string Mismatch(const RadianceTile& tile, const WorkUnit& unit, PixelBounds bounds, int channels) {
@@ -26,7 +23,8 @@ std::string Mismatch(const RadianceTile& tile, const WorkUnit& unit, PixelBounds
 
 }  // namespace
 
-Farm::Farm(SchedulerOptions options) : scheduler_(options) {
+Farm::Farm(SchedulerOptions options, uint64_t kept_bytes_max)
+    : scheduler_(options), epoch_(options.epoch), kept_sums_(kept_bytes_max) {
   output_.facts.emplace_back(CoordinatorStarted{options.epoch});
 }
 
@@ -43,42 +41,12 @@ const Farm::JobEntry* Farm::FindJob(JobId id) const {
 Farm::JobEntry& Farm::AddJob(JobId id, std::shared_ptr<const JobSpec> spec) {
   JobEntry& job = jobs_[id];
   job.id = id;
-  for (const FrameOrder& frame : spec->frames) job.samples_total += SamplesOf(frame.spec);
+  job.samples_total = SamplesOf(*spec);
   submissions_[spec->submission] = id;
   open_jobs_.insert(id);
   job_next_ = std::max(job_next_, Number(id) + 1);
-  job.spec = std::move(spec);
+  job.submitted = job.spec = std::move(spec);
   return job;
-}
-
-void Farm::Restore(const Fact& fact) {
-  if (const auto* submitted = std::get_if<JobSubmitted>(&fact)) {
-    AddJob(submitted->job, submitted->spec);
-  } else if (const auto* finished = std::get_if<FrameFinished>(&fact)) {
-    JobEntry* const job = FindJob(finished->job);
-    if (job == nullptr || finished->frame >= job->spec->frames.size()) return;
-    job->files[finished->frame] = finished->file;
-    job->samples_done += SamplesOf(job->spec->frames[finished->frame].spec);
-  } else if (const auto* ended = std::get_if<JobEnded>(&fact)) {
-    JobEntry* const job = FindJob(ended->job);
-    if (job == nullptr) return;
-    job->state = ended->state;
-    job->reason = ended->reason;
-    open_jobs_.erase(ended->job);
-  }
-}
-
-void Farm::Begin(Instant now) {
-  for (const JobId id : std::set<JobId>(open_jobs_)) {
-    JobEntry& job = jobs_.at(id);
-    job.began = now;
-    std::set<uint32_t> finished;
-    for (const auto& [frame, file] : job.files) finished.insert(frame);
-    scheduler_.AddJob(id, job.spec, finished);
-    output_.log.push_back(fmt::format("job_resumed job={} frames_finished={}", Number(id), finished.size()));
-    if (finished.size() == job.spec->frames.size()) EndJob(now, job, JobState::kFinished, "");
-  }
-  ForgetEnded();
 }
 
 Result<void> Farm::CheckAdmission(const WorkerState& state) const {
@@ -156,15 +124,36 @@ Verdict Farm::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::
 }
 
 void Farm::Merge(JobEntry& job, const WorkUnit& unit, RadianceTile tile) {
-  Merger& merger = job.mergers.try_emplace(unit.frame, job.spec->frames[unit.frame].spec).first->second;
+  output_.accepted.push_back({{job.id, unit.frame}, {unit.tile, tile.range, tile.sums}});
+  Merger& merger = MergerOf(job, unit.frame);
   const uint64_t before = merger.samples_merged();
   const auto outcome = merger.Add(static_cast<int>(unit.tile), std::move(tile));
   TESSERA_CHECK(outcome && *outcome == Merger::Outcome::kMerged);  // as the scheduler said
   job.samples_done += merger.samples_merged() - before;
+  const PixelBounds bounds = merger.spec().TileBounds(static_cast<int>(unit.tile));
+  job.samples_accepted += static_cast<uint64_t>(bounds.area()) * unit.range.size;
+  if (job.loading.contains(unit.frame)) return;
   TESSERA_CHECK(merger.Complete() == scheduler_.IsComplete(job.id, unit.frame));
-  if (!merger.Complete()) return;
-  output_.pictures.push_back({job.id, unit.frame, job.spec, merger.Picture()});
-  job.mergers.erase(unit.frame);
+  if (merger.Complete()) CompleteFrame(job, unit.frame);
+}
+
+Merger& Farm::MergerOf(JobEntry& job, uint32_t frame) {
+  const auto found = job.mergers.find(frame);
+  if (found != job.mergers.end()) return found->second;
+  if (job.kept.erase(frame) > 0) {
+    job.loading.insert(frame);
+    output_.facts.emplace_back(FrameResumed{job.id, frame});
+    output_.loads.push_back({job.id, frame});
+  }
+  return job.mergers.try_emplace(frame, job.spec->frames[frame].spec).first->second;
+}
+
+void Farm::CompleteFrame(JobEntry& job, uint32_t frame) {
+  Merger& merger = job.mergers.at(frame);
+  output_.pictures.push_back({job.id, frame, job.spec, merger.Picture()});
+  if (MayKeep(job)) output_.sums.push_back({{job.id, frame}, merger.TakeNodes()});
+  job.mergers.erase(frame);
+  job.writing.insert(frame);
 }
 
 void Farm::FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
@@ -180,9 +169,11 @@ void Farm::PictureWritten(Instant now, JobId id, uint32_t frame, const Digest& f
   JobEntry* const job = FindJob(id);
   if (job == nullptr || HasEnded(job->state)) return;
   job->files[frame] = file;
+  job->writing.erase(frame);
   job->reason.clear();
   output_.facts.emplace_back(FrameFinished{id, frame, file});
   output_.log.push_back(fmt::format("frame_finished job={} frame={} file={}", Number(id), frame, file.Hex()));
+  KeepSums(*job, frame);
   if (job->files.size() == job->spec->frames.size()) EndJob(now, *job, JobState::kFinished, "");
 }
 
@@ -192,6 +183,20 @@ void Farm::PictureDelayed(JobId id, const std::string& reason) {
   if (job->reason != reason)
     output_.log.push_back(fmt::format("job_paused job={} reason=\"{}\"", Number(id), reason));
   job->reason = reason;
+}
+
+void Farm::StorageDelayed(const std::string& reason) {
+  if (!reason.empty() && reason != storage_reason_)
+    output_.log.push_back(fmt::format("storage_delayed reason=\"{}\"", reason));
+  storage_reason_ = reason;
+}
+
+std::optional<std::vector<TileNode>> Farm::Sums(FrameId id) const {
+  const JobEntry* const job = FindJob(id.job);
+  if (job == nullptr || job->loading.contains(id.frame)) return std::nullopt;
+  const auto merger = job->mergers.find(id.frame);
+  if (merger == job->mergers.end()) return std::nullopt;
+  return merger->second.AllNodes();
 }
 
 void Farm::Advance(Instant now) {

@@ -13,7 +13,9 @@
 
 #include "core/fact.h"
 #include "core/instant.h"
+#include "core/kept_sums.h"
 #include "core/scheduler.h"
+#include "core/spool.h"
 #include "film/merger.h"
 #include "film/radiance_tile.h"
 #include "terms/terms.h"
@@ -38,8 +40,17 @@ struct FinishedPicture {
   FramePicture picture;
 };
 
-// What to do after a batch of events, in this order: journal the facts, sync, then the rest.
+// What to do after a batch of events, in this order: put `accepted` into the spool and the facts into the
+// journal, sync both, spool first; then the rest.
 struct FarmOutput {
+  struct Accepted {
+    FrameId frame;
+    TileNode node;
+  };
+  struct Sums {
+    FrameId frame;
+    std::vector<TileNode> nodes;
+  };
   struct Directive {
     CallId call{};
     WorkerDirective directive;
@@ -50,20 +61,36 @@ struct FarmOutput {
     std::vector<std::string> reasons;  // of the refused
     Scheduler::Grants grants;
   };
+  std::vector<Accepted> accepted;
   std::vector<Fact> facts;
+  std::vector<Sums> sums;  // of frames that are complete: replace in the spool what was accepted of them
+  std::vector<FrameId> dropped;  // from the spool
+  std::vector<FrameId> loads;    // from the spool; then call SumsLoaded
+  std::vector<JobId> forgotten;  // their pictures may go
   std::vector<Directive> directives;
   std::vector<Results> results;
   std::vector<FinishedPicture> pictures;  // to be written to files; then call PictureWritten
   std::vector<std::string> log;           // "event key=value ..."
 };
 
+// Of the sums of finished frames: some 500 frames of 1920 x 1080 pixels, and little for a farm's disk.
+constexpr uint64_t kKeptBytesMaxDefault = uint64_t{16} << 30;
+
 class Farm {
  public:
-  explicit Farm(SchedulerOptions options);
+  // Sums of finished frames are kept up to `kept_bytes_max`, so that they can be extended.
+  explicit Farm(SchedulerOptions options, uint64_t kept_bytes_max = kKeptBytesMaxDefault);
 
-  // ---- After a start: all facts of former processes in order, then Begin ----
+  // ---- After a start: all facts of former processes in order; what is in the spool; then Begin ----
   void Restore(const Fact& fact);
+  // What to do with a frame that is in the spool; `begun` if results of it came in since its last base.
+  // kRestore: hand all its nodes to RestoreNode.
+  enum class SpoolUse { kDrop, kKeep, kRestore };
+  SpoolUse FoundInSpool(FrameId frame, bool begun);
+  void RestoreNode(FrameId frame, TileNode node);
   void Begin(Instant now);
+  // Facts that lead to the state of now: they may take the place of all before.
+  std::vector<Fact> Snapshot() const;
 
   // ---- Workers (proto/work.proto) ----
   // Whether the worker may join; the error says why not.
@@ -84,6 +111,13 @@ class Farm {
   // journalled.
   Result<JobId> Submit(Instant now, std::shared_ptr<const JobSpec> spec);
   Result<JobStatus> Cancel(Instant now, JobId job);
+  // Every frame of the job gets so many samples per pixel; what is done stays done. The error says why not.
+  Result<JobStatus> Extend(Instant now, JobId job, uint32_t samples_per_pixel);
+  // Whether a picture of the job is on its way to its file, or sums on theirs from the spool. Extend must
+  // wait for that.
+  bool IsMovingSums(JobId job) const;
+  // As it is now: submitted, or extended since. Null if there is no such job.
+  std::shared_ptr<const JobSpec> Spec(JobId job) const;
   std::optional<JobStatus> Status(Instant now, JobId job) const;
   std::vector<JobStatus> Jobs(Instant now) const;
   std::vector<WorkerStatus> Workers(Instant now) const { return scheduler_.Workers(now); }
@@ -97,6 +131,12 @@ class Farm {
   void PictureWritten(Instant now, JobId job, uint32_t frame, const Digest& file);
   // Writing failed and will be tried again: shown as the reason of a pause.
   void PictureDelayed(JobId job, const std::string& reason);
+  // Journal or spool cannot be written for this reason, which all open jobs show; none: they can.
+  void StorageDelayed(const std::string& reason);
+  // All nodes of a frame that is being rendered, to replace what the spool has of it. Nothing if the frame is
+  // not, or if some are still in the spool alone.
+  std::optional<std::vector<TileNode>> Sums(FrameId frame) const;
+  void SumsLoaded(Instant now, FrameId frame, Result<std::vector<TileNode>> nodes);
 
   // ---- Time ----
   // Call after each batch of events, and again after at most Patience().
@@ -113,14 +153,19 @@ class Farm {
   };
   struct JobEntry {
     JobId id{};
-    std::shared_ptr<const JobSpec> spec;
+    std::shared_ptr<const JobSpec> submitted;
+    std::shared_ptr<const JobSpec> spec;  // as submitted, or extended since
     JobState state = JobState::kWaiting;
     std::string reason;
     Instant began{}, ended{};
     uint64_t samples_done = 0, samples_total = 0;
+    uint64_t samples_accepted = 0;       // by this process, those that were there before included
     std::deque<Progress> progress;       // of the last seconds
     std::map<uint32_t, Merger> mergers;  // of frames begun and not complete
     std::map<uint32_t, Digest> files;    // of frames written
+    std::set<uint32_t> writing;          // complete, not written
+    std::map<uint32_t, uint32_t> kept;   // not begun: samples per pixel that are in the spool alone
+    std::set<uint32_t> loading;          // begun, those samples are on their way from the spool
   };
   struct Parked {
     CallId call{};
@@ -133,6 +178,18 @@ class Farm {
     std::vector<std::string> reasons;
   };
 
+  // farm_recovery.cpp
+  void ResumeJob(Instant now, JobEntry& job);
+  void RestoreKept();
+  void RestoreExtension(JobEntry& job, uint32_t samples_per_pixel);
+  void AppendHistory(const JobEntry& job, std::vector<Fact>& facts) const;
+
+  // farm_extend.cpp
+  Result<void> CheckExtension(const JobEntry& job, uint32_t samples_per_pixel) const;
+  void ExtendFrames(JobEntry& job, std::shared_ptr<const JobSpec> spec);
+  void KeepSums(const JobEntry& job, uint32_t frame);
+  bool MayKeep(const JobEntry& job) const;
+
   JobEntry& AddJob(JobId id, std::shared_ptr<const JobSpec> spec);
   JobEntry* FindJob(JobId id);
   const JobEntry* FindJob(JobId id) const;
@@ -140,6 +197,9 @@ class Farm {
   void ForgetEnded();
   Verdict Accept(Instant now, WorkerId worker, ReturnedUnit& unit, std::string& reason);
   void Merge(JobEntry& job, const WorkUnit& unit, RadianceTile tile);
+  Merger& MergerOf(JobEntry& job, uint32_t frame);
+  void CompleteFrame(JobEntry& job, uint32_t frame);
+  void DropSums(const JobEntry& job);
   JobStatus StatusOf(Instant now, const JobEntry& job) const;
   void MeasureProgress(Instant now);
   void AnswerParked(Instant now);
@@ -150,6 +210,12 @@ class Farm {
   std::map<uint64_t, JobId> submissions_;
   std::set<JobId> open_jobs_;
   uint64_t job_next_ = 1;
+  uint32_t epoch_;
+  KeptSums kept_sums_;
+  std::string storage_reason_;  // why nothing can be kept now, or empty
+  // Until Begin.
+  std::vector<FrameId> finished_;  // in the order they were
+  std::set<FrameId> found_kept_;   // in the spool
   std::map<WorkerId, Parked> parked_;
   std::map<CallId, WorkerId> parked_calls_;
   std::vector<PendingResults> pending_results_;

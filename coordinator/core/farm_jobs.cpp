@@ -44,11 +44,22 @@ void Farm::EndJob(Instant now, JobEntry& job, JobState state, const std::string&
   job.reason = reason;
   job.ended = now;
   job.mergers.clear();
+  job.loading.clear();
+  job.kept.clear();
+  if (state != JobState::kFinished) DropSums(job);
   open_jobs_.erase(job.id);
   scheduler_.RemoveJob(job.id);
   output_.facts.emplace_back(JobEnded{job.id, state, reason});
-  output_.log.push_back(fmt::format("job_ended job={} state={} elapsed_s={:.3f} reason=\"{}\"",
-                                    Number(job.id), JobStateName(state), Seconds(now - job.began), reason));
+  output_.log.push_back(fmt::format(
+      "job_ended job={} state={} elapsed_s={:.3f} samples_accepted={} reason=\"{}\"", Number(job.id),
+      JobStateName(state), Seconds(now - job.began), job.samples_accepted, reason));
+}
+
+void Farm::DropSums(const JobEntry& job) {
+  for (uint32_t f = 0; f < job.spec->frames.size(); ++f) {
+    kept_sums_.Remove({job.id, f});
+    output_.dropped.push_back({job.id, f});
+  }
 }
 
 void Farm::ForgetEnded() {
@@ -60,6 +71,8 @@ void Farm::ForgetEnded() {
       continue;
     }
     submissions_.erase(each->second.spec->submission);
+    DropSums(each->second);
+    output_.forgotten.push_back(each->first);
     each = jobs_.erase(each);
     --surplus;
   }
@@ -105,7 +118,8 @@ JobStatus Farm::StatusOf(Instant now, const JobEntry& job) const {
   }
   status.workers = scheduler_.WorkersOf(job.id);
   const bool begun = status.workers > 0 || job.samples_done > 0;
-  status.state = !job.reason.empty() ? JobState::kPaused : begun ? JobState::kRunning : JobState::kWaiting;
+  if (status.reason.empty()) status.reason = storage_reason_;
+  status.state = !status.reason.empty() ? JobState::kPaused : begun ? JobState::kRunning : JobState::kWaiting;
   if (!job.progress.empty() && now > job.progress.front().at) {
     const Progress& past = job.progress.front();
     status.samples_per_second = static_cast<double>(job.samples_done - past.samples) / Seconds(now - past.at);

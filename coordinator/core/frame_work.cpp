@@ -8,13 +8,26 @@
 
 namespace tessera {
 
-FrameWork::FrameWork(const FrameSpec& spec) : samples_per_pixel_(spec.samples_per_pixel) {
+FrameWork::FrameWork(const FrameSpec& spec, uint32_t samples_done) : samples_per_pixel_(samples_done) {
+  TESSERA_CHECK(samples_done < spec.samples_per_pixel);
   tiles_.resize(static_cast<size_t>(spec.TileCount()));
   for (uint32_t t = 0; t < tiles_.size(); ++t) {
     tiles_[t].pixels = static_cast<uint32_t>(spec.TileBounds(static_cast<int>(t)).area());
-    samples_total_ += uint64_t{tiles_[t].pixels} * samples_per_pixel_;
-    ChangeOpen(t, [&](SampleSet& open) { open.Add(SampleSet::Interval{0, samples_per_pixel_}); });
+    samples_done_ += uint64_t{tiles_[t].pixels} * samples_done;
+    if (samples_done > 0) tiles_[t].done.Add(SampleSet::Interval{0, samples_done});
   }
+  samples_total_ = samples_done_;
+  Extend(spec.samples_per_pixel);
+}
+
+void FrameWork::Extend(uint32_t samples_per_pixel) {
+  TESSERA_CHECK(samples_per_pixel > samples_per_pixel_);
+  const SampleSet::Interval added{samples_per_pixel_, samples_per_pixel};
+  for (uint32_t t = 0; t < tiles_.size(); ++t) {
+    samples_total_ += uint64_t{tiles_[t].pixels} * (added.end - added.begin);
+    ChangeOpen(t, [&](SampleSet& open) { open.Add(added); });
+  }
+  samples_per_pixel_ = samples_per_pixel;
 }
 
 template <typename Change>

@@ -25,7 +25,10 @@ struct TileSamples {
 // A cost in seconds is what a worker of speed 1 takes on one slot.
 class FrameWork {
  public:
-  explicit FrameWork(const FrameSpec& spec);
+  // The first `samples_done` samples of every tile are done already.
+  explicit FrameWork(const FrameSpec& spec, uint32_t samples_done = 0);
+  // Every tile gets more samples.
+  void Extend(uint32_t samples_per_pixel);
 
   // Takes open samples, those first that complete the image at the fewest samples per pixel (a doubling), and
   // as many as cost at most `cost_max` seconds; one sample if nothing is measured yet. Only of tiles that

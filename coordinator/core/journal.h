@@ -2,6 +2,8 @@
 // answer.
 #pragma once
 
+#include <vector>
+
 #include "core/fact.h"
 #include "util/result.h"
 
@@ -15,6 +17,10 @@ class Journal {
   // All facts appended so far are on stable storage when this succeeds. When it fails they stay in memory,
   // nothing is lost, and Sync may be tried again. Cheap if nothing was appended.
   virtual Result<void> Sync() = 0;
+  // Whether the facts that count no more may be most of it, so that Replace pays.
+  virtual bool IsLarge() const = 0;
+  // Puts `facts` in the place of everything synced so far, at once. When it fails everything stays as it was.
+  virtual Result<void> Replace(const std::vector<Fact>& facts) = 0;
 };
 
 }  // namespace tessera

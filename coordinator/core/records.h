@@ -69,10 +69,12 @@ struct WorkerRecord {
 };
 
 struct FrameRecord {
-  FrameRecord(const JobSpec& job, const FrameOrder& order)
-      : scene{SceneKey(job.package, order.scene_file, order.options), job.package, order.scene_file,
-              order.options, order.spec},
-        work(order.spec) {}
+  // The scene is the one submitted; the frame may have more samples by now, `samples_done` of them done.
+  FrameRecord(const JobSpec& submitted, const FrameOrder& order, const FrameSpec& frame,
+              uint32_t samples_done)
+      : scene{SceneKey(submitted.package, order.scene_file, order.options), submitted.package,
+              order.scene_file, order.options, order.spec},
+        work(frame, samples_done) {}
 
   SceneOrder scene;
   FrameWork work;
@@ -82,12 +84,22 @@ struct FrameRecord {
 
 struct JobRecord {
   JobId id{};
-  std::shared_ptr<const JobSpec> spec;
+  std::shared_ptr<const JobSpec> submitted;
+  std::shared_ptr<const JobSpec> spec;  // as submitted, or extended since
   int priority = 0;
   std::map<uint32_t, FrameRecord> frames;  // those active: begun and not complete
   std::set<uint32_t> frames_ahead;         // not begun
+  std::map<uint32_t, uint32_t> kept;       // samples per pixel that frames ahead have already
   size_t leases = 0;                       // held by workers now
 
+  FrameRecord& Begin(uint32_t frame) {
+    frames_ahead.erase(frame);
+    const auto done = kept.extract(frame);
+    const uint32_t samples_done = done.empty() ? 0 : done.mapped();
+    return frames
+        .try_emplace(frame, *submitted, submitted->frames[frame], spec->frames[frame].spec, samples_done)
+        .first->second;
+  }
   bool HasOpen() const {
     if (!frames_ahead.empty()) return true;
     for (const auto& [index, frame] : frames) {

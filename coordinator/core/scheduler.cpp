@@ -27,15 +27,15 @@ JobRecord* Scheduler::FindJob(JobId id) {
 FrameRecord* Scheduler::FindFrame(const WorkUnit& unit) {
   JobRecord* const job = FindJob(unit.job);
   if (job == nullptr) return nullptr;
-  if (job->frames_ahead.erase(unit.frame) > 0) {  // a result of a former process's lease begins the frame
-    job->frames.try_emplace(unit.frame, *job->spec, job->spec->frames[unit.frame]);
-  }
+  // A result of a former process's lease begins the frame.
+  if (job->frames_ahead.contains(unit.frame)) return &job->Begin(unit.frame);
   const auto found = job->frames.find(unit.frame);
   return found == job->frames.end() ? nullptr : &found->second;
 }
 
 void Scheduler::AddJob(JobId id, std::shared_ptr<const JobSpec> spec,
-                       const std::set<uint32_t>& finished_frames) {
+                       const std::set<uint32_t>& finished_frames, std::shared_ptr<const JobSpec> extended,
+                       const std::map<uint32_t, uint32_t>& kept) {
   TESSERA_CHECK(!jobs_.contains(id));
   JobRecord& job = jobs_[id];
   job.id = id;
@@ -43,9 +43,35 @@ void Scheduler::AddJob(JobId id, std::shared_ptr<const JobSpec> spec,
   for (uint32_t f = 0; f < spec->frames.size(); ++f) {
     if (!finished_frames.contains(f)) job.frames_ahead.insert(f);
   }
-  job.spec = std::move(spec);
+  job.spec = extended != nullptr ? std::move(extended) : spec;
+  job.submitted = std::move(spec);
+  job.kept = kept;
   priorities_[job.priority].insert(id);
   ++work_version_;
+}
+
+void Scheduler::ExtendJob(JobId id, std::shared_ptr<const JobSpec> spec,
+                          const std::map<uint32_t, uint32_t>& kept) {
+  JobRecord& job = *FindJob(id);
+  for (uint32_t f = 0; f < spec->frames.size(); ++f) {
+    const uint32_t samples = spec->frames[f].spec.samples_per_pixel;
+    if (samples == job.spec->frames[f].spec.samples_per_pixel) continue;
+    if (const auto active = job.frames.find(f); active != job.frames.end()) {
+      active->second.work.Extend(samples);
+    } else {
+      job.frames_ahead.insert(f);
+    }
+  }
+  job.kept.insert(kept.begin(), kept.end());
+  job.spec = std::move(spec);
+  ++work_version_;
+}
+
+void Scheduler::RestoreDone(JobId id, uint32_t frame_index, TileSamples samples) {
+  FrameRecord* const frame = FindFrame({id, frame_index, samples.tile, samples.range});
+  if (frame == nullptr) return;
+  frame->work.Finish(samples);
+  if (frame->work.Complete()) FindJob(id)->frames.erase(frame_index);
 }
 
 void Scheduler::RemoveJob(JobId id) {

@@ -30,8 +30,16 @@ class Scheduler {
   ~Scheduler();
 
   // ---- Jobs ----
-  // Frames in `finished_frames` are not rendered.
-  void AddJob(JobId id, std::shared_ptr<const JobSpec> spec, const std::set<uint32_t>& finished_frames);
+  // Frames in `finished_frames` are not rendered. `extended` is what the job has become since it was
+  // submitted as `spec`; of frames in `kept` so many samples per pixel are done.
+  void AddJob(JobId id, std::shared_ptr<const JobSpec> spec, const std::set<uint32_t>& finished_frames,
+              std::shared_ptr<const JobSpec> extended = nullptr,
+              const std::map<uint32_t, uint32_t>& kept = {});
+  // Frames have more samples per pixel from now on, as in `spec`, which is otherwise the job's. Finished ones
+  // are rendered on: so many samples per pixel of them are done as `kept` says.
+  void ExtendJob(JobId id, std::shared_ptr<const JobSpec> spec, const std::map<uint32_t, uint32_t>& kept);
+  // Samples that a former process has accepted.
+  void RestoreDone(JobId id, uint32_t frame, TileSamples samples);
   // Its leases are void, their holders told to stop. Nothing if there is no such job.
   void RemoveJob(JobId id);
   struct CondemnedJob {

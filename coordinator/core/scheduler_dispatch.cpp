@@ -105,9 +105,7 @@ void Scheduler::Activate(JobRecord& job) {
   for (const auto& [index, frame] : job.frames) {
     if (frame.work.HasOpen()) return;
   }
-  const uint32_t next = *job.frames_ahead.begin();
-  job.frames_ahead.erase(next);
-  job.frames.try_emplace(next, *job.spec, job.spec->frames[next]);
+  job.Begin(*job.frames_ahead.begin());
 }
 
 void Scheduler::Want(WorkerRecord& worker, const Choice& choice) {

@@ -8,13 +8,14 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <vector>
 
 #include "util/file.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::string_view kVersion = "tessera-data 1\n";
+constexpr std::string_view kVersion = "tessera-data 2\n";
 
 Result<void> MakeFolder(const std::string& path) {
   std::error_code error;
@@ -29,10 +30,26 @@ Result<void> CheckVersion(const std::string& path) {
   const auto version = ReadFile(file, 1024);
   if (!version) return version.error();
   if (*version != kVersion) {
-    return Failed(fmt::format("{}: is of another version of tessera-coordinator ({})", path,
-                              version->substr(0, version->find('\n'))));
+    return Failed(
+        fmt::format("{}: was made by another version of tessera-coordinator (\"{}\"; this one keeps \"{}\"): "
+                    "finish its jobs with that version, or give another --data-dir",
+                    path, version->substr(0, version->find('\n')), kVersion.substr(0, kVersion.size() - 1)));
   }
   return {};
+}
+
+// What was being written when a process ended is at no final name.
+void RemoveHalfWritten(const std::string& path) {
+  std::vector<std::filesystem::path> half_written;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(path, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.ends_with(".tmp") || name.ends_with(".new")) half_written.push_back(entry.path());
+  }
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(path + "/pictures", error)) {
+    if (entry.path().extension() == ".tmp") half_written.push_back(entry.path());
+  }
+  for (const auto& file : half_written) std::filesystem::remove(file, error);
 }
 
 }  // namespace
@@ -49,6 +66,7 @@ Result<DataDir> DataDir::Open(const std::string& path) {
     return Failed(fmt::format("{}: another tessera-coordinator works on this data directory", path));
   }
   if (const auto checked = CheckVersion(path); !checked) return checked.error();
+  RemoveHalfWritten(path);
   return directory;
 }
 
@@ -65,6 +83,11 @@ std::string DataDir::PicturePath(JobId job, uint32_t frame) const {
 
 Result<void> DataDir::PreparePicture(JobId job) const {
   return MakeFolder(fmt::format("{}/pictures/{}", path_, Number(job)));
+}
+
+void DataDir::RemovePictures(JobId job) const {
+  std::error_code ignored;
+  std::filesystem::remove_all(fmt::format("{}/pictures/{}", path_, Number(job)), ignored);
 }
 
 }  // namespace tessera

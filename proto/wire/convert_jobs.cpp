@@ -11,7 +11,8 @@ Result<FrameOrder> ReadFrameOrder(const proto::FrameOrder& message) {
   if (message.options().size() > kOptionsBytesMax) return BadField("options", "are too long");
   auto spec = ReadFrameSpec(message.spec());
   if (!spec) return spec.error();
-  return FrameOrder{message.scene_file(), message.options(), std::move(*spec), message.number()};
+  return FrameOrder{message.scene_file(), message.options(), std::move(*spec), message.number(),
+                    message.extendable()};
 }
 
 std::chrono::milliseconds ReadDuration(uint64_t ms) {
@@ -61,6 +62,7 @@ void Write(const JobSpec& value, proto::JobSpec& message) {
     written.set_options(frame.options);
     Write(frame.spec, *written.mutable_spec());
     written.set_number(frame.number);
+    written.set_extendable(frame.extendable);
   }
 }
 

@@ -19,6 +19,9 @@ constexpr int kChannelsMax = 256;
 constexpr int64_t kFramePixelsMax = int64_t{1} << 28;  // of one crop: 16k x 16k, a few GB of sums
 constexpr int64_t kTileCountMax = int64_t{1} << 22;    // bounds the bookkeeping of a frame
 constexpr size_t kAttributesMax = 64;
+// Of a picture's header.
+constexpr const char* kSamplesAttribute = "tessera:samplesPerPixel";
+constexpr const char* kSamplerAttribute = "tessera:sampler";
 constexpr size_t kAttributeSizeMax = 1 << 16;  // bytes of one name and its value
 
 // Pixels [x0, x1) x [y0, y1).

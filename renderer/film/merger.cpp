@@ -106,6 +106,14 @@ Result<Merger::Outcome> Merger::Add(int tile, RadianceTile result) {
   return Outcome::kMerged;
 }
 
+Result<Merger::Outcome> Merger::Add(TileNode node) {
+  if (node.tile >= tiles_.size())
+    return Failed(fmt::format("tile {} is not one of the frame's {}", node.tile, tiles_.size()));
+  const int tile = static_cast<int>(node.tile);
+  return Add(tile,
+             RadianceTile{spec_.TileBounds(tile), node.range, spec_.channel_count(), std::move(node.sums)});
+}
+
 bool Merger::Has(int tile, SampleRange range) const {
   TESSERA_CHECK(tile >= 0 && tile < spec_.TileCount());
   const Nodes& nodes = tiles_[static_cast<size_t>(tile)];
@@ -149,6 +157,32 @@ FramePicture Merger::Picture() const {
     }
   }
   return picture;
+}
+
+void Merger::VisitNodes(const VisitNode& visit) const {
+  for (uint32_t tile = 0; tile < tiles_.size(); ++tile) {
+    for (const auto& [range, sums] : tiles_[tile]) visit(tile, range, sums);
+  }
+}
+
+std::vector<TileNode> Merger::AllNodes() const {
+  std::vector<TileNode> all;
+  all.reserve(node_count());
+  VisitNodes([&](uint32_t tile, SampleRange range, const std::vector<float>& sums) {
+    all.push_back({tile, range, sums});
+  });
+  return all;
+}
+
+std::vector<TileNode> Merger::TakeNodes() {
+  std::vector<TileNode> all;
+  all.reserve(node_count());
+  for (uint32_t tile = 0; tile < tiles_.size(); ++tile) {
+    for (auto& [range, sums] : tiles_[tile]) all.push_back({tile, range, std::move(sums)});
+    tiles_[tile].clear();
+  }
+  samples_merged_ = 0;
+  return all;
 }
 
 size_t Merger::node_count() const {

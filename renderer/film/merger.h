@@ -2,6 +2,7 @@
 // copies.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -17,6 +18,15 @@ struct FramePicture {
   uint32_t samples_min = 0;   // of the tile that has the fewest
 };
 
+// Sums of samples `range` of every pixel of a tile, as RadianceTile has them: a node of its tree.
+struct TileNode {
+  uint32_t tile = 0;
+  SampleRange range;
+  std::vector<float> sums;
+
+  bool operator==(const TileNode&) const = default;
+};
+
 // Not thread safe: the owner calls it from one thread at a time.
 class Merger {
  public:
@@ -29,6 +39,8 @@ class Merger {
   // covers nodes already there replaces them: it is their sum. Refuses bounds, range or channel count that
   // are not the frame's.
   Result<Outcome> Add(int tile, RadianceTile result);
+  // The same for a node that another merger of the frame gave out.
+  Result<Outcome> Add(TileNode node);
   // Whether every sample of `range` of the tile is merged.
   bool Has(int tile, SampleRange range) const;
   // Dyadic ranges of the tile that are not merged, largest first in order of begin.
@@ -41,6 +53,13 @@ class Merger {
   FramePicture Picture() const;
   // Nodes held, for the bound on memory.
   size_t node_count() const;
+  // Shows every node, by tile and range.
+  using VisitNode = std::function<void(uint32_t tile, SampleRange range, const std::vector<float>& sums)>;
+  void VisitNodes(const VisitNode& visit) const;
+  // All that is merged: added to another merger of the frame they make it equal to this.
+  std::vector<TileNode> AllNodes() const;
+  // The same, and the merger is empty.
+  std::vector<TileNode> TakeNodes();
 
  private:
   using Nodes = std::map<SampleRange, std::vector<float>>;  // disjoint ranges

@@ -23,6 +23,9 @@ struct SamplerSettings {
   bool jitter = true;
   int log2_samples = 4;  // zsobol: samples_per_pixel is this power of two
   int base4_digits = 0;  // zsobol: of the Morton place, sample index included
+
+  // Whether the first samples of a pixel are others when there are more of them.
+  bool DependsOnCount() const { return kind == SamplerKind::kStratified || kind == SamplerKind::kZSobol; }
 };
 
 // Reads a Sampler directive. `samples` and `seed` override the scene's. `width` and `height` are those of the

@@ -36,8 +36,8 @@ std::map<std::string, std::string> HeaderAttributes(const Scene::Data& data,
                                                     const IntegratorChoice& integrator) {
   return {{"tessera:version", std::string(kVersion)},
           {"tessera:seed", std::to_string(data.sampler.seed)},
-          {"tessera:samplesPerPixel", std::to_string(data.sampler.samples_per_pixel)},
-          {"tessera:sampler", data.summary.sampler},
+          {kSamplesAttribute, std::to_string(data.sampler.samples_per_pixel)},
+          {kSamplerAttribute, data.summary.sampler},
           {"tessera:integrator", integrator.name},
           {"tessera:maxDepth", std::to_string(integrator.max_depth)},
           {"tessera:camera", data.summary.camera},
@@ -87,11 +87,16 @@ Result<void> SceneLoader::ReadSettings() {
                   scene_options->seed, &warnings);
   if (!sampler) return sampler.error();
   data.sampler = *sampler;
+  data.summary.extendable = !data.sampler.DependsOnCount();
   const Result<IntegratorChoice> integrator = ChooseIntegrator(scene_, options_, &warnings);
   if (!integrator) return integrator.error();
-  const float spacing = 1 / std::sqrt(static_cast<float>(data.sampler.samples_per_pixel));
+  // As fine as pbrt's for many samples if the number is open: it must not show in the first of them.
+  constexpr float kSpacingMin = 0.125f;
+  const float spacing = data.summary.extendable
+                            ? kSpacingMin
+                            : 1 / std::sqrt(static_cast<float>(data.sampler.samples_per_pixel));
   data.estimator.kind = *IntegratorNamed(integrator->name);
-  data.estimator.path = {integrator->max_depth, std::max(0.125f, spacing)};
+  data.estimator.path = {integrator->max_depth, std::max(kSpacingMin, spacing)};
   data.estimator.sample_lights = integrator->sample_lights;
   data.estimator.sample_bsdf = integrator->sample_bsdf;
 

@@ -40,6 +40,8 @@ struct SceneSummary {
   uint64_t lights = 0, materials = 0, textures = 0, media = 0;
   uint64_t geometry_bytes = 0, image_bytes = 0;
   double load_seconds = 0, build_seconds = 0;
+  // Whether a pixel's samples are the first of those it would have with more samples per pixel.
+  bool extendable = false;
   // Of the accelerator, as AcceleratorStatistics; 0 if none was built.
   uint64_t accelerator_nodes = 0, accelerator_bytes = 0;
   double accelerator_cost = 0;

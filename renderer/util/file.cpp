@@ -111,10 +111,13 @@ Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes
     return error;
   }
   const size_t slash = path.rfind('/');
-  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+  SyncFolder(slash == std::string::npos ? "." : path.substr(0, slash + 1));
+  return {};
+}
+
+void SyncFolder(const std::string& folder) {
   FileDescriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (directory.valid()) ::fsync(directory.number());
-  return {};
 }
 
 }  // namespace tessera

@@ -9,14 +9,18 @@
 
 namespace tessera {
 
-// The bytes of a regular file; an error that names the path if it cannot be read or holds more than `size_max`.
+// The bytes of a regular file; an error that names the path if it cannot be read or holds more than
+// `size_max`.
 Result<std::string> ReadFile(const std::string& path, uint64_t size_max);
 
 // The bytes that a gzip stream unpacks to; an error that names `path` if damaged or larger than `size_max`.
 Result<std::string> Gunzip(std::string_view compressed, const std::string& path, uint64_t size_max);
 
-// Replaces `path` by a whole file or not at all: writes beside it, syncs, renames, syncs the folder. On failure the
-// temporary file is removed and what was at `path` is untouched.
+// Replaces `path` by a whole file or not at all: writes beside it, syncs, renames, syncs the folder. On
+// failure the temporary file is removed and what was at `path` is untouched.
 Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes);
+
+// Makes names that were given or taken in a folder last. Where the system cannot, nothing happens.
+void SyncFolder(const std::string& folder);
 
 }  // namespace tessera

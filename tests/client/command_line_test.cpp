@@ -105,7 +105,8 @@ TEST(CommandLine, BadWordsAreNamedWithWhatWasExpected) {
       {"compare a.exr", "B is required"},
       {"compare a.exr b.exr --tolerance -1", "--tolerance: \"-1\""},
       {"submit s.pbrt --priority 1000001", "--priority"},
-      {"extend 3 --spp 100", "extend is not supported yet"},
+      {"extend 3", "--spp is required"},
+      {"extend 3 --spp 0", "--spp: \"0\""},
   };
   for (const auto& bad : cases) {
     const auto parsed = Parse(bad.words);

@@ -20,7 +20,7 @@ Fact Submitted() {
   frame.samples_per_pixel = 100;
   frame.exr_type = ExrType::kFloat;
   frame.attributes = {{"a", "b"}, {"c", ""}};
-  spec->frames = {{"x.pbrt", "spp=3\n", frame, -1}, {"y.pbrt", "", frame, 2}};
+  spec->frames = {{"x.pbrt", "spp=3\n", frame, -1, true}, {"y.pbrt", "", frame, 2}};
   return JobSubmitted{JobId{12}, spec};
 }
 
@@ -33,6 +33,8 @@ TEST(Fact, SurvivesItsBytes) {
   EXPECT_EQ(read.spec->package, Sha256("p"));
   ASSERT_EQ(read.spec->frames.size(), 2u);
   EXPECT_EQ(read.spec->frames[0].number, -1);
+  EXPECT_TRUE(read.spec->frames[0].extendable);
+  EXPECT_FALSE(read.spec->frames[1].extendable);
   EXPECT_EQ(read.spec->frames[0].options, "spp=3\n");
   EXPECT_EQ(read.spec->frames[1].spec, std::get<JobSubmitted>(Submitted()).spec->frames[1].spec);
 
@@ -43,6 +45,12 @@ TEST(Fact, SurvivesItsBytes) {
   const Fact ended = *DecodeFact(EncodeFact(JobEnded{JobId{3}, JobState::kFailed, "why"}));
   EXPECT_EQ(std::get<JobEnded>(ended).state, JobState::kFailed);
   EXPECT_EQ(std::get<JobEnded>(ended).reason, "why");
+  const Fact extended = *DecodeFact(EncodeFact(JobExtended{JobId{3}, 77}));
+  EXPECT_EQ(std::get<JobExtended>(extended).samples_per_pixel, 77u);
+  const Fact resumed = *DecodeFact(EncodeFact(FrameResumed{JobId{3}, 8}));
+  EXPECT_EQ(std::get<FrameResumed>(resumed).frame, 8u);
+  const Fact forgotten = *DecodeFact(EncodeFact(JobsForgotten{JobId{1234}}));
+  EXPECT_EQ(std::get<JobsForgotten>(forgotten).last, JobId{1234});
 }
 
 TEST(Fact, BytesThatAreCutOrTooLongAreRefused) {

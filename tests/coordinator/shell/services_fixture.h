@@ -12,10 +12,10 @@
 #include "coordinator/core_thread.h"
 #include "coordinator/jobs_service.h"
 #include "coordinator/picture_writer.h"
+#include "coordinator/recovery.h"
 #include "coordinator/server.h"
 #include "coordinator/work_service.h"
 #include "film/radiance_tile.h"
-#include "store/file_journal.h"
 #include "terms/scene_package.h"
 #include "tests/coordinator/store/temporary_dir.h"
 #include "wire/channel.h"
@@ -32,11 +32,10 @@ struct Coordinator {
       : directory(*DataDir::Open(folder / "data")),
         blobs(*BlobStore::Open(directory.BlobsPath())),
         writer(directory) {
-    auto farm = std::make_unique<Farm>(SchedulerOptions{});
-    auto journal = FileJournal::Open(directory.JournalPath(), [&](const Fact& fact) { farm->Restore(fact); });
-    core = std::make_unique<CoreThread>(
-        std::move(farm), std::move(*journal),
-        [this](FinishedPicture picture) { writer.Write(*core, std::move(picture)); });
+    auto parts = Recover(directory, {}, [this](auto task) { spooling.Post(std::move(task)); });
+    parts->write_picture = [this](FinishedPicture picture) { writer.Write(*core, std::move(picture)); };
+    parts->remove_pictures = [this](JobId job) { directory.RemovePictures(job); };
+    core = std::make_unique<CoreThread>(std::move(*parts));
     work = std::make_unique<WorkService>(*core);
     blob_service = std::make_unique<BlobService>(blobs);
     jobs = std::make_unique<JobsService>(*core, blobs, directory);
@@ -49,10 +48,12 @@ struct Coordinator {
     jobs->Stop();
     writer.Stop();
     core->Stop();
+    spooling.Stop();
   }
   DataDir directory;
   BlobStore blobs;
   PictureWriter writer;
+  BackgroundThread spooling;
   std::unique_ptr<CoreThread> core;
   std::unique_ptr<WorkService> work;
   std::unique_ptr<BlobService> blob_service;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "tests/coordinator/store/temporary_dir.h"
@@ -29,10 +30,12 @@ struct JournalStage {
   // A journal of three facts.
   void WriteThree() {
     ASSERT_TRUE(Reopen());
-    for (uint32_t epoch = 1; epoch <= 3; ++epoch) journal->Append(CoordinatorStarted{epoch});
-    ASSERT_TRUE(journal->Sync());
+    for (uint32_t epoch = 1; epoch <= 3; ++epoch) {
+      journal->Append(CoordinatorStarted{epoch});
+      ASSERT_TRUE(journal->Sync());
+    }
   }
-  static constexpr size_t kHeader = 8, kRecord = 16;
+  static constexpr size_t kHeader = 8, kRecord = 28;
 
   TemporaryDir directory;
   std::string path = directory / "journal";
@@ -116,12 +119,67 @@ TEST(FileJournal, TheMessageSaysWhereAndHowToGoOn) {
   stage.Put(bytes);
   EXPECT_THAT(
       stage.Reopen().error().message,
-      testing::AllOf(HasSubstr("damaged at byte 24"), HasSubstr("truncate"), HasSubstr("move it away")));
+      testing::AllOf(HasSubstr("damaged at byte 36"), HasSubstr("truncate"), HasSubstr("move it away")));
+}
+
+// The disk may take the pages of a batch in any order before power fails.
+TEST(FileJournal, ABatchThatWasNeverSyncedMayBeTornInItsMiddle) {
+  JournalStage stage;
+  ASSERT_TRUE(stage.Reopen());
+  stage.journal->Append(CoordinatorStarted{1});
+  ASSERT_TRUE(stage.journal->Sync());
+  for (uint32_t epoch = 2; epoch <= 4; ++epoch) stage.journal->Append(CoordinatorStarted{epoch});
+  ASSERT_TRUE(stage.journal->Sync());
+  std::string bytes = stage.Bytes();
+  bytes[JournalStage::kHeader + JournalStage::kRecord + 24] ^= 1;
+  stage.Put(bytes);
+  EXPECT_THAT(*stage.Reopen(), ElementsAre(1));
+}
+
+TEST(FileJournal, IsReplacedByWhatCountsAndGoesOn) {
+  JournalStage stage;
+  stage.WriteThree();
+  ASSERT_TRUE(stage.journal->Replace({CoordinatorStarted{7}}));
+  stage.journal->Append(CoordinatorStarted{8});
+  ASSERT_TRUE(stage.journal->Sync());
+  EXPECT_THAT(*stage.Reopen(), ElementsAre(7, 8));
+}
+
+TEST(FileJournal, AReplacementThatFailsChangesNothing) {
+  JournalStage stage;
+  stage.WriteThree();
+  std::filesystem::create_directories(stage.path + ".new/in-the-way");
+  EXPECT_FALSE(stage.journal->Replace({CoordinatorStarted{7}}));
+  stage.journal->Append(CoordinatorStarted{8});
+  ASSERT_TRUE(stage.journal->Sync());
+  EXPECT_THAT(*stage.Reopen(), ElementsAre(1, 2, 3, 8));
+}
+
+TEST(FileJournal, IsLargeWhenItHasTwiceTheSizeOfWhatCounts) {
+  JournalStage stage;
+  ASSERT_TRUE(stage.Reopen());
+  const JobEnded fact{JobId{1}, JobState::kFailed, std::string(1 << 20, 'x')};
+  const std::vector<Fact> counting(4, fact);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_FALSE(stage.journal->IsLarge());
+    stage.journal->Append(fact);
+    ASSERT_TRUE(stage.journal->Sync());
+  }
+  EXPECT_TRUE(stage.journal->IsLarge());
+  ASSERT_TRUE(stage.journal->Replace(counting));
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_FALSE(stage.journal->IsLarge());
+    stage.journal->Append(fact);
+    ASSERT_TRUE(stage.journal->Sync());
+  }
+  stage.journal->Append(fact);
+  ASSERT_TRUE(stage.journal->Sync());
+  EXPECT_TRUE(stage.journal->IsLarge());
 }
 
 TEST(FileJournal, OtherFilesAreRefused) {
   JournalStage stage;
-  for (const char* bytes : {"", "TSRJ", "TSRJ\2\0\0\0", "some text that is long enough"}) {
+  for (const char* bytes : {"", "TSRJ", "TSRJ\1\0\0\0", "some text that is long enough"}) {
     stage.Put(bytes);
     EXPECT_FALSE(stage.Reopen()) << bytes;
   }

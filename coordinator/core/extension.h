@@ -1,0 +1,18 @@
+// What a job becomes when its frames get more samples, and what its sums take.
+#pragma once
+
+#include <memory>
+
+#include "terms/terms.h"
+
+namespace tessera {
+
+uint64_t SamplesOf(const FrameSpec& spec);  // pixel samples
+uint64_t SamplesOf(const JobSpec& spec);
+// Bytes of the sums of a finished frame.
+uint64_t SumsBytes(const FrameSpec& spec);
+// The job as if it had been submitted with so many samples per pixel: the headers of its pictures say so.
+// Frames that have as many or more stay as they are.
+std::shared_ptr<const JobSpec> ExtendedSpec(const JobSpec& spec, uint32_t samples_per_pixel);
+
+}  // namespace tessera

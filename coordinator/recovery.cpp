@@ -1,0 +1,46 @@
+#include "coordinator/recovery.h"
+
+#include "store/file_journal.h"
+
+namespace tessera {
+namespace {
+
+Result<void> RestoreSpool(FileSpool& spool, Farm& farm) {
+  for (const auto& [frame, bytes, begun] : spool.Frames()) {
+    switch (farm.FoundInSpool(frame, begun)) {
+      case Farm::SpoolUse::kDrop: spool.Drop(frame); break;
+      case Farm::SpoolUse::kKeep: break;
+      case Farm::SpoolUse::kRestore: {
+        const auto restored =
+            spool.Restore(frame, [&, id = frame](TileNode node) { farm.RestoreNode(id, std::move(node)); });
+        if (!restored) return restored;
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<CoreThread::Parts> Recover(const DataDir& directory, const RecoveryOptions& options,
+                                  FileSpool::Run run) {
+  std::vector<Fact> facts;
+  uint32_t epoch = 1;
+  auto journal = FileJournal::Open(directory.JournalPath(), [&](const Fact& fact) {
+    if (const auto* started = std::get_if<CoordinatorStarted>(&fact)) epoch = started->epoch + 1;
+    facts.push_back(fact);
+  });
+  if (!journal) return journal.error();
+  auto spool = FileSpool::Open(directory.SpoolPath(), std::move(run));
+  if (!spool) return spool.error();
+  auto farm = std::make_unique<Farm>(SchedulerOptions{epoch, options.attempts_max}, options.keep_sums_bytes);
+  for (const Fact& fact : facts) farm->Restore(fact);
+  if (const auto restored = RestoreSpool(**spool, *farm); !restored) return restored.error();
+  CoreThread::Parts parts;
+  parts.farm = std::move(farm);
+  parts.journal = std::move(*journal);
+  parts.spool = std::move(*spool);
+  return parts;
+}
+
+}  // namespace tessera

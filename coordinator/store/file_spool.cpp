@@ -1,0 +1,171 @@
+#include "store/file_spool.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <optional>
+
+#include "util/check.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::string_view kDropped = "dropped-";
+
+// The frame whose folder is called JOB-FRAME.
+std::optional<FrameId> FrameOf(const std::string& name) {
+  const char* const end = name.data() + name.size();
+  uint64_t job = 0;
+  FrameId id;
+  const auto first = std::from_chars(name.data(), end, job);
+  if (first.ec != std::errc() || first.ptr == end || *first.ptr != '-') return std::nullopt;
+  const auto second = std::from_chars(first.ptr + 1, end, id.frame);
+  if (second.ec != std::errc() || second.ptr != end) return std::nullopt;
+  id.job = JobId{job};
+  return id;
+}
+
+void RemoveFolder(const std::string& path) {
+  std::error_code ignored;
+  std::filesystem::remove_all(path, ignored);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FileSpool>> FileSpool::Open(const std::string& path, Run run,
+                                                   uint64_t segment_bytes_min) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) return Failed(fmt::format("{}: cannot be made: {}", path, error.message()));
+  std::unique_ptr<FileSpool> spool(new FileSpool(path, std::move(run), segment_bytes_min));
+  spool->Scan();
+  return spool;
+}
+
+void FileSpool::Scan() {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(path_, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(kDropped)) {
+      RemoveFolder(entry.path().string());
+    } else if (const auto id = FrameOf(name)) {
+      Need(*id);
+    }
+  }
+}
+
+std::string FileSpool::FolderOf(FrameId id) const {
+  return fmt::format("{}/{}-{}", path_, Number(id.job), id.frame);
+}
+
+FileSpool::Frame& FileSpool::Need(FrameId id) {
+  Frame& frame = frames_[id];
+  if (frame.files == nullptr) frame.files = std::make_shared<FrameFiles>(FolderOf(id));
+  return frame;
+}
+
+std::vector<FileSpool::Found> FileSpool::Frames() const {
+  std::vector<Found> all;
+  for (const auto& [id, frame] : frames_)
+    all.push_back({id, frame.files->bytes(), frame.files->has_segments()});
+  return all;
+}
+
+Result<void> FileSpool::Restore(FrameId id, const std::function<void(TileNode)>& restore) {
+  Frame& frame = Need(id);
+  if (const auto read = frame.files->Read(true, restore); !read) return read.error();
+  auto segment = frame.files->ReopenSegment(restore);
+  if (!segment) return segment.error();
+  frame.segment = std::move(*segment);
+  if (frame.segment != nullptr) open_.insert(id);
+  return {};
+}
+
+void FileSpool::Append(FrameId id, TileNode node) {
+  Need(id).pending.push_back(std::move(node));
+  unsynced_.insert(id);
+}
+
+Result<void> FileSpool::Sync() {
+  while (!unsynced_.empty()) {
+    const FrameId id = *unsynced_.begin();
+    const auto synced = SyncFrame(id, frames_.at(id));
+    if (!synced) return synced;
+    unsynced_.erase(id);
+  }
+  return {};
+}
+
+Result<void> FileSpool::SyncFrame(FrameId id, Frame& frame) {
+  if (IsGrown(*frame.files)) {
+    // The disk is slower than the results, or has no room for a base: they wait.
+    if (const auto written = frame.files->AwaitBase(); !written) return written;
+  }
+  if (frame.segment == nullptr) {
+    auto segment = frame.files->BeginSegment();
+    if (!segment) return segment.error();
+    frame.segment = std::move(*segment);
+    open_.insert(id);
+  }
+  for (TileNode& node : std::exchange(frame.pending, {})) AppendNode(*frame.segment, std::move(node));
+  if (const auto synced = frame.segment->Sync(); !synced) return synced;
+  frame.files->SetSegmentBytes(frame.segment->synced_bytes());
+  return {};
+}
+
+bool FileSpool::IsGrown(const FrameFiles& files) const {
+  return files.segment_bytes() >= std::max(segment_bytes_min_, files.base_bytes());
+}
+
+std::vector<FrameId> FileSpool::Grown() const {
+  std::vector<FrameId> grown;
+  for (const FrameId id : open_) {
+    const Frame& frame = frames_.at(id);
+    if (!frame.segment->has_pending() && IsGrown(*frame.files) && !frame.files->is_writing_base())
+      grown.push_back(id);
+  }
+  return grown;
+}
+
+void FileSpool::Replace(FrameId id, std::vector<TileNode> nodes) {
+  Frame& frame = Need(id);
+  TESSERA_CHECK(frame.segment == nullptr || !frame.segment->has_pending());
+  static_cast<void>(frame.files->AwaitBase());  // a frame that is complete may have one underway
+  frame.segment.reset();
+  open_.erase(id);
+  const uint64_t number = frame.files->BeginBase();
+  const auto shared = std::make_shared<std::vector<TileNode>>(std::move(nodes));
+  run_([files = frame.files, number, shared] { files->WriteBase(number, std::move(*shared)); });
+}
+
+void FileSpool::Drop(FrameId id) {
+  const auto found = frames_.find(id);
+  if (found == frames_.end()) return;
+  frames_.erase(found);
+  open_.erase(id);
+  unsynced_.erase(id);
+  // Out of the way at once; the files go in the background.
+  const std::string folder = FolderOf(id);
+  const std::string away = fmt::format("{}/{}{}-{}-{}", path_, kDropped, Number(id.job), id.frame, ++drops_);
+  std::error_code error;
+  std::filesystem::rename(folder, away, error);
+  run_([path = error ? folder : away] { RemoveFolder(path); });
+}
+
+void FileSpool::Load(FrameId id, OnLoaded done) {
+  const auto found = frames_.find(id);
+  if (found == frames_.end()) {
+    done(Failed(fmt::format("{}: is not there", FolderOf(id))));
+    return;
+  }
+  const bool has_open_segment = found->second.segment != nullptr;
+  run_([files = found->second.files, has_open_segment, done = std::move(done)] {
+    std::vector<TileNode> nodes;
+    const auto read = files->Read(has_open_segment, [&](TileNode node) { nodes.push_back(std::move(node)); });
+    done(read ? Result<std::vector<TileNode>>(std::move(nodes)) : read.error());
+  });
+}
+
+}  // namespace tessera

@@ -1,0 +1,239 @@
+#include "store/frame_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+
+#include "core/byte_codec.h"
+#include "terms/terms.h"
+#include "util/check.h"
+#include "util/file.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kHeadBytes = 12;
+constexpr RecordFormat kFormat{"TSRS", 1, static_cast<uint64_t>(kResultBytesMax) + kHeadBytes};
+constexpr const char* kRemedy =
+    "move the file away to go on without the results in it: they are rendered again";
+
+Result<TileNode> DecodeNode(std::string_view payload) {
+  const size_t sums_bytes = payload.size() - std::min(payload.size(), kHeadBytes);
+  ByteReader in(payload.substr(0, kHeadBytes));
+  TileNode node;
+  node.tile = in.Read32();
+  node.range.begin = in.Read32();
+  node.range.size = in.Read32();
+  if (!in.ok() || !node.range.IsDyadic() || sums_bytes % sizeof(float) != 0)
+    return Failed("holds something else than sums of samples");
+  node.sums.resize(sums_bytes / sizeof(float));
+  std::memcpy(node.sums.data(), payload.data() + kHeadBytes, sums_bytes);
+  return node;
+}
+
+RecordLog::Visit NodeVisit(const std::function<void(TileNode)>& visit) {
+  return [&visit](std::string_view payload) -> Result<void> {
+    auto node = DecodeNode(payload);
+    if (!node) return node.error();
+    visit(std::move(*node));
+    return {};
+  };
+}
+
+// The number of a file that is called PREFIX-NUMBER.
+std::optional<uint64_t> NumberOf(const std::string& name, std::string_view prefix) {
+  if (!name.starts_with(prefix)) return std::nullopt;
+  const char* const end = name.data() + name.size();
+  uint64_t number = 0;
+  const auto read = std::from_chars(name.data() + prefix.size(), end, number);
+  if (read.ec != std::errc() || read.ptr != end || number == 0) return std::nullopt;
+  return number;
+}
+
+void Remove(const std::string& path) {
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+}
+
+}  // namespace
+
+void AppendNode(RecordLog& log, TileNode node) {
+  ByteWriter head;
+  head.Add32(node.tile);
+  head.Add32(node.range.begin);
+  head.Add32(node.range.size);
+  log.Append(head.Take(), std::move(node.sums));
+}
+
+FrameFiles::FrameFiles(std::string folder) : folder_(std::move(folder)) {
+  std::vector<std::string> old;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
+    const std::string name = entry.path().filename().string();
+    std::error_code ignored;
+    const uint64_t bytes = entry.file_size(ignored);
+    if (const auto segment = NumberOf(name, "segment-")) {
+      segments_.push_back({*segment, bytes});
+    } else if (const auto base = NumberOf(name, "base-")) {
+      if (base_.number > 0) old.push_back(BasePath(std::min(base_.number, *base)));
+      if (*base > base_.number) base_ = {*base, bytes};
+    } else {
+      old.push_back(entry.path().string());
+    }
+  }
+  std::ranges::sort(segments_, {}, &File::number);
+  std::erase_if(segments_, [&](const File& segment) {
+    if (segment.number >= base_.number) return false;
+    old.push_back(SegmentPath(segment.number));
+    return true;
+  });
+  for (const std::string& path : old) Remove(path);
+  base_next_ = base_.number;
+}
+
+std::string FrameFiles::SegmentPath(uint64_t number) const {
+  return fmt::format("{}/segment-{}", folder_, number);
+}
+std::string FrameFiles::BasePath(uint64_t number) const {
+  return fmt::format("{}/base-{}", folder_, number);
+}
+
+Result<std::unique_ptr<RecordLog>> FrameFiles::BeginSegment() {
+  std::error_code error;
+  if (std::filesystem::create_directories(folder_, error))
+    SyncFolder(std::filesystem::path(folder_).parent_path().string());
+  if (error) return Failed(fmt::format("{}: cannot be made: {}", folder_, error.message()));
+  const std::lock_guard lock(mutex_);
+  const uint64_t newest = segments_.empty() ? 0 : segments_.back().number;
+  const uint64_t number = std::max({newest + 1, base_next_, uint64_t{1}});
+  auto log = RecordLog::Create(SegmentPath(number), kFormat);
+  if (log) segments_.push_back({number, (*log)->synced_bytes()});
+  return log;
+}
+
+Result<std::unique_ptr<RecordLog>> FrameFiles::ReopenSegment(const std::function<void(TileNode)>& visit) {
+  const std::lock_guard lock(mutex_);
+  if (segments_.empty()) return std::unique_ptr<RecordLog>();
+  auto log = RecordLog::Open(SegmentPath(segments_.back().number), kFormat, NodeVisit(visit), kRemedy);
+  if (log) segments_.back().bytes = (*log)->synced_bytes();
+  return log;
+}
+
+void FrameFiles::SetSegmentBytes(uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  TESSERA_CHECK(!segments_.empty());
+  segments_.back().bytes = bytes;
+}
+
+uint64_t FrameFiles::segment_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return segments_.empty() || segments_.back().number < base_next_ ? 0 : segments_.back().bytes;
+}
+
+uint64_t FrameFiles::base_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return base_.bytes;
+}
+
+uint64_t FrameFiles::bytes() const {
+  const std::lock_guard lock(mutex_);
+  uint64_t bytes = base_.bytes;
+  for (const File& segment : segments_) bytes += segment.bytes;
+  return bytes;
+}
+
+bool FrameFiles::has_segments() const {
+  const std::lock_guard lock(mutex_);
+  return !segments_.empty();
+}
+
+uint64_t FrameFiles::BeginBase() {
+  const std::lock_guard lock(mutex_);
+  TESSERA_CHECK(!is_writing_);
+  is_writing_ = true;
+  base_next_ = std::max(base_next_, segments_.empty() ? 0 : segments_.back().number) + 1;
+  return base_next_;
+}
+
+Result<uint64_t> FrameFiles::WriteBaseFile(uint64_t number, std::vector<TileNode> nodes) const {
+  const std::string path = BasePath(number);
+  const std::string beside = path + ".new";
+  const auto write = [&]() -> Result<uint64_t> {
+    auto log = RecordLog::Create(beside, kFormat);
+    if (!log) return log.error();
+    for (TileNode& node : nodes) AppendNode(**log, std::move(node));
+    if (const auto synced = (*log)->Sync(); !synced) return synced.error();
+    if (std::rename(beside.c_str(), path.c_str()) != 0)
+      return Failed(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+    SyncFolder(folder_);
+    return (*log)->synced_bytes();
+  };
+  auto written = write();
+  if (!written) Remove(beside);
+  return written;
+}
+
+void FrameFiles::WriteBase(uint64_t number, std::vector<TileNode> nodes) {
+  const auto written = WriteBaseFile(number, std::move(nodes));
+  std::vector<std::string> old;
+  {
+    const std::lock_guard lock(mutex_);
+    outcome_ = written ? Result<void>() : written.error();
+    if (written) {
+      if (base_.number > 0) old.push_back(BasePath(base_.number));
+      for (const File& segment : segments_) {
+        if (segment.number < number) old.push_back(SegmentPath(segment.number));
+      }
+    }
+  }
+  for (const std::string& path : old) Remove(path);
+  const std::lock_guard lock(mutex_);
+  if (written) {
+    base_ = {number, *written};
+    std::erase_if(segments_, [&](const File& segment) { return segment.number < number; });
+  }
+  is_writing_ = false;
+  base_ended_.notify_all();
+}
+
+bool FrameFiles::is_writing_base() const {
+  const std::lock_guard lock(mutex_);
+  return is_writing_;
+}
+
+Result<void> FrameFiles::AwaitBase() const {
+  std::unique_lock lock(mutex_);
+  base_ended_.wait(lock, [this] { return !is_writing_; });
+  return outcome_;
+}
+
+Result<void> FrameFiles::Read(bool open_segment, const std::function<void(TileNode)>& visit) const {
+  std::vector<File> segments;
+  File base;
+  {
+    const std::lock_guard lock(mutex_);
+    segments = segments_;
+    base = base_;
+  }
+  if (open_segment && !segments.empty()) segments.pop_back();
+  if (base.number > 0) {
+    const auto read =
+        RecordLog::Read(BasePath(base.number), kFormat, RecordLog::Tail::kWhole, NodeVisit(visit), kRemedy);
+    if (!read) return read.error();
+  }
+  for (const File& segment : segments) {
+    const bool is_newest = segment.number == segments.back().number && !open_segment;
+    const auto tail = is_newest ? RecordLog::Tail::kMayBeTorn : RecordLog::Tail::kWhole;
+    const auto read = RecordLog::Read(SegmentPath(segment.number), kFormat, tail, NodeVisit(visit), kRemedy);
+    if (!read) return read.error();
+  }
+  return {};
+}
+
+}  // namespace tessera

@@ -1,0 +1,192 @@
+#include "store/record_log.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+
+#include "core/byte_codec.h"
+#include "store/crc32c.h"
+#include "util/check.h"
+#include "util/file.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kFileHeaderBytes = 8;
+constexpr size_t kHeaderBytes = 20;                    // of a record
+constexpr uint64_t kFileBytesMax = uint64_t{1} << 36;  // read at once: far above any frame's sums
+constexpr size_t kPiecesMax = 512;                     // of one write: below every system's IOV_MAX
+
+std::string FileHeader(const RecordFormat& format) {
+  ByteWriter out;
+  out.Add32(format.version);
+  return std::string(format.letters) + out.Take();
+}
+
+std::string RecordHeader(uint32_t length, uint64_t synced, uint32_t payload_crc) {
+  ByteWriter out;
+  out.Add32(length);
+  out.Add64(synced);
+  out.Add32(payload_crc);
+  std::string bytes = out.Take();
+  ByteWriter check;
+  check.Add32(Crc32c(bytes));
+  return bytes + check.Take();
+}
+
+struct Found {
+  std::string_view payload;
+  uint64_t synced = 0;
+};
+
+// The whole and undamaged record at the begin of `bytes`.
+std::optional<Found> RecordAt(std::string_view bytes, uint64_t payload_bytes_max) {
+  if (bytes.size() < kHeaderBytes) return std::nullopt;
+  ByteReader in(bytes);
+  const uint32_t length = in.Read32();
+  const uint64_t synced = in.Read64();
+  const uint32_t payload_crc = in.Read32();
+  if (length == 0 || length > payload_bytes_max || length > bytes.size() - kHeaderBytes) return std::nullopt;
+  if (in.Read32() != Crc32c(bytes.substr(0, kHeaderBytes - 4))) return std::nullopt;
+  const std::string_view payload = bytes.substr(kHeaderBytes, length);
+  if (Crc32c(payload) != payload_crc) return std::nullopt;
+  return Found{payload, synced};
+}
+
+Error SystemError(const std::string& path, const char* what) {
+  return Failed(fmt::format("{}: {}: {}", path, what, std::strerror(errno)));
+}
+
+// A readable record behind the unreadable bytes at `bad` that says they were synced once.
+std::optional<size_t> WitnessOfDamage(std::string_view bytes, size_t bad, uint64_t payload_bytes_max) {
+  for (size_t at = bad + 1; at + kHeaderBytes < bytes.size(); ++at) {
+    const auto found = RecordAt(bytes.substr(at), payload_bytes_max);
+    if (found && found->synced > bad) return at;
+  }
+  return std::nullopt;
+}
+
+// Visits the records of a file; how many of its bytes are good.
+Result<uint64_t> ReadLog(const std::string& path, const RecordFormat& format, const RecordLog::Visit& visit,
+                         std::string_view remedy, RecordLog::Tail tail) {
+  const auto bytes = ReadFile(path, kFileBytesMax);
+  if (!bytes) return bytes.error();
+  const std::string_view all = *bytes;
+  if (!all.starts_with(FileHeader(format)))
+    return Failed(path + ": is not a file that this version of tessera-coordinator writes there");
+  size_t good = kFileHeaderBytes;
+  std::vector<std::string_view> payloads;
+  while (const auto found = RecordAt(all.substr(good), format.payload_bytes_max)) {
+    payloads.push_back(found->payload);
+    good += kHeaderBytes + found->payload.size();
+  }
+  if (const auto witness = WitnessOfDamage(all, good, format.payload_bytes_max)) {
+    return Failed(fmt::format("{}: damaged at byte {}, before a readable record at byte {}; {}", path, good,
+                              *witness, remedy));
+  }
+  if (tail == RecordLog::Tail::kWhole && good < all.size())
+    return Failed(fmt::format("{}: damaged at byte {}; {}", path, good, remedy));
+  for (const std::string_view payload : payloads) {
+    const auto visited = visit(payload);
+    if (!visited) return Failed(fmt::format("{}: {}; {}", path, visited.error().message, remedy));
+  }
+  return good;
+}
+
+std::string_view Bytes(const std::vector<float>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)};
+}
+
+void AddPiece(std::vector<iovec>& pieces, std::string_view bytes) {
+  if (!bytes.empty()) pieces.push_back({const_cast<char*>(bytes.data()), bytes.size()});
+}
+
+// Writes all pieces at `offset`.
+bool WriteAt(int file, std::vector<iovec>& pieces, uint64_t offset) {
+  for (size_t first = 0; first < pieces.size();) {
+    const int count = static_cast<int>(std::min(pieces.size() - first, kPiecesMax));
+    const ssize_t result = ::pwritev(file, &pieces[first], count, static_cast<off_t>(offset));
+    if (result < 0 && errno == EINTR) continue;
+    if (result <= 0) return false;
+    auto written = static_cast<size_t>(result);
+    offset += written;
+    for (; first < pieces.size() && written >= pieces[first].iov_len; ++first)
+      written -= pieces[first].iov_len;
+    if (written == 0) continue;
+    pieces[first].iov_base = static_cast<char*>(pieces[first].iov_base) + written;
+    pieces[first].iov_len -= written;
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RecordLog>> RecordLog::Create(const std::string& path, const RecordFormat& format) {
+  if (const auto made = WriteFileAtomically(path, FileHeader(format)); !made) return made.error();
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file < 0) return SystemError(path, "cannot be opened");
+  return std::unique_ptr<RecordLog>(new RecordLog(path, file, kFileHeaderBytes));
+}
+
+Result<std::unique_ptr<RecordLog>> RecordLog::Open(const std::string& path, const RecordFormat& format,
+                                                   const Visit& visit, std::string_view remedy) {
+  const auto good = ReadLog(path, format, visit, remedy, Tail::kMayBeTorn);
+  if (!good) return good.error();
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file < 0) return SystemError(path, "cannot be opened");
+  std::unique_ptr<RecordLog> log(new RecordLog(path, file, *good));
+  if (::ftruncate(file, static_cast<off_t>(*good)) != 0) return SystemError(path, "cannot be truncated");
+  return log;
+}
+
+Result<void> RecordLog::Read(const std::string& path, const RecordFormat& format, Tail tail,
+                             const Visit& visit, std::string_view remedy) {
+  const auto good = ReadLog(path, format, visit, remedy, tail);
+  if (!good) return good.error();
+  return {};
+}
+
+RecordLog::~RecordLog() {
+  ::close(file_);
+}
+
+void RecordLog::Append(std::string_view head, std::vector<float> body) {
+  const size_t size = head.size() + body.size() * sizeof(float);
+  TESSERA_CHECK(size > 0 && size <= UINT32_MAX);
+  Record record;
+  record.head.reserve(kHeaderBytes + head.size());
+  record.head.assign(kHeaderBytes, '\0').append(head);
+  record.payload_bytes = static_cast<uint32_t>(size);
+  record.payload_crc = Crc32c(Bytes(body), Crc32c(head));
+  record.body = std::move(body);
+  pending_bytes_ += kHeaderBytes + size;
+  pending_.push_back(std::move(record));
+}
+
+Result<void> RecordLog::Sync() {
+  if (pending_.empty()) return {};
+  std::vector<iovec> pieces;
+  pieces.reserve(pending_.size() * 2);
+  for (Record& record : pending_) {
+    const std::string header = RecordHeader(record.payload_bytes, synced_, record.payload_crc);
+    record.head.replace(0, header.size(), header);
+    AddPiece(pieces, record.head);
+    AddPiece(pieces, Bytes(record.body));
+  }
+  // Always from the synced end: what a failed attempt left there is written over.
+  if (!WriteAt(file_, pieces, synced_)) return SystemError(path_, "cannot be written");
+  if (::fdatasync(file_) != 0) return SystemError(path_, "cannot be synced");
+  synced_ += pending_bytes_;
+  pending_bytes_ = 0;
+  pending_.clear();
+  return {};
+}
+
+}  // namespace tessera

@@ -1,0 +1,130 @@
+// What outlives a coordinator: jobs by their facts, results by their nodes in the spool.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/coordinator/core/recovery_stage.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+// Whatever the moment of the crash: what was accepted is there, nothing of it is asked for again, and the
+// rest makes the same picture.
+TEST(FarmRecovery, EveryCrashPointLeadsToTheSamePicture) {
+  constexpr uint32_t kSamples = 13;
+  const FramePicture wanted = Reference(Job(kSamples)->frames[0].spec, 0);
+  std::vector<std::pair<uint32_t, SampleRange>> units;
+  for (uint32_t tile = 0; tile < kTiles; ++tile) {
+    for (const SampleRange range : {SampleRange{8, 4}, {0, 2}, {4, 4}, {12, 1}, {2, 2}})
+      units.emplace_back(tile, range);
+  }
+  for (size_t crash = 0; crash <= units.size(); ++crash) {
+    Disk disk;
+    JobId job{};
+    {
+      Process before(disk);
+      job = *before.farm.Submit(before.now, Job(kSamples));
+      before.Step();
+      for (size_t u = 0; u < crash; ++u) {
+        EXPECT_EQ(before.Return(job, 0, units[u].first, units[u].second), Verdict::kAccepted);
+      }
+    }
+    Process after(disk);
+    uint64_t restored = 0;
+    for (size_t u = 0; u < crash; ++u) restored += 4 * units[u].second.size;
+    EXPECT_EQ(after.Status(job).samples_done, restored);
+    EXPECT_THAT(after.log, testing::Contains(HasSubstr("samples_restored=" + std::to_string(restored))));
+    for (size_t u = 0; u < units.size(); ++u) {
+      EXPECT_EQ(after.Return(job, 0, units[u].first, units[u].second),
+                u < crash ? Verdict::kDuplicate : Verdict::kAccepted)
+          << crash << " " << u;
+    }
+    ASSERT_EQ(after.pictures.size(), 1u) << crash;
+    EXPECT_EQ(after.pictures[0].picture.values, wanted.values) << crash;
+  }
+}
+
+TEST(FarmRecovery, NothingAcknowledgedIsLeasedAgain) {
+  Disk disk;
+  JobId job{};
+  {
+    Process before(disk);
+    job = *before.farm.Submit(before.now, Job(8));
+    before.Step();
+    for (const uint32_t tile : {0u, 1u, 2u}) before.Return(job, 0, tile, {0, 8});
+  }
+  Process after(disk);
+  WorkerState state;
+  state.worker = WorkerId{5};
+  state.sequence = 1;
+  state.slots = 16;
+  const JobSpec& spec = *after.farm.Spec(job);
+  state.scenes = {{SceneKey(spec.package, spec.frames[0].scene_file, spec.frames[0].options), true}};
+  after.farm.Synchronize(after.now, CallId{1}, state);
+  after.farm.Advance(after.now);
+  const FarmOutput output = after.farm.TakeOutput();
+  ASSERT_EQ(output.directives.size(), 1u);
+  ASSERT_FALSE(output.directives[0].directive.leases.empty());
+  for (const Lease& lease : output.directives[0].directive.leases) EXPECT_EQ(lease.unit.tile, 3u);
+}
+
+TEST(FarmRecovery, APictureThatWasNotWrittenIsMadeFromTheSpool) {
+  Disk disk;
+  JobId job{};
+  {
+    Process before(disk);
+    job = *before.farm.Submit(before.now, Job(8));
+    before.Step();
+    before.ReturnAll(job, 0, 0, 8);
+    ASSERT_EQ(before.pictures.size(), 1u);
+  }
+  Process after(disk);
+  ASSERT_EQ(after.pictures.size(), 1u);
+  EXPECT_EQ(after.pictures[0].picture.values, Reference(Job(8)->frames[0].spec, 0).values);
+  after.WritePictures();
+  EXPECT_EQ(after.Status(job).state, JobState::kFinished);
+}
+
+TEST(FarmRecovery, TheSpoolOfWhatIsOverIsDropped) {
+  Disk disk;
+  Process process(disk);
+  const JobId job = *process.farm.Submit(process.now, Job(8, 1, false));
+  process.Step();
+  process.Return(job, 0, 0, {0, 8});
+  EXPECT_FALSE(disk.results.empty());
+  ASSERT_TRUE(process.farm.Cancel(process.now, job));
+  process.Step();
+  EXPECT_TRUE(disk.results.empty());
+  disk.results[{JobId{99}, 0}] = {{0, {0, 1}, {}}};  // of a job that nobody remembers
+  const Process after(disk);
+  EXPECT_TRUE(disk.results.empty());
+}
+
+TEST(FarmRecovery, FramesThatCannotBeExtendedLeaveNothing) {
+  Disk disk;
+  Process process(disk);
+  const JobId job = *process.farm.Submit(process.now, Job(8, 1, false));
+  process.Step();
+  process.Finish(job, 8);
+  EXPECT_TRUE(disk.base.empty());
+  EXPECT_TRUE(disk.results.empty());
+  const auto extended = process.farm.Extend(process.now, job, 16);
+  ASSERT_FALSE(extended);
+  EXPECT_THAT(extended.error().message,
+              testing::AllOf(HasSubstr("\"zsobol\""), HasSubstr("--spp 16"), HasSubstr("paddedsobol")));
+}
+
+TEST(FarmStorage, WhatTheDiskRefusesShowsAtEveryOpenJobUntilItPasses) {
+  Disk disk;
+  Process process(disk);
+  const JobId job = *process.farm.Submit(process.now, Job(4));
+  process.farm.StorageDelayed("spool: no space left on device");
+  EXPECT_EQ(process.Status(job).state, JobState::kPaused);
+  EXPECT_EQ(process.Status(job).reason, "spool: no space left on device");
+  process.farm.StorageDelayed("");
+  EXPECT_EQ(process.Status(job).state, JobState::kWaiting);
+}
+
+}  // namespace
+}  // namespace tessera

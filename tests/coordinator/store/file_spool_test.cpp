@@ -1,0 +1,249 @@
+#include "store/file_spool.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "tests/coordinator/store/temporary_dir.h"
+#include "util/file.h"
+#include "util/hash.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+const FrameId kFrame{JobId{3}, 1};
+
+TileNode Node(uint32_t tile, SampleRange range, size_t values = 8) {
+  TileNode node{tile, range, {}};
+  for (size_t i = 0; i < values; ++i) node.sums.push_back(static_cast<float>(tile * 1000 + range.begin + i));
+  return node;
+}
+
+using Nodes = std::vector<TileNode>;
+
+// Bases are written at once: each test is one thread.
+struct SpoolStage {
+  explicit SpoolStage(uint64_t segment_bytes_min = 1 << 20) : segment_bytes_min(segment_bytes_min) {
+    EXPECT_TRUE(Reopen());
+  }
+  Result<void> Reopen() {
+    spool.reset();
+    auto opened = FileSpool::Open(
+        folder.path() + "/spool", [](auto task) { task(); }, segment_bytes_min);
+    if (!opened) return opened.error();
+    spool = std::move(*opened);
+    return {};
+  }
+  // What a start finds of the frame.
+  Result<Nodes> Restore() {
+    if (const auto opened = Reopen(); !opened) return opened.error();
+    Nodes nodes;
+    const auto restored = spool->Restore(kFrame, [&](TileNode node) { nodes.push_back(std::move(node)); });
+    if (!restored) return restored.error();
+    return nodes;
+  }
+  void Keep(TileNode node) {
+    spool->Append(kFrame, std::move(node));
+    ASSERT_TRUE(spool->Sync());
+  }
+  Nodes Loaded() {
+    Nodes nodes;
+    spool->Load(kFrame, [&](Result<Nodes> loaded) {
+      if (loaded) nodes = std::move(*loaded);
+    });
+    return nodes;
+  }
+  std::string Path(const std::string& file) const { return folder.path() + "/spool/3-1/" + file; }
+  std::string Bytes(const std::string& file) const { return *ReadFile(Path(file), 1 << 24); }
+  void Put(const std::string& file, const std::string& bytes) const {
+    std::ofstream(Path(file), std::ios::binary) << bytes;
+  }
+  uint64_t BytesOnDisk() const {
+    uint64_t bytes = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path() + "/spool")) {
+      if (entry.is_regular_file()) bytes += entry.file_size();
+    }
+    return bytes;
+  }
+  static constexpr size_t kHeader = 8, kRecord = 20 + 12 + 32;
+
+  TemporaryDir folder;
+  uint64_t segment_bytes_min;
+  std::unique_ptr<FileSpool> spool;
+};
+
+TEST(FileSpool, GivesBackWhatWasSynced) {
+  SpoolStage stage;
+  stage.Keep(Node(0, {0, 4}));
+  stage.Keep(Node(7, {4, 2}));
+  stage.spool->Append(kFrame, Node(8, {0, 1}));  // lost with the process
+  EXPECT_EQ(*stage.Restore(), (Nodes{Node(0, {0, 4}), Node(7, {4, 2})}));
+  stage.Keep(Node(9, {0, 1}));
+  EXPECT_EQ(stage.Restore()->size(), 3u);
+}
+
+TEST(FileSpool, FindsTheFramesThatItHas) {
+  SpoolStage stage;
+  stage.Keep(Node(0, {0, 4}));
+  stage.spool->Append({JobId{12}, 0}, Node(0, {0, 4}));
+  ASSERT_TRUE(stage.spool->Sync());
+  stage.spool->Replace({JobId{12}, 0}, {Node(0, {0, 4})});
+  ASSERT_TRUE(stage.Reopen());
+  const auto found = stage.spool->Frames();
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].frame, kFrame);
+  EXPECT_TRUE(found[0].begun);
+  EXPECT_EQ(found[1].frame, (FrameId{JobId{12}, 0}));
+  EXPECT_FALSE(found[1].begun) << "all of it is in its base";
+  EXPECT_EQ(found[1].bytes, SpoolStage::kHeader + SpoolStage::kRecord);
+}
+
+TEST(FileSpool, ASegmentCutAtAnyByteLosesNoRecordBefore) {
+  SpoolStage whole;
+  for (uint32_t tile = 0; tile < 3; ++tile) whole.Keep(Node(tile, {0, 1}));
+  const std::string bytes = whole.Bytes("segment-1");
+  ASSERT_EQ(bytes.size(), SpoolStage::kHeader + 3 * SpoolStage::kRecord);
+  for (size_t size = SpoolStage::kHeader; size < bytes.size(); ++size) {
+    SpoolStage stage;
+    stage.Keep(Node(0, {0, 1}));
+    stage.Put("segment-1", bytes.substr(0, size));
+    const auto nodes = stage.Restore();
+    ASSERT_TRUE(nodes) << size;
+    EXPECT_EQ(nodes->size(), (size - SpoolStage::kHeader) / SpoolStage::kRecord);
+    stage.Keep(Node(9, {0, 1}));
+    EXPECT_EQ(stage.Restore()->back(), Node(9, {0, 1})) << size;
+  }
+}
+
+TEST(FileSpool, AnyFlippedByteBeforeWhatWasSyncedLaterIsRefusedByName) {
+  SpoolStage stage;
+  for (uint32_t tile = 0; tile < 3; ++tile) stage.Keep(Node(tile, {0, 1}));
+  const std::string bytes = stage.Bytes("segment-1");
+  for (size_t at = 0; at < bytes.size(); ++at) {
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+    stage.Put("segment-1", damaged);
+    const auto nodes = stage.Restore();
+    if (at >= SpoolStage::kHeader + 2 * SpoolStage::kRecord) {
+      ASSERT_TRUE(nodes) << at;  // the last batch may always be torn
+      EXPECT_EQ(nodes->size(), 2u);
+      continue;
+    }
+    ASSERT_FALSE(nodes) << at;
+    EXPECT_THAT(nodes.error().message, HasSubstr("segment-1"));
+  }
+}
+
+TEST(FileSpool, MovingADamagedFileAwayIsAWayOn) {
+  SpoolStage stage(1);
+  stage.Keep(Node(0, {0, 1}));
+  stage.spool->Replace(kFrame, {Node(0, {0, 1})});
+  stage.Keep(Node(1, {0, 1}));
+  std::string damaged = stage.Bytes("base-2");
+  damaged[40] ^= 1;
+  stage.Put("base-2", damaged);
+  const auto refused = stage.Restore();
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, testing::AllOf(HasSubstr("base-2"), HasSubstr("move the file away")));
+  std::filesystem::remove(stage.Path("base-2"));
+  EXPECT_EQ(*stage.Restore(), (Nodes{Node(1, {0, 1})}));
+}
+
+TEST(FileSpool, ABaseTakesThePlaceOfSegments) {
+  SpoolStage stage;
+  stage.Keep(Node(0, {0, 1}));
+  stage.Keep(Node(0, {1, 1}));
+  stage.spool->Append(kFrame, Node(5, {0, 1}));  // not synced: in the base all the same
+  stage.spool->Replace(kFrame, {Node(0, {0, 2}), Node(5, {0, 1})});
+  EXPECT_FALSE(std::filesystem::exists(stage.Path("segment-1")));
+  ASSERT_TRUE(stage.spool->Sync());
+  EXPECT_EQ(*stage.Restore(), (Nodes{Node(0, {0, 2}), Node(5, {0, 1}), Node(5, {0, 1})}));
+}
+
+// A crash between any two steps of a replacement.
+TEST(FileSpool, WhatAReplacementLeftHalfDoneDoesNotCount) {
+  SpoolStage stage;
+  stage.Keep(Node(0, {0, 1}));
+  const std::string old_segment = stage.Bytes("segment-1");
+  stage.Put("base-2.new", "half a ba");
+  EXPECT_EQ(*stage.Restore(), (Nodes{Node(0, {0, 1})}));
+  EXPECT_FALSE(std::filesystem::exists(stage.Path("base-2.new")));
+  stage.spool->Replace(kFrame, {Node(4, {0, 1})});
+  stage.Put("segment-1", old_segment);
+  EXPECT_EQ(*stage.Restore(), (Nodes{Node(4, {0, 1})})) << "older than the base";
+  EXPECT_FALSE(std::filesystem::exists(stage.Path("segment-1")));
+}
+
+TEST(FileSpool, ADroppedFrameIsGone) {
+  SpoolStage stage;
+  stage.Keep(Node(0, {0, 1}));
+  stage.spool->Drop(kFrame);
+  EXPECT_EQ(stage.BytesOnDisk(), 0u);
+  EXPECT_TRUE(stage.Restore()->empty());
+}
+
+TEST(FileSpool, LoadsWhatWasThereBefore) {
+  SpoolStage stage;
+  stage.Keep(Node(0, {0, 4}));
+  stage.spool->Replace(kFrame, {Node(0, {0, 4})});
+  ASSERT_TRUE(stage.Reopen());
+  EXPECT_EQ(stage.Loaded(), (Nodes{Node(0, {0, 4})}));
+}
+
+// However many results come, in any order: four times the larger of a segment and the live nodes.
+TEST(FileSpool, DiskUseStaysWithinItsBound) {
+  constexpr uint64_t kSegment = 4096;
+  SpoolStage stage(kSegment);
+  std::map<uint32_t, TileNode> live;
+  uint64_t most = 0, live_bytes = 0;
+  for (uint32_t i = 0; i < 5000; ++i) {
+    const uint32_t tile = static_cast<uint32_t>(Hash(1, i) % (1 + i / 50));
+    live[tile] = Node(tile, {i, 1});
+    for (const FrameId frame : stage.spool->Grown()) {
+      Nodes nodes;
+      for (const auto& [index, node] : live) nodes.push_back(node);
+      stage.spool->Replace(frame, std::move(nodes));
+    }
+    stage.Keep(live[tile]);
+    live_bytes = live.size() * SpoolStage::kRecord;
+    most = std::max(most, stage.BytesOnDisk());
+    ASSERT_LE(stage.BytesOnDisk(), 4 * std::max(kSegment, live_bytes) + 2 * SpoolStage::kRecord) << i;
+  }
+  EXPECT_GT(most, kSegment);
+}
+
+TEST(FileSpool, AFailedWriteLosesNothingAndIsTriedAgain) {
+  SpoolStage stage;
+  std::ofstream(stage.folder.path() + "/spool/3-1") << "a file in the way of the folder";
+  stage.spool->Append(kFrame, Node(0, {0, 1}));
+  const auto refused = stage.spool->Sync();
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("spool/3-1"));
+  std::filesystem::remove(stage.folder.path() + "/spool/3-1");
+  ASSERT_TRUE(stage.spool->Sync());
+  EXPECT_EQ(*stage.Restore(), (Nodes{Node(0, {0, 1})}));
+}
+
+// Results wait for room rather than grow without bound.
+TEST(FileSpool, WithoutRoomForABaseResultsWaitForIt) {
+  SpoolStage stage(1);
+  stage.Keep(Node(0, {0, 1}));
+  std::filesystem::create_directories(stage.Path("base-2.new/in-the-way"));
+  stage.spool->Replace(kFrame, {Node(0, {0, 1})});
+  stage.Keep(Node(1, {0, 1}));
+  stage.spool->Append(kFrame, Node(2, {0, 1}));
+  EXPECT_FALSE(stage.spool->Sync());
+  EXPECT_THAT(stage.spool->Grown(), testing::ElementsAre(kFrame));
+  std::filesystem::remove_all(stage.Path("base-2.new"));
+  stage.spool->Replace(kFrame, {Node(0, {0, 1}), Node(1, {0, 1}), Node(2, {0, 1})});
+  ASSERT_TRUE(stage.spool->Sync());
+  EXPECT_EQ(stage.Restore()->size(), 4u);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,153 @@
+// What was acknowledged is never lost and never rendered again; what was rendered can be extended.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/mount.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/end_to_end/farm_fixture.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+class Durability : public EndToEnd {
+ protected:
+  // The box with a sampler whose samples do not depend on their number, and a texture.
+  std::string ExtendableScene() const {
+    return Write("extendable.pbrt",
+                 "Sampler \"paddedsobol\"\n"
+                 "Film \"rgb\" \"integer xresolution\" 96 \"integer yresolution\" 64\n"
+                 "LookAt 0 1 -4 0 0 0 0 1 0 Camera \"perspective\" \"float fov\" 40\nWorldBegin\n"
+                 "LightSource \"infinite\"\n"
+                 "Texture \"c\" \"spectrum\" \"checkerboard\" \"float uscale\" 9 \"float vscale\" 7\n"
+                 "Material \"diffuse\" \"texture reflectance\" \"c\"\nShape \"sphere\"\n");
+  }
+  // Each number that follows `key` in the coordinator's log, added.
+  double Logged(const std::string& key) {
+    const std::string log = coordinator().Errors();
+    double sum = 0;
+    for (size_t at = log.find(key); at != std::string::npos; at = log.find(key, at + 1)) {
+      sum += std::stod(log.substr(at + key.size()));
+    }
+    return sum;
+  }
+  void KillCoordinator() {
+    coordinator().Signal(SIGKILL);
+    EXPECT_EQ(coordinator().Wait(), -SIGKILL);
+  }
+  std::string Fetched(const std::string& job) {
+    const Outcome outcome = Ask({"fetch", job, "-o", "picture.exr"});
+    EXPECT_EQ(outcome.code, 0) << outcome.errors;
+    return Bytes("picture.exr");
+  }
+};
+
+TEST_F(Durability, NothingAcknowledgedIsRenderedAgainAfterKills) {
+  const std::string oracle = Oracle(BoxScene(), {"--spp", "200"});
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit(BoxScene(), {"--spp", "200"});
+  const double total = Figure(job, "samples_total");
+  for (const double share : {0.1, 0.3, 0.5}) {
+    AwaitShare(job, share);
+    KillCoordinator();
+    StartCoordinator();
+    EXPECT_GT(Logged("samples_restored="), share * total) << "of the last process";
+  }
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  EXPECT_EQ(Logged("samples_restored=") + Logged("samples_accepted="), total);
+  EXPECT_TRUE(Fetched(job) == oracle);
+}
+
+TEST_F(Durability, AnExtendedPictureIsTheOneRenderedAtOnce) {
+  const std::string scene = ExtendableScene();
+  const std::string oracle = Oracle(scene, {"--spp", "75"});
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit(scene, {"--spp", "12"});
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  const Outcome extended = Ask({"extend", job, "--spp", "75"});
+  ASSERT_EQ(extended.code, 0) << extended.errors;
+  KillCoordinator();
+  StartCoordinator();
+  EXPECT_EQ(Logged("samples_restored="), 96 * 64 * 12);
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  EXPECT_EQ(Logged("samples_accepted="), 96 * 64 * (75 - 12)) << "what was there is not rendered again";
+  EXPECT_TRUE(Fetched(job) == oracle);
+}
+
+TEST_F(Durability, ARunningJobIsExtendedWithoutLoadingItsSceneAgain) {
+  const std::string scene = ExtendableScene();
+  const std::string oracle = Oracle(scene, {"--spp", "4096"});
+  StartCoordinator();
+  Process& worker = StartWorker("only");
+  const std::string job = Submit(scene, {"--spp", "2048"});
+  AwaitShare(job, 0.02);
+  ASSERT_EQ(Ask({"extend", job, "--spp", "4096"}).code, 0);
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  EXPECT_TRUE(Fetched(job) == oracle);
+  const std::string log = worker.Errors();
+  ASSERT_NE(log.find("scene key="), std::string::npos) << log;
+  EXPECT_EQ(log.find("scene key="), log.rfind("scene key=")) << "loaded once";
+}
+
+TEST_F(Durability, ASamplerThatCountsItsSamplesIsRefusedByName) {
+  StartCoordinator();
+  const std::string scene = Write("fixed.pbrt",
+                                  "Sampler \"zsobol\"\nCamera \"perspective\"\nWorldBegin\n"
+                                  "LightSource \"infinite\"\nShape \"sphere\"\n");
+  const Outcome outcome = Ask({"extend", Submit(scene, {}), "--spp", "64"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.errors, testing::AllOf(HasSubstr("\"zsobol\""), HasSubstr("--spp 64")));
+}
+
+// A small file system of its own, which goes with the object.
+class SmallDisk {
+ public:
+  explicit SmallDisk(const std::string& path) : path_(path) {
+    std::filesystem::create_directories(path);
+    is_there_ = ::mount("tmpfs", path.c_str(), "tmpfs", 0, "size=4m") == 0;
+  }
+  ~SmallDisk() {
+    if (is_there_) ::umount2(path_.c_str(), MNT_DETACH);
+  }
+  bool is_there() const { return is_there_; }
+  // Leaves no byte free.
+  void Fill() const {
+    std::ofstream file(path_ + "/filler");
+    const std::string block(4096, 'x');
+    while (file.write(block.data(), static_cast<std::streamsize>(block.size())).flush()) {
+    }
+  }
+  void Free() const { std::filesystem::remove(path_ + "/filler"); }
+
+ private:
+  std::string path_;
+  bool is_there_ = false;
+};
+
+TEST_F(Durability, AFullDiskPausesTheJobUntilThereIsRoom) {
+  const SmallDisk disk(Path("data"));
+  if (!disk.is_there()) GTEST_SKIP() << "no file system may be mounted here";
+  const std::string oracle = Oracle(BoxScene(), {"--spp", "200"});
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit(BoxScene(), {"--spp", "200"});
+  AwaitShare(job, 0.05);
+  disk.Fill();
+  ASSERT_TRUE(Eventually([&] {
+    const std::string status = Ask({"status", job}).output;
+    return status.find("paused") != std::string::npos && status.find("No space left") != std::string::npos;
+  }));
+  EXPECT_THAT(Ask({"jobs"}).output, HasSubstr("No space left"));
+  disk.Free();
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  EXPECT_TRUE(Fetched(job) == oracle);
+}
+
+}  // namespace
+}  // namespace tessera
