@@ -100,7 +100,9 @@ Result<void> FileSpool::Sync() {
 
 Result<void> FileSpool::SyncFrame(FrameId id, Frame& frame) {
   if (IsGrown(*frame.files)) {
-    // The disk is slower than the results, or has no room for a base: they wait.
+    // The disk is slower than the results: they wait. If it has no room for a base they wait as well, and the
+    // next call is preceded by another attempt; but for a frame that is complete, which gets its last base
+    // only after this.
     if (const auto written = frame.files->AwaitBase(); !written) return written;
   }
   if (frame.segment == nullptr) {

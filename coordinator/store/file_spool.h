@@ -11,7 +11,9 @@
 // wait while a second one has grown to that and the base is still being written. So, with L the size of the
 // nodes that the merger of the frame holds at most, the files of a frame take no more than
 //   4 x max(kSegmentBytesMin, L) + two batches
-// (old base, its segment, new base, its segment), however many results were merged; half of that when idle.
+// (old base, its segment, new base, its segment), however many results were merged; half of that when idle. A
+// frame whose kept sums are on their way back from the spool has no base yet: its results of that moment come
+// on top.
 //
 // A torn tail of the newest segment was never acknowledged: it is cut off. Damage anywhere else is refused by
 // name; whoever moves the named file away loses what is in it, and no more than that is rendered again.

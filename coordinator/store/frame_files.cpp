@@ -207,10 +207,10 @@ bool FrameFiles::is_writing_base() const {
   return is_writing_;
 }
 
-Result<void> FrameFiles::AwaitBase() const {
+Result<void> FrameFiles::AwaitBase() {
   std::unique_lock lock(mutex_);
   base_ended_.wait(lock, [this] { return !is_writing_; });
-  return outcome_;
+  return std::exchange(outcome_, {});
 }
 
 Result<void> FrameFiles::Read(bool open_segment, const std::function<void(TileNode)>& visit) const {

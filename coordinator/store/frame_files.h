@@ -45,8 +45,9 @@ class FrameFiles {
   // Writes it, then removes what it replaces. Takes long.
   void WriteBase(uint64_t number, std::vector<TileNode> nodes);
   bool is_writing_base() const;
-  // Waits until no base is being written; what was wrong with the last, if it could not be written.
-  Result<void> AwaitBase() const;
+  // Waits until no base is being written; what was wrong with the last, if it could not be written and this
+  // was not told before.
+  Result<void> AwaitBase();
 
   // Hands out the nodes of the base and of the segments, but not of the newest if `open_segment`. Takes long.
   Result<void> Read(bool open_segment, const std::function<void(TileNode)>& visit) const;
@@ -58,13 +59,13 @@ class FrameFiles {
 
   const std::string folder_;
   mutable std::mutex mutex_;
-  mutable std::condition_variable base_ended_;
+  std::condition_variable base_ended_;
   // All guarded by mutex_.
   std::vector<File> segments_;  // from base_.number on, in order
   File base_;                   // number 0: none
   uint64_t base_next_ = 0;      // the base that is being written
   bool is_writing_ = false;
-  Result<void> outcome_;  // of the last base
+  Result<void> outcome_;  // of the last base, until it is told
 };
 
 }  // namespace tessera

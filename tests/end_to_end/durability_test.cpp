@@ -110,7 +110,7 @@ class SmallDisk {
  public:
   explicit SmallDisk(const std::string& path) : path_(path) {
     std::filesystem::create_directories(path);
-    is_there_ = ::mount("tmpfs", path.c_str(), "tmpfs", 0, "size=4m") == 0;
+    is_there_ = ::mount("tmpfs", path.c_str(), "tmpfs", 0, "size=48m") == 0;
   }
   ~SmallDisk() {
     if (is_there_) ::umount2(path_.c_str(), MNT_DETACH);

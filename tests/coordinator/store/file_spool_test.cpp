@@ -201,7 +201,7 @@ TEST(FileSpool, DiskUseStaysWithinItsBound) {
   SpoolStage stage(kSegment);
   std::map<uint32_t, TileNode> live;
   uint64_t most = 0, live_bytes = 0;
-  for (uint32_t i = 0; i < 5000; ++i) {
+  for (uint32_t i = 0; i < 1500; ++i) {
     const uint32_t tile = static_cast<uint32_t>(Hash(1, i) % (1 + i / 50));
     live[tile] = Node(tile, {i, 1});
     for (const FrameId frame : stage.spool->Grown()) {
@@ -243,6 +243,19 @@ TEST(FileSpool, WithoutRoomForABaseResultsWaitForIt) {
   stage.spool->Replace(kFrame, {Node(0, {0, 1}), Node(1, {0, 1}), Node(2, {0, 1})});
   ASSERT_TRUE(stage.spool->Sync());
   EXPECT_EQ(stage.Restore()->size(), 4u);
+}
+
+// Its last base comes after its last results are synced: they must not wait for it.
+TEST(FileSpool, AFrameThatIsCompleteDoesNotWaitForABaseThatFailed) {
+  SpoolStage stage(1);
+  stage.Keep(Node(0, {0, 1}));
+  std::filesystem::create_directories(stage.Path("base-2.new/in-the-way"));
+  stage.spool->Replace(kFrame, {Node(0, {0, 1})});
+  stage.Keep(Node(1, {0, 1}));
+  stage.spool->Append(kFrame, Node(2, {0, 1}));
+  EXPECT_FALSE(stage.spool->Sync());
+  EXPECT_TRUE(stage.spool->Sync());
+  EXPECT_EQ(stage.Restore()->size(), 3u);
 }
 
 }  // namespace
