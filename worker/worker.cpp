@@ -52,17 +52,19 @@ void AwaitEither(std::stop_token one, std::stop_token other) {
   stopped.wait(lock, one, [&] { return other.stop_requested(); });
 }
 
-// Whether the lease asks for a unit of the scene's frame.
-bool Fits(const Lease& lease, const FrameSpec& frame) {
+// Whether the lease asks for a unit of the scene's frame, or of what the frame may be extended to.
+bool Fits(const Lease& lease, const Scene& scene) {
+  const FrameSpec& frame = scene.frame();
   const auto tiles = static_cast<uint32_t>(frame.TileCount());
+  const bool has_samples = lease.unit.range.end() <= frame.samples_per_pixel || scene.summary().extendable;
   return lease.unit.tile < tiles && lease.bounds == frame.TileBounds(static_cast<int>(lease.unit.tile)) &&
-         lease.unit.range.IsDyadic() && lease.unit.range.end() <= frame.samples_per_pixel;
+         lease.unit.range.IsDyadic() && has_samples;
 }
 
 // Renders one unit on this thread.
 void RenderUnit(const UnitTask& task, Workbench& bench) {
   const auto start = Clock::now();
-  if (!Fits(task.lease, task.scene->frame())) {
+  if (!Fits(task.lease, *task.scene)) {
     return bench.UnitFailed(task.lease, task.lease.unit.Text() + " is not a unit of its scene");
   }
   const auto tile = task.scene->Render(task.lease.bounds, task.lease.unit.range, task.stop.get());

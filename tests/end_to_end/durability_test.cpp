@@ -35,9 +35,12 @@ class Durability : public EndToEnd {
     }
     return sum;
   }
-  void KillCoordinator() {
+  // Kills it and starts it again on the same data.
+  void RestartCoordinator() {
     coordinator().Signal(SIGKILL);
     EXPECT_EQ(coordinator().Wait(), -SIGKILL);
+    StartCoordinator();
+    EXPECT_TRUE(coordinator().AwaitErrors("samples_restored="));
   }
   std::string Fetched(const std::string& job) {
     const Outcome outcome = Ask({"fetch", job, "-o", "picture.exr"});
@@ -54,8 +57,7 @@ TEST_F(Durability, NothingAcknowledgedIsRenderedAgainAfterKills) {
   const double total = Figure(job, "samples_total");
   for (const double share : {0.1, 0.3, 0.5}) {
     AwaitShare(job, share);
-    KillCoordinator();
-    StartCoordinator();
+    RestartCoordinator();
     EXPECT_GT(Logged("samples_restored="), share * total / 2) << "of the process before";
   }
   ASSERT_EQ(Ask({"watch", job}).code, 0);
@@ -72,8 +74,7 @@ TEST_F(Durability, AnExtendedPictureIsTheOneRenderedAtOnce) {
   ASSERT_EQ(Ask({"watch", job}).code, 0);
   const Outcome extended = Ask({"extend", job, "--spp", "75"});
   ASSERT_EQ(extended.code, 0) << extended.errors;
-  KillCoordinator();
-  StartCoordinator();
+  RestartCoordinator();
   EXPECT_EQ(Logged("samples_restored="), 96 * 64 * 12);
   ASSERT_EQ(Ask({"watch", job}).code, 0);
   EXPECT_EQ(Logged("samples_accepted="), 96 * 64 * (75 - 12)) << "what was there is not rendered again";
