@@ -10,8 +10,8 @@ namespace {
 
 using Bits = EndToEnd;
 
-// Enough work to be interrupted: some seconds of one thread.
-const std::vector<std::string> kLongRender{"--spp", "200"};
+// Long enough that what happens at a tenth of it happens in mid-frame, on a loaded machine too.
+const std::vector<std::string> kLongRender{"--spp", "1000"};
 
 std::vector<std::string> With(std::vector<std::string> words, const std::vector<std::string>& more) {
   words.insert(words.end(), more.begin(), more.end());

@@ -14,6 +14,9 @@ namespace {
 
 using testing::HasSubstr;
 
+// Long enough that what happens at a quarter of it happens in mid-frame, on a loaded machine too.
+const std::vector<std::string> kLongRender{"--spp", "1000"};
+
 class Durability : public EndToEnd {
  protected:
   // The box with a sampler whose samples do not depend on their number, and a texture.
@@ -50,12 +53,12 @@ class Durability : public EndToEnd {
 };
 
 TEST_F(Durability, NothingAcknowledgedIsRenderedAgainAfterKills) {
-  const std::string oracle = Oracle(BoxScene(), {"--spp", "200"});
+  const std::string oracle = Oracle(BoxScene(), kLongRender);
   StartCoordinator();
   StartWorker("only");
-  const std::string job = Submit(BoxScene(), {"--spp", "200"});
+  const std::string job = Submit(BoxScene(), kLongRender);
   const double total = Figure(job, "samples_total");
-  for (const double share : {0.1, 0.3, 0.5}) {
+  for (const double share : {0.05, 0.15, 0.25}) {
     AwaitShare(job, share);
     RestartCoordinator();
     EXPECT_GT(Logged("samples_restored="), share * total / 2) << "of the process before";
@@ -134,10 +137,10 @@ class SmallDisk {
 TEST_F(Durability, AFullDiskPausesTheJobUntilThereIsRoom) {
   const SmallDisk disk(Path("data"));
   if (!disk.is_there()) GTEST_SKIP() << "no file system may be mounted here";
-  const std::string oracle = Oracle(BoxScene(), {"--spp", "200"});
+  const std::string oracle = Oracle(BoxScene(), kLongRender);
   StartCoordinator();
   StartWorker("only");
-  const std::string job = Submit(BoxScene(), {"--spp", "200"});
+  const std::string job = Submit(BoxScene(), kLongRender);
   AwaitShare(job, 0.05);
   disk.Fill();
   ASSERT_TRUE(Eventually([&] {

@@ -96,8 +96,8 @@ double EndToEnd::Figure(const std::string& job, const std::string& key) const {
 }
 
 void EndToEnd::AwaitShare(const std::string& job, double share) const {
-  Require(Eventually([&] { return Figure(job, "samples_done") > share * Figure(job, "samples_total"); }),
-          "the job makes no progress");
+  const double awaited = share * Figure(job, "samples_total");
+  Require(Eventually([&] { return Figure(job, "samples_done") > awaited; }), "the job makes no progress");
 }
 
 }  // namespace tessera
