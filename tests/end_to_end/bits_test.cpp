@@ -10,9 +10,6 @@ namespace {
 
 using Bits = EndToEnd;
 
-// Long enough that what happens at a tenth of it happens in mid-frame, on a loaded machine too.
-const std::vector<std::string> kLongRender{"--spp", "1000"};
-
 std::vector<std::string> With(std::vector<std::string> words, const std::vector<std::string>& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;

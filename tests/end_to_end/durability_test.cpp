@@ -14,9 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-// Long enough that what happens at a quarter of it happens in mid-frame, on a loaded machine too.
-const std::vector<std::string> kLongRender{"--spp", "1000"};
-
 class Durability : public EndToEnd {
  protected:
   // The box with a sampler whose samples do not depend on their number, and a texture.

@@ -56,4 +56,8 @@ inline std::string BoxScene() {
   return std::string(TESSERA_SOURCE_DIR) + "/tests/scenes/box.pbrt";
 }
 
+// Options that make a render of it long: what happens at a quarter of it happens in mid-frame, on a loaded
+// machine too.
+inline const std::vector<std::string> kLongRender{"--spp", "1000"};
+
 }  // namespace tessera
