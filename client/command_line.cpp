@@ -41,7 +41,7 @@ void AddInteger(CLI::App& app, const std::string& flag, const std::string& help,
 
 // What DESIGN.md promises and is not there yet is refused by name, not as an unknown flag.
 void AddFutureFlags(CLI::App& app) {
-  for (const char* flag : {"--frames", "--camera", "--aov", "--noise-threshold"}) {
+  for (const char* flag : {"--camera", "--aov", "--noise-threshold"}) {
     app.add_option_function<std::string>(
            flag,
            [flag](const std::string&) {
@@ -51,6 +51,20 @@ void AddFutureFlags(CLI::App& app) {
   }
 }
 
+void AddFrames(CLI::App& app, Options& options) {
+  AddWord(app, "--frames",
+          "frames of a sequence, each from its own file if SCENE has a place for the number "
+          "(scene.####.pbrt), else of "
+          "the one animated scene",
+          "A-B[xSTEP]",
+          [&options](const std::string& word) { options.frames = Take(ParseFrameRange(word)); });
+  AddWord(app, "--fps",
+          "frames per second of an animated scene [default: 24]: frame N shows it at N / fps seconds", "F",
+          [&options](const std::string& word) {
+            options.fps = Take(ParseNumber("--fps", word, kFramesPerSecondMin));
+          });
+}
+
 CLI::Option* AddSamples(CLI::App& app, RenderOptions& render) {
   return AddWord(app, "--spp", "samples per pixel", "N", [&render](const std::string& word) {
     render.samples_per_pixel =
@@ -58,7 +72,9 @@ CLI::Option* AddSamples(CLI::App& app, RenderOptions& render) {
   });
 }
 
-void AddRenderOptions(CLI::App& app, RenderOptions& render) {
+void AddRenderOptions(CLI::App& app, Options& options) {
+  RenderOptions& render = options.render;
+  AddFrames(app, options);
   AddSamples(app, render);
   AddWord(app, "--resolution", "size of the picture, pixels", "WxH", [&render](const std::string& word) {
     const auto [width, height] = Take(ParseResolution(word));
@@ -98,7 +114,9 @@ void AddJob(CLI::App& app, Options& options) {
 }
 
 void AddOutput(CLI::App& app, Options& options, const std::string& default_name) {
-  app.add_option("-o,--output", options.output, fmt::format("the EXR to write [default: {}]", default_name))
+  app.add_option(
+         "-o,--output", options.output,
+         fmt::format("the EXR to write, of a sequence with #### for the number [default: {}]", default_name))
       ->type_name("FILE");
   app.add_option("--png", options.png, "leave a tone-mapped 8-bit copy as well")->type_name("FILE");
 }
@@ -131,7 +149,7 @@ void AddLocalCommands(CLI::App& app, Options& options) {
   AddInteger(render, "--threads", "render threads of each [default: all cores, shared]", 1, kWorkersMax,
              options.threads);
   render.add_flag("--in-process", options.in_process, "render in this process, without any farm");
-  AddRenderOptions(render, options.render);
+  AddRenderOptions(render, options);
 
   CLI::App& compare = AddCommand(app, options, "compare", "compare two EXR pictures");
   compare.add_option("A", options.picture_a, "the picture")->required();
@@ -142,7 +160,7 @@ void AddLocalCommands(CLI::App& app, Options& options) {
 
   CLI::App& info = AddCommand(app, options, "info", "say what a scene holds");
   AddScene(info, options);
-  AddRenderOptions(info, options.render);
+  AddRenderOptions(info, options);
 }
 
 void AddFarmCommands(CLI::App& app, Options& options) {
@@ -153,15 +171,16 @@ void AddFarmCommands(CLI::App& app, Options& options) {
   AddInteger(submit, "--priority", "higher goes first [default: 0]", -kPriorityMax, kPriorityMax,
              options.priority);
   submit.add_flag("--watch", options.watch, "follow the job until it ends");
-  AddRenderOptions(submit, options.render);
+  AddRenderOptions(submit, options);
 
   AddCoordinator(AddCommand(app, options, "jobs", "list the jobs of a farm"), options);
   AddCoordinator(AddCommand(app, options, "workers", "list the workers of a farm"), options);
-  const std::pair<const char*, const char*> job_commands[] = {{"status", "say how far a job is"},
-                                                              {"watch", "follow a job until it ends"},
-                                                              {"cancel", "stop a job"},
-                                                              {"extend", "give a job more samples"},
-                                                              {"fetch", "get the picture of a job"}};
+  const std::pair<const char*, const char*> job_commands[] = {
+      {"status", "say how far a job is"},
+      {"watch", "follow a job until it ends"},
+      {"cancel", "stop a job"},
+      {"extend", "give a job more samples"},
+      {"fetch", "get the picture of a job, or those of a sequence"}};
   for (const auto& [name, help] : job_commands) {
     CLI::App& command = AddCommand(app, options, name, help);
     AddJob(command, options);
@@ -169,6 +188,10 @@ void AddFarmCommands(CLI::App& app, Options& options) {
     if (std::string_view(name) == "extend") AddSamples(command, options.render)->required();
     if (std::string_view(name) != "fetch") continue;
     AddOutput(command, options, "job-JOB.exr");
+    AddWord(command, "--frame", "only this one of a sequence [default: all]", "N",
+            [&options](const std::string& word) {
+              options.frame = static_cast<int>(Take(ParseInteger("--frame", word, 0, kFrameNumberMax)));
+            });
     command.add_flag("--preview", options.preview, "take what is there of an unfinished picture");
   }
 }

@@ -31,11 +31,8 @@ std::vector<SampleRange> CutSamples(const FrameSpec& spec) {
 // Threads that take units one after another and merge what they render.
 class Crew {
  public:
-  Crew(const SceneJob& job, int threads)
-      : scene_(*job.scene),
-        merger_(job.packed.frame.spec),
-        ranges_(CutSamples(job.packed.frame.spec)),
-        running_(threads) {
+  Crew(const Scene& scene, const FrameSpec& spec, int threads)
+      : scene_(scene), merger_(spec), ranges_(CutSamples(spec)), running_(threads) {
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Work(); });
   }
   ~Crew() { Join(); }
@@ -89,12 +86,12 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-Result<FramePicture> RenderInProcess(const SceneJob& job, int threads, std::stop_token stop,
+Result<FramePicture> RenderInProcess(const Scene& scene, const FrameSpec& spec, int threads,
+                                     std::stop_token stop,
                                      const std::function<void(const Progress&)>& report) {
   const auto start = std::chrono::steady_clock::now();
-  Crew crew(job, threads);
+  Crew crew(scene, spec, threads);
   const std::stop_callback on_stop(stop, [&crew] { crew.Stop(); });
-  const FrameSpec& spec = job.packed.frame.spec;
   Progress progress;
   progress.samples_total = static_cast<uint64_t>(spec.crop.area()) * spec.samples_per_pixel;
   progress.workers = threads;

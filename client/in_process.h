@@ -5,15 +5,16 @@
 #include <stop_token>
 
 #include "client/progress_line.h"
-#include "client/scene_job.h"
 #include "film/merger.h"
+#include "scene/scene.h"
 
 namespace tessera {
 
-// Renders every sample of the frame on `threads` threads. `report` is called on the calling thread, a few
-// times a second. The picture has the bits of every other way to render the frame. kInterrupted if `stop` was
-// requested first.
-Result<FramePicture> RenderInProcess(const SceneJob& job, int threads, std::stop_token stop,
+// Renders every sample of the frame on `threads` threads; `spec` is the scene's, perhaps with more
+// attributes. `report` is called on the calling thread, a few times a second. The picture has the bits of
+// every other way to render the frame. kInterrupted if `stop` was requested first.
+Result<FramePicture> RenderInProcess(const Scene& scene, const FrameSpec& spec, int threads,
+                                     std::stop_token stop,
                                      const std::function<void(const Progress&)>& report);
 
 }  // namespace tessera

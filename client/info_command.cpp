@@ -32,7 +32,11 @@ void PrintAccelerator(const SceneSummary& scene) {
 
 void PrintText(const SceneJob& job) {
   const SceneSummary& scene = job.scene->summary();
-  const FrameSpec& frame = job.packed.frame.spec;
+  const FrameSpec& frame = job.packed.frames[0].spec;
+  if (job.frames.size() > 1) {
+    fmt::print("frames      {}, {} to {}, all can be read; of frame {}:\n", job.frames.size(),
+               job.frames.front().number, job.frames.back().number, job.frames.front().number);
+  }
   const PixelBounds& crop = frame.crop;
   fmt::print("picture     {}x{} pixels", frame.width, frame.height);
   if (crop != PixelBounds{0, 0, frame.width, frame.height}) {
@@ -45,6 +49,7 @@ void PrintText(const SceneJob& job) {
   fmt::print("shapes      {}: {} triangles, {} patches, {} quadrics, {} bytes\n", scene.shapes,
              scene.triangles, scene.patches, scene.quadrics, scene.geometry_bytes);
   fmt::print("instances   {} of {} groups\n", scene.instances, scene.groups);
+  if (scene.moving > 0) fmt::print("moving      {} of camera, shapes and instances\n", scene.moving);
   fmt::print("lights      {}\nmaterials   {}\nmedia       {}\n", scene.lights, scene.materials, scene.media);
   fmt::print("textures    {}, images of {} bytes\n", scene.textures, scene.image_bytes);
   fmt::print("files       {}, {} bytes\n", job.packed.package.files.size(), FileBytes(job.packed.package));
@@ -54,8 +59,9 @@ void PrintText(const SceneJob& job) {
 
 void PrintJson(const SceneJob& job) {
   const SceneSummary& scene = job.scene->summary();
-  const FrameSpec& frame = job.packed.frame.spec;
+  const FrameSpec& frame = job.packed.frames[0].spec;
   nlohmann::ordered_json json;
+  json["frames"] = job.frames.size();
   json["width"] = frame.width;
   json["height"] = frame.height;
   json["crop"] = {frame.crop.x0, frame.crop.x1, frame.crop.y0, frame.crop.y1};
@@ -72,6 +78,7 @@ void PrintJson(const SceneJob& job) {
   json["quadrics"] = scene.quadrics;
   json["groups"] = scene.groups;
   json["instances"] = scene.instances;
+  json["moving"] = scene.moving;
   json["lights"] = scene.lights;
   json["materials"] = scene.materials;
   json["textures"] = scene.textures;
@@ -96,10 +103,11 @@ void PrintJson(const SceneJob& job) {
 
 }  // namespace
 
-Result<int> RunInfo(const Options& options, Cancellation&) {
+Result<int> RunInfo(const Options& options, Cancellation& cancellation) {
   // An accelerator is only built to tell about it, when it was asked for.
   const bool is_to_build = !options.render.accelerator.empty();
-  const auto job = LoadSceneJob(options, is_to_build ? Scene::Depth::kRender : Scene::Depth::kCheck);
+  const auto job =
+      LoadSceneJob(options, is_to_build ? Scene::Depth::kRender : Scene::Depth::kCheck, cancellation.token());
   if (!job) return job.error();
   if (options.json) {
     PrintJson(*job);

@@ -2,14 +2,19 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "client/frame_range.h"
 #include "scene/scene.h"
 
 namespace tessera {
 
 constexpr int kWorkersMax = 1024;         // processes or threads on one box: more is a mistake in typing
 constexpr int kPathDepthMax = 1'000'000;  // bounces: beyond what any path survives
+
+constexpr double kFramesPerSecondDefault = 24;  // of films
+constexpr double kFramesPerSecondMin = 1e-3;    // slower than any time lapse
 
 constexpr const char* kCoordinatorAddressDefault = "127.0.0.1:7700";
 
@@ -18,9 +23,12 @@ constexpr const char* kCoordinatorAddressDefault = "127.0.0.1:7700";
 struct Options {
   std::string command;  // "render", "submit", ...
   std::string scene;    // path of the scene file
-  std::string output;   // path of the EXR; empty: named after the scene or the job, in the current folder
+  std::string output;   // path of the EXR; empty: named after the scene or the job, in the current folder;
+                        // of a sequence a pattern (frame_names.h), as png
   std::string png;      // path of a tone-mapped copy to leave as well, or empty
   bool json = false;    // answers for machines
+  std::optional<FrameRange> frames;      // of a sequence
+  double fps = kFramesPerSecondDefault;  // frames of one animated scene in a second of its time
 
   // render
   int workers = 0;          // processes; 0: one
@@ -28,11 +36,12 @@ struct Options {
   bool in_process = false;  // no farm
 
   // a farm's commands
-  std::string coordinator;  // HOST:PORT or unix:PATH
-  std::string name;         // of the job; empty: the scene's
-  int priority = 0;         // higher goes first
-  bool watch = false;       // submit: follow the job until it ends
-  bool preview = false;     // fetch: what is there will do
+  std::string coordinator;   // HOST:PORT or unix:PATH
+  std::string name;          // of the job; empty: the scene's
+  int priority = 0;          // higher goes first
+  bool watch = false;        // submit: follow the job until it ends
+  bool preview = false;      // fetch: what is there will do
+  std::optional<int> frame;  // fetch: this one of a sequence
   uint64_t job = 0;
 
   // compare

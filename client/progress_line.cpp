@@ -47,6 +47,9 @@ std::string ProgressText(const Progress& progress, const char* worker_word) {
                                  percent, WithPrefix(done), WithPrefix(total),
                                  WithPrefix(progress.samples_per_second), progress.workers, worker_word,
                                  progress.workers == 1 ? "" : "s", DurationText(progress.elapsed_s));
+  if (progress.frames.total > 1) {
+    text += fmt::format("  {} of {} frames", progress.frames.finished, progress.frames.total);
+  }
   if (progress.samples_done < progress.samples_total) {
     text += progress.left_s >= 0 ? fmt::format("  {} left", DurationText(progress.left_s))
                                  : "  time left not known yet";

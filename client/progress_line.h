@@ -7,6 +7,10 @@
 
 namespace tessera {
 
+struct FrameCount {
+  uint32_t finished = 0, total = 1;
+};
+
 struct Progress {
   uint64_t samples_done = 0, samples_total = 0;  // pixel samples
   double samples_per_second = 0;
@@ -14,6 +18,7 @@ struct Progress {
   double elapsed_s = 0;
   double left_s = -1;  // negative: not known yet
   std::string remark;  // why nothing moves, or empty
+  FrameCount frames;   // told if there are several
 };
 
 // "  43.1 %  12.3/28.6 Msamples  1.42 Msamples/s  2 workers  8.7 s elapsed  11 s left"

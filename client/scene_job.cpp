@@ -2,52 +2,163 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
 
 #include "terms/package_names.h"
+#include "util/cores.h"
 
 namespace tessera {
 namespace {
 
-void PrintWarnings(const SceneSummary& summary) {
-  for (const std::string& warning : summary.warnings) fmt::print(stderr, "tessera: warning: {}\n", warning);
+// What is kept of a frame that has been read.
+struct ReadFrame {
+  FrameSpec spec;
+  std::vector<std::string> warnings;
+  uint64_t moving = 0;
+  bool extendable = false;
+  std::map<std::string, DiskFileSource::File> files;
+};
+
+// Reads frames on all cores.
+class FrameReader {
+ public:
+  FrameReader(SceneJob& job, Scene::Depth first_depth, std::stop_token stop)
+      : job_(job), first_depth_(first_depth), stop_(stop), read_(job.frames.size()) {}
+
+  // Of each frame; of frames that are all of one file only the first.
+  Result<std::vector<ReadFrame>> Run() {
+    const size_t count = job_.frames.front().is_animated ? 1 : job_.frames.size();
+    const size_t threads = std::min(count, static_cast<size_t>(UsableCores()));
+    std::vector<std::thread> crew;
+    for (size_t i = 1; i < threads; ++i) crew.emplace_back([this, count] { Work(count); });
+    Work(count);
+    for (std::thread& thread : crew) thread.join();
+    if (error_) return *error_;
+    if (stop_.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
+    read_.resize(count);
+    return std::move(read_);
+  }
+
+ private:
+  void Work(size_t count) {
+    for (size_t i = next_++; i < count && i < failed_ && !stop_.stop_requested(); i = next_++) {
+      try {
+        if (auto read = Read(i); !read) Fail(i, read.error());
+      } catch (const std::exception& e) {  // out of memory
+        Fail(i, Failed(fmt::format("{}: {}", job_.frames[i].path, e.what())));
+      }
+    }
+  }
+  Result<void> Read(size_t i) {
+    auto loaded = LoadFrame(job_.frames[i], i == 0 ? first_depth_ : Scene::Depth::kCheck, job_.cache);
+    if (!loaded) return loaded.error();
+    const SceneSummary& summary = loaded->scene->summary();
+    read_[i] = {loaded->scene->frame(), summary.warnings, summary.moving, summary.extendable,
+                std::move(loaded->files)};
+    if (i == 0) job_.scene = std::move(loaded->scene);
+    return {};
+  }
+  void Fail(size_t i, const Error& error) {
+    const std::lock_guard lock(mutex_);
+    if (i >= failed_) return;
+    failed_ = i;
+    error_ = error;
+  }
+
+  SceneJob& job_;
+  const Scene::Depth first_depth_;
+  const std::stop_token stop_;
+  std::vector<ReadFrame> read_;  // each written by one thread
+  std::atomic<size_t> next_ = 0;
+  std::atomic<size_t> failed_ = SIZE_MAX;  // the first frame that failed
+  std::mutex mutex_;
+  std::optional<Error> error_;  // its error
+};
+
+// Each warning once, however many frames have it.
+void PrintWarnings(const SceneJob& job, const std::vector<ReadFrame>& frames) {
+  std::set<std::string> printed;
+  const auto print = [&](const std::string& warning) {
+    if (printed.insert(warning).second) fmt::print(stderr, "tessera: warning: {}\n", warning);
+  };
+  for (const ReadFrame& frame : frames) {
+    for (const std::string& warning : frame.warnings) print(warning);
+  }
+  if (job.frames.size() > 1 && job.frames[0].is_animated && frames[0].moving == 0) {
+    print(fmt::format("{}: nothing in it moves: its {} frames will look the same", job.frames[0].path,
+                      job.frames.size()));
+  }
 }
 
-Result<void> Pack(const std::map<std::string, DiskFileSource::File>& files, PackedScene& packed) {
-  if (files.size() > kFilesPerPackageMax) {
-    return BadInput(
-        fmt::format("the scene refers to {} files, more than {}", files.size(), kFilesPerPackageMax));
+// Puts the frames' files into one package. Each folder that scene files lie in is a folder of the package,
+// unless there is but one.
+class Packer {
+ public:
+  explicit Packer(const std::vector<SceneFrame>& frames) {
+    for (const SceneFrame& frame : frames) folders_.emplace(frame.folder(), "");
+    if (folders_.size() == 1) return;
+    int count = 0;
+    for (auto& [folder, packed] : folders_) packed = fmt::format("folder-{}/", ++count);
   }
-  for (const auto& [name, file] : files) {
-    const std::string path = PackagePath(name);
-    if (path.empty())
-      return BadInput(fmt::format("{}: the file's name is too long to be sent to a farm", name));
-    packed.package.files[path] = {file.digest, file.size};
-    packed.disk_paths.emplace(file.digest, file.path);
+
+  Result<void> Add(const SceneFrame& frame, const ReadFrame& read, PackedScene& packed) {
+    const std::string& folder = folders_.at(frame.folder());
+    ScenePackage alone;
+    for (const auto& [name, file] : read.files) {
+      const std::string path = PackagePath(name);
+      if (path.empty() || !IsPackagePath(folder + path)) {
+        return BadInput(fmt::format("{}: the file's name is too long to be sent to a farm", name));
+      }
+      alone.files[path] = {file.digest, file.size};
+      const auto [entry, is_new] = packed.package.files.emplace(folder + path, alone.files[path]);
+      if (!is_new && entry->second.digest != file.digest) {
+        return Failed(fmt::format("{}: changed while the frames were read: try again", file.path));
+      }
+      packed.disk_paths.emplace(file.digest, file.path);
+    }
+    if (packed.package.files.size() > kFilesPerPackageMax) {
+      return BadInput(fmt::format("{}: with it the job refers to {} files, more than {}", frame.path,
+                                  packed.package.files.size(), kFilesPerPackageMax));
+    }
+    FrameOrder order{folder + PackagePath(frame.name()), EncodeRenderOptions(frame.options), read.spec,
+                     frame.number, read.extendable};
+    order.spec.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(alone)).Hex();
+    packed.frames.push_back(std::move(order));
+    return {};
   }
-  packed.manifest = EncodeScenePackage(packed.package);
-  packed.digest = Sha256(packed.manifest);
-  return {};
-}
+
+ private:
+  std::map<std::string, std::string> folders_;  // on disk -> in the package
+};
 
 }  // namespace
 
-Result<SceneJob> LoadSceneJob(const Options& options, Scene::Depth depth) {
-  const std::filesystem::path path(options.scene);
-  const std::string name = path.filename().string();
-  if (name.empty()) return BadInput(fmt::format("{}: is not a scene file", options.scene));
-  DiskFileSource files(path.parent_path().string());
-  auto scene = Scene::Load(files, name, options.render, depth);
-  if (!scene) return scene.error();
-  PrintWarnings((*scene)->summary());
+Result<SceneJob> LoadSceneJob(const Options& options, Scene::Depth depth, std::stop_token stop) {
+  auto frames = ListFrames(options);
+  if (!frames) return frames.error();
   SceneJob job;
-  job.scene = std::move(*scene);
-  if (auto packed = Pack(files.FilesRead(), job.packed); !packed) return packed.error();
-  job.packed.frame.scene_file = PackagePath(name);
-  job.packed.frame.options = EncodeRenderOptions(options.render);
-  job.packed.frame.spec = job.scene->frame();
-  job.packed.frame.extendable = job.scene->summary().extendable;
-  job.packed.frame.spec.attributes[kSceneDigestAttribute] = job.packed.digest.Hex();
+  job.frames = std::move(*frames);
+  if (job.frames.size() > 1) job.cache = std::make_shared<SharedCache>(kSharedBytesMax);
+  const auto read = FrameReader(job, depth, stop).Run();
+  if (!read) return read.error();
+  PrintWarnings(job, *read);
+  Packer packer(job.frames);
+  for (size_t i = 0; i < read->size(); ++i) {
+    if (auto added = packer.Add(job.frames[i], (*read)[i], job.packed); !added) return added.error();
+  }
+  for (size_t i = read->size(); i < job.frames.size(); ++i) {
+    job.packed.frames.push_back(job.packed.frames[0]);
+    job.packed.frames[i].options = EncodeRenderOptions(job.frames[i].options);
+    job.packed.frames[i].number = job.frames[i].number;
+  }
+  job.packed.manifest = EncodeScenePackage(job.packed.package);
+  job.packed.digest = Sha256(job.packed.manifest);
   return job;
 }
 

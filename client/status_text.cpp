@@ -80,6 +80,7 @@ Progress ProgressOf(const JobStatus& status) {
   progress.elapsed_s = Seconds(status.elapsed);
   progress.left_s = status.left.count() >= 0 ? Seconds(status.left) : -1;
   progress.remark = status.reason;
+  progress.frames = {status.frames_finished, status.frames_total};
   return progress;
 }
 
@@ -89,12 +90,14 @@ std::string JobText(const JobStatus& status) {
 }
 
 std::string JobTable(const std::vector<JobStatus>& jobs) {
-  std::string table = fmt::format("{:>6}  {:<24}  {:<9}  {:>7}  {:>12}  {:>7}  {:>12}\n", "JOB", "NAME",
-                                  "STATE", "DONE", "SAMPLES/S", "WORKERS", "ELAPSED");
+  std::string table = fmt::format("{:>6}  {:<24}  {:<9}  {:>7}  {:>11}  {:>12}  {:>7}  {:>12}\n", "JOB",
+                                  "NAME", "STATE", "DONE", "FRAMES", "SAMPLES/S", "WORKERS", "ELAPSED");
   for (const JobStatus& job : jobs) {
-    table += fmt::format("{:>6}  {:<24}  {:<9}  {:>5.1f} %  {:>12.0f}  {:>7}  {:>12}{}\n", Number(job.job),
-                         job.name, JobStateName(job.state), Percent(job), job.samples_per_second, job.workers,
-                         DurationText(Seconds(job.elapsed)), job.reason.empty() ? "" : "  " + job.reason);
+    const std::string frames = fmt::format("{}/{}", job.frames_finished, job.frames_total);
+    table += fmt::format("{:>6}  {:<24}  {:<9}  {:>5.1f} %  {:>11}  {:>12.0f}  {:>7}  {:>12}{}\n",
+                         Number(job.job), job.name, JobStateName(job.state), Percent(job), frames,
+                         job.samples_per_second, job.workers, DurationText(Seconds(job.elapsed)),
+                         job.reason.empty() ? "" : "  " + job.reason);
   }
   return table;
 }

@@ -11,7 +11,7 @@
 namespace tessera {
 
 Result<int> RunSubmit(const Options& options, Cancellation& cancellation) {
-  const auto job = LoadSceneJob(options, Scene::Depth::kCheck);
+  const auto job = LoadSceneJob(options, Scene::Depth::kCheck, cancellation.token());
   if (!job) return job.error();
   const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
   if (!client) return client.error();

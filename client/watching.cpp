@@ -3,18 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "client/status_text.h"
 
 namespace tessera {
 
-Result<JobStatus> WatchWithProgress(CoordinatorClient& client, JobId job) {
+Result<JobStatus> WatchWithProgress(CoordinatorClient& client, JobId job,
+                                    const std::function<void(const JobStatus&)>& on_status) {
   ProgressLine line("worker");
   uint32_t workers_most = 0;  // at the end none is left: say how many it were
   auto last = client.Watch(job, [&](const JobStatus& status) {
     workers_most = std::max(workers_most, status.workers);
     if (!HasEnded(status.state)) line.Show(ProgressOf(status));
+    if (on_status) on_status(status);
   });
   if (!last) return last;
   Progress progress = ProgressOf(*last);
@@ -27,14 +28,6 @@ Error EndedWithoutPicture(const JobStatus& status) {
   return Failed(fmt::format("job {} {}{}{}", Number(status.job),
                             status.state == JobState::kFailed ? "failed" : "was cancelled",
                             status.reason.empty() ? "" : ": ", status.reason));
-}
-
-std::string PictureJson(const std::string& path, const Digest& digest, double seconds) {
-  nlohmann::ordered_json json;
-  json["output"] = path;
-  json["sha256"] = digest.Hex();
-  json["seconds"] = seconds;
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace tessera

@@ -138,6 +138,17 @@ grpc::ServerUnaryReactor* JobsService::Workers(grpc::CallbackServerContext* cont
   return reactor;
 }
 
+grpc::ServerUnaryReactor* JobsService::Frames(grpc::CallbackServerContext* context,
+                                              const proto::JobRequest* request, proto::FramesAnswer* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  core_.Post([=, job = JobId{request->job()}](CoreContext& core) {
+    const std::vector<FrameStatus> frames = core.farm.Frames(job);
+    Write(frames, *answer);
+    reactor->Finish(frames.empty() ? NoJob(job) : grpc::Status::OK);
+  });
+  return reactor;
+}
+
 grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::CallbackServerContext*,
                                                                          const proto::FetchRequest* request) {
   auto* const stream = new PictureStream;

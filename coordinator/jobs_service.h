@@ -34,6 +34,8 @@ class JobsService final : public proto::Jobs::CallbackService {
   grpc::ServerUnaryReactor* Workers(grpc::CallbackServerContext* context,
                                     const proto::WorkersRequest* request,
                                     proto::WorkersAnswer* answer) override;
+  grpc::ServerUnaryReactor* Frames(grpc::CallbackServerContext* context, const proto::JobRequest* request,
+                                   proto::FramesAnswer* answer) override;
   grpc::ServerWriteReactor<proto::PictureChunk>* FetchPicture(grpc::CallbackServerContext* context,
                                                               const proto::FetchRequest* request) override;
   grpc::ServerUnaryReactor* Health(grpc::CallbackServerContext* context, const proto::HealthRequest* request,

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <compare>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -161,6 +162,11 @@ struct JobStatus {
   std::chrono::milliseconds elapsed{};
   std::chrono::milliseconds left{-1};  // negative: not known
   uint32_t frames_total = 0, frames_finished = 0;
+};
+
+struct FrameStatus {
+  int32_t number = 0;          // FrameOrder::number
+  std::optional<Digest> file;  // of its EXR, once it can be fetched
 };
 
 struct WorkerStatus {

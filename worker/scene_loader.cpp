@@ -6,33 +6,52 @@
 
 namespace tessera {
 
+const PackageFile* PackageFileSource::Find(const std::string& name) {
+  std::string path = PackagePath(name);
+  auto file = package_.files.find(folder_ + path);
+  if (path.empty() || file == package_.files.end()) return nullptr;
+  const std::lock_guard lock(mutex_);
+  read_.files.emplace(std::move(path), file->second);
+  return &file->second;
+}
+
 Result<std::string> PackageFileSource::Read(const std::string& name) {
-  auto file = package_.files.find(PackagePath(name));
-  if (file == package_.files.end())
-    file = package_.files.find(name);  // the scene file itself goes by its path
-  if (file == package_.files.end()) return BadInput(fmt::format("{}: is not in the scene's package", name));
-  auto bytes = fetch_(file->second.digest, file->second.size);
+  const PackageFile* const file = Find(name);
+  if (file == nullptr) return BadInput(fmt::format("{}: is not in the scene's package", name));
+  auto bytes = fetch_(file->digest, file->size);
   if (!bytes) return Error{bytes.error().kind, fmt::format("{}: {}", name, bytes.error().message)};
-  if (bytes->size() != file->second.size)
-    return Failed(fmt::format("{}: its size is not the manifest's", name));
+  if (bytes->size() != file->size) return Failed(fmt::format("{}: its size is not the manifest's", name));
   return bytes;
 }
 
-Result<std::shared_ptr<const Scene>> LoadOrderedScene(const SceneOrder& order, const FetchBlob& fetch) {
+std::optional<Digest> PackageFileSource::Identify(const std::string& name) {
+  const PackageFile* const file = Find(name);
+  return file != nullptr ? std::optional(file->digest) : std::nullopt;
+}
+
+ScenePackage PackageFileSource::PackageRead() const {
+  const std::lock_guard lock(mutex_);
+  return read_;
+}
+
+Result<std::shared_ptr<const Scene>> LoadOrderedScene(const SceneOrder& order, const FetchBlob& fetch,
+                                                      std::shared_ptr<SharedCache> cache) {
   const auto options = DecodeRenderOptions(order.options);
   if (!options) return options.error();
   const auto manifest = fetch(order.package, kManifestBytesMax);
   if (!manifest) return manifest.error();
   auto package = DecodeScenePackage(*manifest);
   if (!package) return package.error();
-  PackageFileSource files(std::move(*package), fetch);
-  auto scene = Scene::Load(files, order.scene_file, *options, Scene::Depth::kRender);
+  const std::string folder = PackageFolder(order.scene_file);
+  const std::string name = NameOfPackagePath(order.scene_file.substr(folder.size()));
+  PackageFileSource files(std::move(*package), folder, fetch, std::move(cache));
+  auto scene = Scene::Load(files, name, *options, Scene::Depth::kRender);
   if (!scene) return scene.error();
   FrameSpec frame = (*scene)->frame();
-  frame.attributes[kSceneDigestAttribute] = order.package.Hex();
+  frame.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(files.PackageRead())).Hex();
   if (frame != order.frame) {
-    return Failed(fmt::format("{}: this worker reads another frame from the scene than the one ordered",
-                              order.scene_file));
+    return Failed(
+        fmt::format("{}: this worker reads another frame from the scene than the one ordered", name));
   }
   return std::shared_ptr<const Scene>(std::move(*scene));
 }

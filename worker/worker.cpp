@@ -18,6 +18,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// Textures and meshes of the last scenes, decoded: the next frame needs most of them again. Those of large
+// scenes fit.
+constexpr uint64_t kAssetBytesMax = uint64_t{2} << 30;
+
 // The parts of a drain; together below the 10 s that are promised.
 constexpr std::chrono::milliseconds kFinishPatience{5000};  // for units that are being rendered
 constexpr std::chrono::milliseconds kReturnPatience{2500};  // for what is left to be returned
@@ -82,6 +86,7 @@ Worker::Worker(const WorkerOptions& options)
       threads_(options.threads),
       cache_(options.cache_dir, options.cache_bytes),
       fetcher_(bulk_channel_, cache_, closing_.get_token(), Number(self_.worker) + 2),
+      assets_(std::make_shared<SharedCache>(kAssetBytesMax)),
       bench_([this] { synchronizer_.Ring(); }),
       synchronizer_(states_channel_, self_, bench_, [this](Error why) { OnRefusal(std::move(why)); }),
       returner_(bulk_channel_, self_.worker, bench_, [this](Error why) { OnRefusal(std::move(why)); }) {}
@@ -153,7 +158,7 @@ void Worker::LoadScenes() {
   while (const auto order = bench_.AwaitSceneOrder(closing_.get_token())) {
     const auto start = Clock::now();
     try {
-      auto scene = LoadOrderedScene(*order, fetch);
+      auto scene = LoadOrderedScene(*order, fetch, assets_);
       if (closing_.stop_requested()) break;
       if (!scene) {
         spdlog::warn("scene key={} reason=\"{}\"", order->key.Hex(), scene.error().message);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "util/result.h"
+#include "util/shared_cache.h"
 #include "worker/blob_cache.h"
 #include "worker/blob_fetcher.h"
 #include "worker/options.h"
@@ -45,6 +46,7 @@ class Worker {
   int threads_;
   BlobCache cache_;
   BlobFetcher fetcher_;
+  std::shared_ptr<SharedCache> assets_;  // what scenes share; scenes hold parts of it
   Workbench bench_;
   Synchronizer synchronizer_;
   Returner returner_;

@@ -107,7 +107,7 @@ Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const std::str
   spec.name = name;
   spec.priority = priority;
   spec.package = scene.digest;
-  spec.frames = {scene.frame};
+  spec.frames = scene.frames;
   proto::JobSpec request;
   Write(spec, request);
   proto::SubmitAnswer answer;
@@ -169,9 +169,18 @@ Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(c
   }
 }
 
-Result<std::string> CoordinatorClient::FetchPicture(JobId job, bool preview) {
+Result<std::vector<FrameStatus>> CoordinatorClient::Frames(JobId job) {
+  proto::FramesAnswer answer;
+  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Frames, RequestFor(job),
+                    answer, fmt::format("ask for the frames of job {}", Number(job)));
+  if (!asked) return asked.error();
+  return ReadFrameStatuses(answer);
+}
+
+Result<std::string> CoordinatorClient::FetchPicture(JobId job, uint32_t frame, bool preview) {
   proto::FetchRequest request;
   request.set_job(Number(job));
+  request.set_frame(frame);
   request.set_preview(preview);
   std::string bytes;
   auto fetched = WithRetries(connection_->stop, fmt::format("fetch the picture of job {}", Number(job)), [&] {

@@ -34,8 +34,10 @@ class CoordinatorClient {
   Result<JobStatus> Status(JobId job);
   // Calls `report` with every change until the job has ended, and answers its last status.
   Result<JobStatus> Watch(JobId job, const std::function<void(const JobStatus&)>& report);
-  // The bytes of the picture's OpenEXR file.
-  Result<std::string> FetchPicture(JobId job, bool preview);
+  // The job's frames, in order. Never empty.
+  Result<std::vector<FrameStatus>> Frames(JobId job);
+  // The bytes of the OpenEXR file of a frame, by its index.
+  Result<std::string> FetchPicture(JobId job, uint32_t frame, bool preview);
   Result<JobStatus> Cancel(JobId job);
   Result<JobStatus> Extend(JobId job, uint32_t samples_per_pixel);
   Result<std::vector<JobStatus>> Jobs();

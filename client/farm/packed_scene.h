@@ -1,8 +1,9 @@
-// A scene as it is sent to a farm.
+// A scene, or the frames of a sequence, as sent to a farm.
 #pragma once
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "terms/scene_package.h"
 #include "terms/terms.h"
@@ -10,7 +11,7 @@
 namespace tessera {
 
 struct PackedScene {
-  FrameOrder frame;  // with the attributes that the picture's file will have
+  std::vector<FrameOrder> frames;  // with the attributes that the pictures' files will have
   ScenePackage package;
   std::string manifest;                      // EncodeScenePackage(package)
   Digest digest;                             // of the manifest

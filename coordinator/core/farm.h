@@ -121,6 +121,8 @@ class Farm {
   std::optional<JobStatus> Status(Instant now, JobId job) const;
   std::vector<JobStatus> Jobs(Instant now) const;
   std::vector<WorkerStatus> Workers(Instant now) const { return scheduler_.Workers(now); }
+  // The job's frames in order; empty if there is no such job.
+  std::vector<FrameStatus> Frames(JobId job) const;
   // The frame's file, if it is written.
   std::optional<Digest> FinishedFile(JobId job, uint32_t frame) const;
   // What is there of a frame that is being rendered; nothing if it is complete, its job has ended or there is

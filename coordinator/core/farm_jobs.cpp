@@ -143,6 +143,16 @@ void Farm::MeasureProgress(Instant now) {
   }
 }
 
+std::vector<FrameStatus> Farm::Frames(JobId id) const {
+  std::vector<FrameStatus> frames;
+  const JobEntry* const job = FindJob(id);
+  if (job == nullptr) return frames;
+  for (uint32_t i = 0; i < job->spec->frames.size(); ++i) {
+    frames.push_back({job->spec->frames[i].number, FinishedFile(id, i)});
+  }
+  return frames;
+}
+
 std::optional<Digest> Farm::FinishedFile(JobId id, uint32_t frame) const {
   const JobEntry* const job = FindJob(id);
   if (job == nullptr) return std::nullopt;

@@ -37,6 +37,10 @@ constexpr int kUnitsPerSlotMax = 16;
 // Of one job, being rendered or merged at the same time: each holds a picture in memory.
 constexpr uint32_t kFramesActiveMax = 16;
 
+// How much of a new measurement of the time that a scene takes to load counts: the first loads fetch files,
+// too.
+constexpr double kLoadGain = 0.3;
+
 // ---- Leases ----
 // A worker that is heard of every 2 s and misses this long is hung or cut off; a loaded machine may miss
 // some.

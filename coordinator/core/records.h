@@ -42,9 +42,10 @@ struct WorkerRecord {
   double speed = 1;
   uint64_t speed_measurements = 0;
 
-  std::map<Digest, bool> scenes;   // listed by the last state; whether ready
-  std::vector<SceneOrder> wanted;  // to be loaded
-  bool wanted_told = true;         // `wanted` has been put into some answer
+  std::map<Digest, bool> scenes;            // listed by the last state; whether ready
+  std::vector<SceneOrder> wanted;           // to be loaded
+  bool wanted_told = true;                  // `wanted` has been put into some answer
+  std::map<Digest, Instant> loading_since;  // when it was told first
 
   std::set<LeaseId> leases;  // in the order granted
   LeaseId begun{};           // those up to here have begun or are next, as far as one can guess
@@ -91,6 +92,8 @@ struct JobRecord {
   std::set<uint32_t> frames_ahead;         // not begun
   std::map<uint32_t, uint32_t> kept;       // samples per pixel that frames ahead have already
   size_t leases = 0;                       // held by workers now
+  double load_s = 0;                       // that a worker takes to get a scene of it ready; 0: not known
+  double measured_cost = 0, measured_samples = 0;  // of all its frames: on a worker of speed 1; pixel samples
 
   FrameRecord& Begin(uint32_t frame) {
     frames_ahead.erase(frame);

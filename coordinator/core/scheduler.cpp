@@ -183,6 +183,9 @@ void Scheduler::MeasureSpeed(WorkerRecord& worker, FrameRecord& frame, const Wor
     speeds_changed_ = true;
   }
   frame.work.RecordCost(samples, render_seconds * worker.speed);
+  JobRecord& job = jobs_.at(unit.job);
+  job.measured_cost += render_seconds * worker.speed;
+  job.measured_samples += static_cast<double>(Bounds(unit).area()) * unit.range.size;
 }
 
 void Scheduler::FailUnit(Instant now, WorkerId worker_id, LeaseId lease, const WorkUnit& unit,
@@ -207,6 +210,7 @@ void Scheduler::FailScene(Instant now, WorkerId worker_id, const Digest& scene, 
   if (worker == nullptr) return;
   worker->scenes.erase(scene);
   std::erase_if(worker->wanted, [&](const SceneOrder& order) { return order.key == scene; });
+  worker->loading_since.erase(scene);
   worker->starved_at = 0;
   Log(fmt::format("scene_failed worker={:016x} name=\"{}\" scene={} reason=\"{}\"", Number(worker_id),
                   worker->name, scene.Hex(), words));

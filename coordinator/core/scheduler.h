@@ -132,10 +132,9 @@ class Scheduler {
   double QueueSeconds(const WorkerRecord& worker) const;
   void Dispatch(Instant now);
   bool GrantOne(Instant now, WorkerRecord& worker);
-  Choice Choose(WorkerRecord& worker);
-  Choice ChooseOfJobs(WorkerRecord& worker, const std::set<JobId>& jobs);
-  Choice FirstFrame(JobRecord& job, const WorkerRecord& worker, bool ready);
-  void Activate(JobRecord& job);
+  Choice Choose(Instant now, WorkerRecord& worker);
+  Choice ChooseOfJobs(Instant now, WorkerRecord& worker, const std::set<JobId>& jobs);
+  Choice ReadyFrame(JobRecord& job, const WorkerRecord& worker);
   void Want(WorkerRecord& worker, const Choice& choice);
   double UnitSeconds(const JobRecord& job) const;
   std::optional<double> OpenCost(const JobRecord& job) const;
@@ -144,6 +143,15 @@ class Scheduler {
   LeaseId NextLease() { return LeaseId{uint64_t{options_.epoch} << 32 | lease_next_++}; }
   void Forget(LeaseId id);
   void Return(LeaseId id);
+
+  // scheduler_frames.cpp: which frames are begun, and who loads them
+  uint32_t FramesAbreast(const JobRecord& job) const;
+  void Activate(JobRecord& job);
+  Choice FrameToLoad(Instant now, JobRecord& job, const WorkerRecord& worker);
+  bool MayRender(const FrameRecord& frame, const WorkerRecord& worker) const;
+  void Prefetch(Instant now, WorkerRecord& worker, const Choice& current);
+  void CountCrews(Instant now);
+  void MeasureLoading(Instant now, WorkerRecord& worker, const Digest& scene);
 
   // scheduler_tail.cpp: what idle workers take from slower ones
   void RelieveTail(Instant now);
@@ -163,7 +171,8 @@ class Scheduler {
   double total_speed_ = 0;     // slots times speed of the workers that may work
   int total_slots_ = 0;
   bool speeds_changed_ = false;  // the two above are to be summed again
-  Instant tail_due_{}, expiry_due_{};
+  Instant tail_due_{}, expiry_due_{}, crews_due_{};
+  std::map<Digest, size_t> crews_;  // of scenes: workers that have them or load them, as last counted
   std::vector<CondemnedJob> condemned_;
   std::vector<std::string> log_;
 };

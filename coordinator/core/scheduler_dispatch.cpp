@@ -48,26 +48,27 @@ void Scheduler::Dispatch(Instant now) {
 }
 
 bool Scheduler::GrantOne(Instant now, WorkerRecord& worker) {
-  const Choice choice = Choose(worker);
+  const Choice choice = Choose(now, worker);
   if (choice.frame == nullptr) return false;
   const auto may = [&](uint32_t tile) { return choice.frame->failures.May(worker.id, tile); };
   const auto samples = choice.frame->work.Take(UnitSeconds(*choice.job) * worker.speed, may);
   TESSERA_CHECK(samples.has_value());
   const WorkUnit unit{choice.job->id, choice.frame_index, samples->tile, samples->range};
   Grant(now, worker, *choice.job, *choice.frame, unit, NextLease());
+  Prefetch(now, worker, choice);
   return true;
 }
 
-Scheduler::Choice Scheduler::Choose(WorkerRecord& worker) {
+Scheduler::Choice Scheduler::Choose(Instant now, WorkerRecord& worker) {
   for (const auto& [priority, jobs] : priorities_) {
-    if (const Choice choice = ChooseOfJobs(worker, jobs); choice.frame != nullptr) return choice;
+    if (const Choice choice = ChooseOfJobs(now, worker, jobs); choice.frame != nullptr) return choice;
   }
   return {};
 }
 
 // Of jobs with equal rights, the one that has the least: first among those whose scene the worker has in
 // memory.
-Scheduler::Choice Scheduler::ChooseOfJobs(WorkerRecord& worker, const std::set<JobId>& jobs) {
+Scheduler::Choice Scheduler::ChooseOfJobs(Instant now, WorkerRecord& worker, const std::set<JobId>& jobs) {
   Choice ready, unready;
   for (const JobId id : jobs) {
     JobRecord& job = jobs_.at(id);
@@ -75,9 +76,9 @@ Scheduler::Choice Scheduler::ChooseOfJobs(WorkerRecord& worker, const std::set<J
     const auto poorer = [&](const Choice& than) {
       return than.job == nullptr || job.leases < than.job->leases;
     };
-    if (const Choice choice = FirstFrame(job, worker, true); choice.frame != nullptr) {
+    if (const Choice choice = ReadyFrame(job, worker); choice.frame != nullptr) {
       if (poorer(ready)) ready = choice;
-    } else if (const Choice other = FirstFrame(job, worker, false); other.frame != nullptr) {
+    } else if (const Choice other = FrameToLoad(now, job, worker); other.frame != nullptr) {
       if (poorer(unready)) unready = other;
     }
   }
@@ -88,24 +89,11 @@ Scheduler::Choice Scheduler::ChooseOfJobs(WorkerRecord& worker, const std::set<J
   return ready;
 }
 
-Scheduler::Choice Scheduler::FirstFrame(JobRecord& job, const WorkerRecord& worker, bool ready) {
+Scheduler::Choice Scheduler::ReadyFrame(JobRecord& job, const WorkerRecord& worker) {
   for (auto& [index, frame] : job.frames) {
-    if (worker.HasReady(frame.scene.key) != ready || !frame.work.HasOpen()) continue;
-    const auto may = [&](uint32_t tile) { return frame.failures.May(worker.id, tile); };
-    if (frame.failures.empty() ? !frame.failures.HasFailedScene(worker.id) : frame.work.HasOpen(may)) {
-      return {&job, index, &frame};
-    }
+    if (worker.HasReady(frame.scene.key) && MayRender(frame, worker)) return {&job, index, &frame};
   }
   return {};
-}
-
-// Begins the next frame if those begun have nothing open.
-void Scheduler::Activate(JobRecord& job) {
-  if (job.frames_ahead.empty() || job.frames.size() >= kFramesActiveMax) return;
-  for (const auto& [index, frame] : job.frames) {
-    if (frame.work.HasOpen()) return;
-  }
-  job.Begin(*job.frames_ahead.begin());
 }
 
 void Scheduler::Want(WorkerRecord& worker, const Choice& choice) {
@@ -114,6 +102,7 @@ void Scheduler::Want(WorkerRecord& worker, const Choice& choice) {
   if (!worker.wanted.empty() && worker.wanted.front().key == scene.key) return;
   worker.wanted = {scene};
   worker.wanted_told = false;
+  ++crews_[scene.key];
 }
 
 std::optional<double> Scheduler::OpenCost(const JobRecord& job) const {

@@ -41,7 +41,9 @@ void Scheduler::Synchronize(Instant now, const WorkerState& state) {
   WorkerRecord& worker = Admit(now, state);
   worker.sequence = state.sequence;
   for (const HeldScene& scene : state.scenes) {
-    if (scene.ready && !worker.HasReady(scene.key)) worker.starved_at = 0;
+    if (!scene.ready || worker.HasReady(scene.key)) continue;
+    worker.starved_at = 0;
+    MeasureLoading(now, worker, scene.key);
   }
   worker.scenes.clear();
   for (const HeldScene& scene : state.scenes) worker.scenes[scene.key] = scene.ready;
@@ -106,6 +108,7 @@ void Scheduler::Disconnect(Instant now, WorkerId worker_id) {
   worker->last_contact = now;
   worker->scenes.clear();
   worker->wanted.clear();
+  worker->loading_since.clear();
   speeds_changed_ = true;
   Log(fmt::format("worker_lost worker={:016x} name=\"{}\" leases={}", Number(worker_id), worker->name,
                   worker->leases.size()));
@@ -190,7 +193,9 @@ WorkerDirective Scheduler::TakeDirective(Instant now, WorkerId id) {
   directive.leases = std::move(grants.leases);
   directive.drop = std::move(grants.drop);
   for (const SceneOrder& scene : worker->wanted) {
-    if (!worker->scenes.contains(scene.key)) directive.scenes.push_back(scene);
+    if (worker->scenes.contains(scene.key)) continue;
+    directive.scenes.push_back(scene);
+    worker->loading_since.try_emplace(scene.key, now);
   }
   worker->wanted_told = true;
   directive.notice = worker->quarantine;

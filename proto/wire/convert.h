@@ -2,6 +2,8 @@
 // value that it returned can be believed. An error (kBadInput) names the field. Write... never fails.
 #pragma once
 
+#include <vector>
+
 #include "terms/terms.h"
 #include "util/result.h"
 
@@ -9,6 +11,7 @@ namespace tessera {
 
 namespace proto {
 class FrameSpec;
+class FramesAnswer;
 class JobSpec;
 class JobStatus;
 class Lease;
@@ -34,6 +37,7 @@ Result<WorkerState> ReadWorkerState(const proto::WorkerState& message);
 Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& message);
 Result<JobSpec> ReadJobSpec(const proto::JobSpec& message);
 Result<JobStatus> ReadJobStatus(const proto::JobStatus& message);
+Result<std::vector<FrameStatus>> ReadFrameStatuses(const proto::FramesAnswer& message);
 Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message);
 // Words for people: control characters become spaces, longer than kReasonBytesMax is cut.
 std::string ReadReason(const std::string& text);
@@ -48,6 +52,7 @@ void Write(const WorkerState& value, proto::WorkerState& message);
 void Write(const WorkerDirective& value, proto::WorkerDirective& message);
 void Write(const JobSpec& value, proto::JobSpec& message);
 void Write(const JobStatus& value, proto::JobStatus& message);
+void Write(const std::vector<FrameStatus>& value, proto::FramesAnswer& message);
 void Write(const WorkerStatus& value, proto::WorkerStatus& message);
 
 }  // namespace tessera

@@ -109,6 +109,28 @@ void Write(const JobStatus& value, proto::JobStatus& message) {
   message.set_frames_finished(value.frames_finished);
 }
 
+Result<std::vector<FrameStatus>> ReadFrameStatuses(const proto::FramesAnswer& message) {
+  if (message.frames_size() < 1) return BadField("frames", "are missing");
+  if (message.frames_size() > kFramesPerJobMax) return BadField("frames", "are too many for one job");
+  std::vector<FrameStatus> frames;
+  for (const auto& frame : message.frames()) {
+    frames.push_back({frame.number(), std::nullopt});
+    if (frame.file().empty()) continue;
+    const auto file = ReadDigest(frame.file(), "file");
+    if (!file) return file.error();
+    frames.back().file = *file;
+  }
+  return frames;
+}
+
+void Write(const std::vector<FrameStatus>& value, proto::FramesAnswer& message) {
+  for (const FrameStatus& frame : value) {
+    auto& written = *message.add_frames();
+    written.set_number(frame.number);
+    if (frame.file) written.set_file(WriteDigest(*frame.file));
+  }
+}
+
 Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message) {
   if (message.slots() > static_cast<uint32_t>(kSlotsMax)) return BadField("slots", "is beyond the limit");
   WorkerStatus status;

@@ -57,7 +57,7 @@ Transform CameraFromRaster(float fov, const ScreenWindow& window, int width, int
 Result<Camera> Camera::Read(const Entity& entity, const TransformPair& camera_from_world, int width,
                             int height) {
   if (Result<void> kind = CheckKind(entity); !kind) return kind.error();
-  if (camera_from_world.IsAnimated()) return ErrorAt(entity.location, "a moving camera is not supported yet");
+  TESSERA_CHECK(!camera_from_world.IsAnimated());
   ParameterReader reader(entity);
   Camera camera;
   camera.shutter_open_ = reader.Float("shutteropen", 0);

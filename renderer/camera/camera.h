@@ -17,7 +17,7 @@ struct Footprint {
 // coordinates near the camera keep the most digits. A perspective camera with a thin lens. Immutable.
 class Camera {
  public:
-  // Reads a Camera directive for a picture of width x height pixels.
+  // Reads a Camera directive for a picture of width x height pixels. The camera must not move.
   static Result<Camera> Read(const Entity& entity, const TransformPair& camera_from_world, int width,
                              int height);
 

@@ -93,11 +93,15 @@ Result<ImageFormat> RecogniseFormat(const std::string& bytes, const std::string&
 }
 
 std::string CacheKey(const std::string& name, const std::optional<ColorEncoding>& encoding) {
-  if (!encoding) return name;
-  return fmt::format("{}\n{} {}", name, static_cast<int>(encoding->kind), encoding->gamma);
+  return name + '\n' + EncodingText(encoding);
 }
 
 }  // namespace
+
+std::string EncodingText(const std::optional<ColorEncoding>& encoding) {
+  if (!encoding) return "default";
+  return fmt::format("{} {}", static_cast<int>(encoding->kind), encoding->gamma);
+}
 
 Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
                           std::optional<ColorEncoding> encoding) {
@@ -115,11 +119,16 @@ Result<std::shared_ptr<const Image>> ImageCache::Get(const std::string& name,
   const std::string key = CacheKey(name, encoding);
   const std::lock_guard<std::mutex> lock(mutex_);
   if (const auto found = images_.find(key); found != images_.end()) return found->second;
-  const Result<std::string> bytes = files_.Read(name);
-  if (!bytes) return bytes.error();
-  Result<Image> image = DecodeImage(*bytes, name, encoding);
-  if (!image) return image.error();
-  auto shared = std::make_shared<const Image>(std::move(image).value());
+  const std::string what = "image " + EncodingText(encoding);
+  auto shared = files_.Recall<Image>(name, what);
+  if (shared == nullptr) {
+    const Result<std::string> bytes = files_.Read(name);
+    if (!bytes) return bytes.error();
+    Result<Image> image = DecodeImage(*bytes, name, encoding);
+    if (!image) return image.error();
+    shared = std::make_shared<const Image>(std::move(image).value());
+    files_.Keep(name, what, shared, shared->bytes.size());
+  }
   images_.emplace(key, shared);
   return shared;
 }

@@ -48,10 +48,14 @@ struct Image {
 Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
                           std::optional<ColorEncoding> encoding);
 
+// Different for different encodings: for keys.
+std::string EncodingText(const std::optional<ColorEncoding>& encoding);
+
 // Images by file name and encoding, each read once. Thread safe.
 class ImageCache {
  public:
   explicit ImageCache(FileSource& files) : files_(files) {}
+  FileSource& files() { return files_; }
   Result<std::shared_ptr<const Image>> Get(const std::string& name, std::optional<ColorEncoding> encoding);
   size_t bytes() const;  // of all pictures held
 

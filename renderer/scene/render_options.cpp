@@ -1,4 +1,5 @@
 #include <charconv>
+#include <cmath>
 #include <map>
 
 #include "scene/scene.h"
@@ -8,8 +9,8 @@ namespace tessera {
 namespace {
 
 constexpr size_t kTextSizeMax = 4096;  // bytes: all keys with the longest values fit
-constexpr std::string_view kKeys[] = {"accelerator", "crop", "exr-type", "height",    "integrator",
-                                      "max-depth",   "seed", "spp",      "tile-size", "width"};
+constexpr std::string_view kKeys[] = {"accelerator", "crop", "exr-type",  "height", "integrator", "max-depth",
+                                      "seed",        "spp",  "tile-size", "time",   "width"};
 
 template <typename T>
 std::string NumberText(T value) {
@@ -60,6 +61,7 @@ bool ReadOption(std::string_view key, std::string_view value, RenderOptions* opt
   if (key == "seed") return ReadOptional(value, &options->seed);
   if (key == "spp") return ReadOptional(value, &options->samples_per_pixel);
   if (key == "tile-size") return ReadNumber(value, &options->tile_size);
+  if (key == "time") return ReadOptional(value, &options->time) && std::isfinite(*options->time);
   if (key == "width") return ReadOptional(value, &options->width);
   return false;
 }
@@ -81,6 +83,7 @@ std::string EncodeRenderOptions(const RenderOptions& options) {
   if (options.seed) lines["seed"] = NumberText(*options.seed);
   if (options.samples_per_pixel) lines["spp"] = NumberText(*options.samples_per_pixel);
   lines["tile-size"] = NumberText(options.tile_size);
+  if (options.time) lines["time"] = NumberText(*options.time);
   if (options.width) lines["width"] = NumberText(*options.width);
   std::string text;
   for (const auto& [key, value] : lines) text += key + "=" + value + "\n";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "language/motion.h"
 #include "language/parser.h"
 #include "scene/film_settings.h"
 #include "scene/integrator_choice.h"
@@ -55,6 +56,7 @@ class SceneLoader {
   Result<std::unique_ptr<Scene::Data>> Load(const std::string& name, Scene::Depth depth);
 
  private:
+  Result<void> StopTime(const std::string& name);
   Result<void> ReadSettings();
   Result<void> DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator);
   Result<void> BuildAccelerator();
@@ -67,6 +69,18 @@ class SceneLoader {
   bool wavefront_ = false;  // the scene asks for pbrt's wavefront renderer
   std::unique_ptr<Scene::Data> data_ = std::make_unique<Scene::Data>();
 };
+
+Result<void> SceneLoader::StopTime(const std::string& name) {
+  const Result<int> moving = StopMotion(options_.time, &scene_);
+  if (!moving) return moving.error();
+  data_->summary.moving = static_cast<uint64_t>(*moving);
+  if (*moving > 0) {
+    data_->summary.warnings.push_back(name + ": what moves is shown as it is at one moment, " +
+                                      (options_.time ? "the frame's time" : "the middle of the shutter") +
+                                      ", without motion blur");
+  }
+  return {};
+}
 
 Result<void> SceneLoader::ReadSettings() {
   Scene::Data& data = *data_;
@@ -161,6 +175,7 @@ Result<std::unique_ptr<Scene::Data>> SceneLoader::Load(const std::string& name, 
   if (!scene) return scene.error();
   scene_ = std::move(*scene);
   data_->summary.warnings = scene_.warnings;
+  if (Result<void> stopped = StopTime(name); !stopped) return stopped.error();
   if (Result<void> settings = ReadSettings(); !settings) return settings.error();
   if (Result<void> lit = CheckLights(name); !lit) return lit.error();
   const Result<std::string> accelerator = ChooseAccelerator(scene_.accelerator, options_.accelerator);

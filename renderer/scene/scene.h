@@ -20,6 +20,8 @@ struct RenderOptions {
   std::optional<int> width, height;
   std::optional<std::array<float, 4>> crop;  // x0, x1, y0, y1 as fractions
   std::optional<uint64_t> seed;
+  std::optional<double>
+      time;  // seconds: the moment that is seen of what moves; the middle of the shutter without
   std::string integrator;   // empty: the scene's
   std::string accelerator;  // empty: "embree"
   std::optional<int> max_depth;
@@ -38,6 +40,7 @@ struct SceneSummary {
   std::string camera, film, filter, sampler, integrator, accelerator;
   uint64_t shapes = 0, triangles = 0, patches = 0, quadrics = 0, groups = 0, instances = 0;
   uint64_t lights = 0, materials = 0, textures = 0, media = 0;
+  uint64_t moving = 0;  // the camera, shapes and instances that are elsewhere at another time
   uint64_t geometry_bytes = 0, image_bytes = 0;
   double load_seconds = 0, build_seconds = 0;
   // Whether a pixel's samples are the first of those it would have with more samples per pixel.

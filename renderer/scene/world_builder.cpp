@@ -108,9 +108,7 @@ Result<void> WorldBuilder::AddInstances() {
     if (group == group_index_.end()) {
       return ErrorAt(instance.location, "object \"" + instance.name + "\" is not defined");
     }
-    if (instance.world_from_object.IsAnimated()) {
-      return ErrorAt(instance.location, "moving instances are not supported yet");
-    }
+    TESSERA_CHECK(!instance.world_from_object.IsAnimated());
     if (world_.geometry.groups[group->second].shapes.empty()) continue;
     world_.geometry.instances.push_back(
         {group->second, render_from_world_ * instance.world_from_object.start});

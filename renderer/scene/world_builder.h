@@ -20,8 +20,8 @@ struct WorldRequest {
   bool with_media = false;  // the integrator follows media
 };
 
-// Fills geometry, textures, materials, media and lights of `world`, whose camera is ready. The accelerator
-// stays null.
+// Fills geometry, textures, materials, media and lights of `world`, whose camera is ready, from a scene in
+// which nothing moves (StopMotion). The accelerator stays null.
 Result<void> BuildWorld(const WorldRequest& request, World* world, std::vector<std::string>* warnings);
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <utility>
 
 #include "language/parameter_reader.h"
@@ -138,25 +139,44 @@ bool IsGzip(std::string_view bytes) {
   return bytes.starts_with("\x1f\x8b");
 }
 
-Result<PlyMesh> ReadPlyFile(const std::string& name, FileSource& files) {
+uint64_t BytesOf(const PlyMesh& mesh) {
+  return sizeof mesh + mesh.P.size() * sizeof(Point3) + mesh.N.size() * sizeof(Normal3) +
+         mesh.uv.size() * sizeof(Point2) + (mesh.triangles.size() + mesh.quads.size()) * sizeof(uint32_t);
+}
+
+Result<std::shared_ptr<const PlyMesh>> ReadPlyFile(const std::string& name, FileSource& files) {
+  if (auto known = files.Recall<PlyMesh>(name, "ply")) return known;
   Result<std::string> bytes = files.Read(name);
   if (bytes && IsGzip(*bytes)) bytes = Gunzip(*bytes, name, kSceneFileSizeMax);
   if (!bytes) return bytes.error();
-  return ReadPly(*bytes, name);
+  Result<PlyMesh> mesh = ReadPly(*bytes, name);
+  if (!mesh) return mesh.error();
+  auto shared = std::make_shared<const PlyMesh>(std::move(*mesh));
+  files.Keep(name, "ply", shared, BytesOf(*shared));
+  return shared;
 }
 
-std::vector<Form> MakeForms(PlyMesh ply, const MeshPlacement& placement) {
+// The file's vertices with these faces, with room for the one more that a mesh in rendering space has.
+MeshLists ListsOf(const PlyMesh& ply, const std::vector<uint32_t>& indices) {
+  MeshLists lists;
+  lists.P.reserve(ply.P.size() + 1);
+  lists.P = ply.P;
+  lists.N = ply.N;
+  lists.uv = ply.uv;
+  lists.indices = indices;
+  return lists;
+}
+
+std::vector<Form> MakeForms(const PlyMesh& ply, const MeshPlacement& placement) {
   std::vector<Form> forms;
   if (ply.quads.empty()) {
-    forms.emplace_back(MakeTriangleMesh(
-        {std::move(ply.P), std::move(ply.N), {}, std::move(ply.uv), std::move(ply.triangles)}, placement));
+    forms.emplace_back(MakeTriangleMesh(ListsOf(ply, ply.triangles), placement));
     return forms;
   }
   if (!ply.triangles.empty()) {
-    const MeshLists lists{ply.P, ply.N, {}, ply.uv, std::move(ply.triangles)};
-    forms.emplace_back(MakeTriangleMesh(WithoutUnused(lists), placement));
+    forms.emplace_back(MakeTriangleMesh(WithoutUnused(ListsOf(ply, ply.triangles)), placement));
   }
-  MeshLists lists{std::move(ply.P), std::move(ply.N), {}, std::move(ply.uv), std::move(ply.quads)};
+  MeshLists lists = ListsOf(ply, ply.quads);
   if (!forms.empty()) lists = WithoutUnused(lists);
   forms.emplace_back(MakeBilinearMesh(std::move(lists), placement));
   return forms;
@@ -169,17 +189,18 @@ std::vector<Form> ReadPlyMesh(const Directive& directive) {
   if (reader.FindTexture("displacement")) reader.FailAt("displacement", "displacement is not supported yet");
   reader.Float("edgelength", 1);
   if (reader.failed()) return {};
-  Result<PlyMesh> ply = ReadPlyFile(name, directive.files);
-  if (!ply) {
+  const Result<std::shared_ptr<const PlyMesh>> read = ReadPlyFile(name, directive.files);
+  if (!read) {
     const SourceLocation where = reader.LocationOf("filename");
-    reader.Fail(Error{ply.error().kind, where.Text() + ": " + ply.error().message});
+    reader.Fail(Error{read.error().kind, where.Text() + ": " + read.error().message});
     return {};
   }
-  if (ply->skipped_faces > 0) {
+  const PlyMesh& ply = **read;
+  if (ply.skipped_faces > 0) {
     directive.Warn("filename", fmt::format("{}: {} faces of neither three nor four vertices are ignored",
-                                           name, ply->skipped_faces));
+                                           name, ply.skipped_faces));
   }
-  return MakeForms(*std::move(ply), directive.placement);
+  return MakeForms(ply, directive.placement);
 }
 
 // ---- All kinds
@@ -219,9 +240,7 @@ Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, const
                                       FileSource& files, TextureBuilder& textures,
                                       std::vector<std::string>* warnings) {
   const Entity& entity = description.entity;
-  if (description.world_from_object.IsAnimated()) {
-    return ErrorAt(entity.location, fmt::format("a moving shape (\"{}\") is not supported yet", entity.kind));
-  }
+  TESSERA_CHECK(!description.world_from_object.IsAnimated());
   ParameterReader reader(entity);
   const Transform render_from_object = render_from_world * description.world_from_object.start;
   const FloatInput alpha = textures.Float(reader, "alpha", 1);

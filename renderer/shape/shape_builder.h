@@ -12,7 +12,7 @@ namespace tessera {
 // `render_from_world` after the directive's own transform. Never empty: a PLY file of triangles and quads
 // yields two. Reads PLY files from `files`. The caller fills the rest of the surface properties and
 // Shape::description. What is ignored for being wrong (a list of normals of another length than P) is added
-// to `warnings`, with its place. Not supported kinds and motion are errors that name them.
+// to `warnings`, with its place. Not supported kinds are errors that name them. The shape must not move.
 Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, const Transform& render_from_world,
                                       FileSource& files, TextureBuilder& textures,
                                       std::vector<std::string>* warnings);

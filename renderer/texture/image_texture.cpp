@@ -105,19 +105,50 @@ Selection Select(const Image& image, bool is_float, ImageFilter filter) {
   return {is_float ? Kind::kMean : Kind::kColor, 0, *rgb};
 }
 
-const MipMap* AddMap(TextureAssembly& assembly, const std::string& file,
-                     const std::shared_ptr<const Image>& image, const Selection& selection, WrapMode wrap) {
+std::shared_ptr<const MipMap> MakeMap(const Image& image, const Selection& selection, WrapMode wrap) {
+  switch (selection.kind) {
+    case Selection::Kind::kColor:
+      return std::make_shared<const MipMap>(MipMap::Color(image, selection.rgb, wrap));
+    case Selection::Kind::kMean:
+      return std::make_shared<const MipMap>(MipMap::GreyOfColor(image, selection.rgb, wrap));
+    default: return std::make_shared<const MipMap>(MipMap::Grey(image, selection.grey, wrap));
+  }
+}
+
+// A picture as a texture needs it: which values, filtered how.
+struct MapRequest {
+  std::string file;
+  std::optional<ColorEncoding> encoding;
+  bool is_float = false;
+  ImageFilter filter = ImageFilter::kBilinear;
+  WrapMode wrap = WrapMode::kRepeat;
+
+  std::string Text() const {
+    return fmt::format("map {} {} {} {}", EncodingText(encoding), is_float, static_cast<int>(filter),
+                       static_cast<int>(wrap));
+  }
+};
+
+// The map made for another scene from the same file, or one made now.
+Result<const MipMap*> FindMap(ImageCache& images, TextureAssembly& assembly, const MapRequest& request) {
+  const std::string what = request.Text();
+  const std::string key = fmt::format("{}\n{}", request.file, what);
+  if (const auto known = images.files().Recall<MipMap>(request.file, what)) {
+    return assembly.AddMap(key, [&] { return known; }).get();
+  }
+  const Result<std::shared_ptr<const Image>> image = images.Get(request.file, request.encoding);
+  if (!image) return image.error();
+  const Selection selection = Select(**image, request.is_float, request.filter);
+  if (selection.kind == Selection::Kind::kNone) {
+    return BadInput(fmt::format("{}: picture has no channels R, G and B, nor Y", request.file));
+  }
   // The address stands for file and encoding: the cache keeps the picture for as long as the builder lives.
-  const std::string key =
-      fmt::format("{} {} {} {} {}", file, static_cast<const void*>(image.get()),
-                  static_cast<int>(selection.kind), selection.grey, static_cast<int>(wrap));
-  return assembly.AddMap(key, [&] {
-    switch (selection.kind) {
-      case Selection::Kind::kColor: return MipMap::Color(*image, selection.rgb, wrap);
-      case Selection::Kind::kMean: return MipMap::GreyOfColor(*image, selection.rgb, wrap);
-      default: return MipMap::Grey(*image, selection.grey, wrap);
-    }
-  });
+  const std::string selected =
+      fmt::format("{} {} {} {} {}", request.file, static_cast<const void*>(image->get()),
+                  static_cast<int>(selection.kind), selection.grey, static_cast<int>(request.wrap));
+  const auto map = assembly.AddMap(selected, [&] { return MakeMap(**image, selection, request.wrap); });
+  images.files().Keep(request.file, what, map, map->bytes());
+  return map.get();
 }
 
 float ReadAnisotropy(ParameterReader& reader) {
@@ -142,17 +173,13 @@ std::optional<ImageTexture> ReadImageTexture(ParameterReader& reader, ImageCache
   if (file.empty()) reader.Fail("texture \"imagemap\" needs a parameter \"string filename\"");
   if (reader.failed()) return std::nullopt;
 
-  const Result<std::shared_ptr<const Image>> image = images.Get(file, encoding);
-  if (!image) {
-    reader.FailAt("filename", image.error().message);
+  const Result<const MipMap*> map =
+      FindMap(images, assembly, {file, encoding, !use.has_value(), texture.filter.filter, wrap});
+  if (!map) {
+    reader.FailAt("filename", map.error().message);
     return std::nullopt;
   }
-  const Selection selection = Select(**image, !use.has_value(), texture.filter.filter);
-  if (selection.kind == Selection::Kind::kNone) {
-    reader.FailAt("filename", fmt::format("{}: picture has no channels R, G and B, nor Y", file));
-    return std::nullopt;
-  }
-  texture.map = AddMap(assembly, file, *image, selection, wrap);
+  texture.map = *map;
   return texture;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,11 +22,11 @@ class TextureAssembly {
   int AddDirection(Vec3 direction);
   // `make` is called unless a map with this key was added before.
   template <typename Make>
-  const MipMap* AddMap(const std::string& key, Make make) {
+  std::shared_ptr<const MipMap> AddMap(const std::string& key, Make make) {
     const auto [place, is_new] = maps_by_key_.try_emplace(key, nullptr);
     if (is_new) {
-      nodes_.maps.push_back(std::make_unique<const MipMap>(make()));
-      place->second = nodes_.maps.back().get();
+      place->second = make();
+      nodes_.maps.push_back(place->second);
     }
     return place->second;
   }
@@ -60,7 +61,7 @@ class TextureAssembly {
 
   TextureNodes nodes_;
   std::vector<Size> float_sizes_, spectrum_sizes_;
-  std::map<std::string, const MipMap*> maps_by_key_;
+  std::map<std::string, std::shared_ptr<const MipMap>> maps_by_key_;
 };
 
 }  // namespace tessera

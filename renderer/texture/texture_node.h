@@ -51,7 +51,7 @@ struct TextureNodes {
   std::vector<ImageTexture> images;
   std::vector<NoiseSettings> noises;
   std::vector<Vec3> directions;
-  std::vector<std::unique_ptr<const MipMap>> maps;
+  std::vector<std::shared_ptr<const MipMap>> maps;  // shared with other scenes that have the same picture
 };
 
 struct TextureTable::Data {

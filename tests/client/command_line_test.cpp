@@ -95,7 +95,7 @@ TEST(CommandLine, BadWordsAreNamedWithWhatWasExpected) {
       {"render s.pbrt --exr-type double", "--exr-type: \"double\" is neither half nor float"},
       {"render s.pbrt --tile-size 257", "--tile-size: \"257\""},
       {"render s.pbrt --workers 0", "--workers: \"0\""},
-      {"render s.pbrt --frames 1-3", "--frames is not supported yet"},
+      {"render s.pbrt --frames 3-1", "--frames 3-1: the last frame comes before the first"},
       {"render s.pbrt --camera main", "--camera is not supported yet"},
       {"render s.pbrt --aov N", "--aov is not supported yet"},
       {"render s.pbrt --noise-threshold 0.1", "--noise-threshold is not supported yet"},

@@ -10,15 +10,22 @@ namespace {
 using testing::HasSubstr;
 
 TEST(Progress, IsToldInFiguresThatPeopleRead) {
-  Progress progress{12'300'000, 28'600'000, 1'420'000, 2, 8.7, 11.5, ""};
+  Progress progress{12'300'000, 28'600'000, 1'420'000, 2, 8.7, 11.5, "", {}};
   EXPECT_EQ(
       ProgressText(progress, "worker"),
       " 43.0 %  12.3 Msamples of 28.6 Msamples  1.42 Msamples/s  2 workers  8.7 s elapsed  11.5 s left");
-  progress = {100, 100, 950, 1, 192, 0, ""};
+  progress = {100, 100, 950, 1, 192, 0, "", {}};
   EXPECT_EQ(ProgressText(progress, "thread"),
             "100.0 %  100 samples of 100 samples  950 samples/s  1 thread  3 min 12 s elapsed");
-  progress = {0, 100, 0, 0, 0, -1, "disk full"};
+  progress = {0, 100, 0, 0, 0, -1, "disk full", {}};
   EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("time left not known yet  (disk full)"));
+}
+
+TEST(Progress, CountsTheFramesOfASequence) {
+  Progress progress{50, 100, 950, 1, 2, 2, "", {}};
+  EXPECT_EQ(ProgressText(progress, "worker").find("frames"), std::string::npos);
+  progress.frames = {3, 24};
+  EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("2.0 s elapsed  3 of 24 frames  2.0 s left"));
 }
 
 TEST(Progress, DurationsGrowIntoMinutesAndHours) {

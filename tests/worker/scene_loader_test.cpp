@@ -47,7 +47,7 @@ TEST(PackageFileSource, ReachesNothingOutsideThePackage) {
   BlobMap blobs;
   ScenePackage package;
   package.files["a.txt"] = {blobs.Add("inside"), 6};
-  PackageFileSource files(package, blobs.Fetcher());
+  PackageFileSource files(package, "", blobs.Fetcher());
   EXPECT_EQ(*files.Read("a.txt"), "inside");
   for (const char* name : {"/etc/passwd", "../a.txt", "./a.txt", "b.txt", ""})
     EXPECT_FALSE(files.Read(name)) << name;
@@ -58,7 +58,7 @@ TEST(PackageFileSource, FindsNamesThatAreNoPathsOfAPackage) {
   ScenePackage package;
   package.files[PackagePath("../up/x y.txt")] = {blobs.Add("up"), 2};
   package.files[PackagePath("/abs.txt")] = {blobs.Add("abs"), 3};
-  PackageFileSource files(package, blobs.Fetcher());
+  PackageFileSource files(package, "", blobs.Fetcher());
   EXPECT_EQ(*files.Read("../up/x y.txt"), "up");
   EXPECT_EQ(*files.Read("/abs.txt"), "abs");
 }
@@ -67,8 +67,40 @@ TEST(PackageFileSource, RefusesABlobWhoseSizeIsNotTheManifests) {
   BlobMap blobs;
   ScenePackage package;
   package.files["a.txt"] = {blobs.Add("inside"), 7};
-  PackageFileSource files(package, blobs.Fetcher());
+  PackageFileSource files(package, "", blobs.Fetcher());
   EXPECT_FALSE(files.Read("a.txt"));
+}
+
+TEST(SceneLoader, AFrameInAFolderOfItsPackageIsTheFrameThatItIsAlone) {
+  BlobMap blobs;
+  const std::string scene = std::string(kTinyScene) + "Include \"more.pbrt\"";
+  ScenePackage alone, job;
+  alone.files[PackagePath("my scene.pbrt")] = {blobs.Add(scene), scene.size()};
+  alone.files["more.pbrt"] = {blobs.Add("# a\n"), 4};
+  job.files["folder-1/" + PackagePath("my scene.pbrt")] = {blobs.Add(scene), scene.size()};
+  job.files["folder-1/more.pbrt"] = {blobs.Add("# a\n"), 4};
+  job.files["folder-2/more.pbrt"] = {blobs.Add("Wrong\n"), 6};
+  SceneOrder order = MakeOrder(blobs, kTinyScene);  // with the same frame
+  order.package = blobs.Add(EncodeScenePackage(job));
+  order.scene_file = "folder-1/" + PackagePath("my scene.pbrt");
+  order.frame.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(alone)).Hex();
+  const auto loaded = LoadOrderedScene(order, blobs.Fetcher());
+  EXPECT_TRUE(loaded) << loaded.error().message;
+  order.frame.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(job)).Hex();
+  EXPECT_FALSE(LoadOrderedScene(order, blobs.Fetcher()));
+}
+
+TEST(PackagePath, AFolderIsWhatIsBeforeThePathOfTheSceneFile) {
+  EXPECT_EQ(PackageFolder("scene.pbrt"), "");
+  EXPECT_EQ(PackageFolder(PackagePath("my scene.pbrt")), "");
+  EXPECT_EQ(PackageFolder("folder-7/scene.pbrt"), "folder-7/");
+  EXPECT_EQ(PackageFolder("folder-7/" + PackagePath("my scene.pbrt")), "folder-7/");
+}
+
+TEST(PackagePath, TheNameComesBack) {
+  for (const char* name : {"a.pbrt", "my scene.pbrt", "../a", "/b", "names/c", "\xff%2"})
+    EXPECT_EQ(NameOfPackagePath(PackagePath(name)), name);
+  for (const char* path : {"names/%zz", "names/%2", "names/%"}) EXPECT_EQ(NameOfPackagePath(path), path);
 }
 
 TEST(PackagePath, DifferentNamesHaveDifferentPathsInsideThePackage) {

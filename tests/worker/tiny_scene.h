@@ -45,7 +45,7 @@ inline SceneOrder MakeOrder(BlobMap& blobs, const std::string& scene, const Rend
   order.scene_file = "scene.pbrt";
   order.options = EncodeRenderOptions(options);
   order.key = SceneKey(order.package, order.scene_file, order.options);
-  PackageFileSource files(package, blobs.Fetcher());
+  PackageFileSource files(package, "", blobs.Fetcher());
   const auto loaded = Scene::Load(files, "scene.pbrt", options, Scene::Depth::kCheck);
   if (loaded) order.frame = (*loaded)->frame();
   order.frame.attributes[kSceneDigestAttribute] = order.package.Hex();

@@ -275,5 +275,30 @@ TEST(Convert, WordsForPeopleAreOneLineAndBounded) {
   EXPECT_EQ(ReadReason(std::string(kReasonBytesMax * 2, 'x')).size(), kReasonBytesMax);
 }
 
+TEST(Convert, FrameStatusesComeBackAsTheyWere) {
+  const std::vector<FrameStatus> frames{{1, Sha256("a")}, {3, std::nullopt}};
+  proto::FramesAnswer message;
+  Write(frames, message);
+  const auto read = ReadFrameStatuses(message);
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->size(), 2u);
+  EXPECT_EQ((*read)[0].number, 1);
+  EXPECT_EQ((*read)[0].file, Sha256("a"));
+  EXPECT_EQ((*read)[1].number, 3);
+  EXPECT_FALSE((*read)[1].file);
+}
+
+TEST(Convert, RefusesHostileFrameStatuses) {
+  proto::FramesAnswer message;
+  EXPECT_FALSE(ReadFrameStatuses(message)) << "none";
+  message.add_frames()->set_file("short");
+  EXPECT_FALSE(ReadFrameStatuses(message));
+  message.clear_frames();
+  for (int i = 0; i < kFramesPerJobMax; ++i) message.add_frames();
+  EXPECT_TRUE(ReadFrameStatuses(message));
+  message.add_frames();
+  EXPECT_FALSE(ReadFrameStatuses(message)) << "too many";
+}
+
 }  // namespace
 }  // namespace tessera

@@ -179,8 +179,6 @@ TEST(ShapeBuilder, WhatIsWrongIsSaidWithItsPlace) {
             "a.pbrt:2:1: shape \"curve\" is not supported yet");
   EXPECT_EQ(Build("Shape \"loopsubdiv\"").error, "a.pbrt:2:1: shape \"loopsubdiv\" is not supported yet");
   EXPECT_EQ(Build("Shape \"spere\"").error, "a.pbrt:2:1: unknown shape \"spere\" (did you mean \"sphere\"?)");
-  EXPECT_EQ(Build("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All Shape \"sphere\"").error,
-            "a.pbrt:2:61: a moving shape (\"sphere\") is not supported yet");
   EXPECT_EQ(Build("Shape \"sphere\" \"float radius\" 0").error, "a.pbrt:2:16: radius must be above 0");
   EXPECT_EQ(Build("Shape \"trianglemesh\"").error, "a.pbrt:2:1: trianglemesh needs \"point3 P\"");
   EXPECT_EQ(Build("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 1 1]").error,

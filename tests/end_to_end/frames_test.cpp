@@ -1,0 +1,146 @@
+// Sequences of frames.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "tests/end_to_end/farm_fixture.h"
+
+namespace tessera {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class Frames : public EndToEnd {
+ protected:
+  static std::string Scene(const std::string& camera, const std::string& rest = "") {
+    return "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 Sampler \"independent\" "
+           "\"integer "
+           "pixelsamples\" 4\n" +
+           camera + "\nCamera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\n" +
+           "Material \"diffuse\" \"rgb reflectance\" [0.2 0.5 0.1]\nShape \"sphere\"\n" + rest;
+  }
+  static std::string LookFrom(int x) { return "LookAt " + std::to_string(x) + " 0 -4  0 0 0  0 1 0"; }
+  // scene.0001.pbrt ... in the test's folder.
+  void WriteSequence(int count) {
+    for (int i = 1; i <= count; ++i) Write("scene.000" + std::to_string(i) + ".pbrt", Scene(LookFrom(i)));
+  }
+  std::string Alone(int frame) { return Oracle(Path("scene.000" + std::to_string(frame) + ".pbrt"), {}); }
+};
+
+TEST_F(Frames, ASequenceOfFilesHasTheBitsOfItsFramesRenderedAlone) {
+  WriteSequence(4);
+  const Outcome farm = Tessera({"render", "scene.####.pbrt", "--frames", "1-4", "--workers", "2", "--json"});
+  ASSERT_EQ(farm.code, 0) << farm.errors;
+  EXPECT_THAT(farm.output, HasSubstr("{\"frames\":[{\"frame\":1,\"output\":\"scene.0001.exr\",\"sha256\":"));
+  const Outcome here =
+      Tessera({"render", "scene.####.pbrt", "--frames", "1-4", "--in-process", "-o", "here.exr"});
+  ASSERT_EQ(here.code, 0) << here.errors;
+  EXPECT_THAT(here.errors, HasSubstr("here.####.exr: 4 frames rendered in"));
+  for (int frame = 1; frame <= 4; ++frame) {
+    const std::string number = "000" + std::to_string(frame);
+    EXPECT_TRUE(Bytes("scene." + number + ".exr") == Alone(frame)) << frame;
+    EXPECT_TRUE(Bytes("here." + number + ".exr") == Alone(frame)) << frame;
+  }
+  EXPECT_FALSE(Bytes("scene.0001.exr") == Bytes("scene.0002.exr"));
+}
+
+TEST_F(Frames, AnAnimatedSceneMovesFromFrameToFrame) {
+  Write("scene.pbrt", Scene(LookFrom(0),
+                            "ActiveTransform EndTime Translate 3 0 0 ActiveTransform All\n"
+                            "Shape \"sphere\" \"float radius\" 0.5"));
+  const Outcome farm = Tessera({"render", "scene.pbrt", "--frames", "0-8x4", "--fps", "8", "-o", "farm.exr"});
+  ASSERT_EQ(farm.code, 0) << farm.errors;
+  EXPECT_THAT(farm.errors, HasSubstr("without motion blur"));
+  const Outcome here = Tessera(
+      {"render", "scene.pbrt", "--frames", "0-8x4", "--fps", "8", "-o", "here.%04d.exr", "--in-process"});
+  ASSERT_EQ(here.code, 0) << here.errors;
+  for (const char* number : {"0000", "0004", "0008"}) {
+    EXPECT_TRUE(Bytes("farm." + std::string(number) + ".exr") ==
+                Bytes("here." + std::string(number) + ".exr"));
+  }
+  EXPECT_FALSE(Bytes("farm.0000.exr") == Bytes("farm.0004.exr"));
+  EXPECT_FALSE(Bytes("farm.0004.exr") == Bytes("farm.0008.exr"));
+}
+
+TEST_F(Frames, FramesInFoldersOfTheirOwnHaveTheirOwnFiles) {
+  for (const std::string shot : {"1", "2"}) {
+    std::filesystem::create_directories(Path("shot-" + shot));
+    Write("shot-" + shot + "/my scene.pbrt", Scene(LookFrom(0), "Include \"more.pbrt\""));
+    Write("shot-" + shot + "/more.pbrt", "Translate " + shot + " 0 0 Shape \"sphere\"");
+  }
+  const Outcome farm = Tessera({"render", "shot-#/my scene.pbrt", "--frames", "1-2", "-o", "out.#.exr"});
+  ASSERT_EQ(farm.code, 0) << farm.errors;
+  EXPECT_TRUE(Bytes("out.1.exr") == Oracle(Path("shot-1/my scene.pbrt"), {}));
+  EXPECT_TRUE(Bytes("out.2.exr") == Oracle(Path("shot-2/my scene.pbrt"), {}));
+  EXPECT_FALSE(Bytes("out.1.exr") == Bytes("out.2.exr"));
+}
+
+TEST_F(Frames, ABadFrameIsRefusedByNameBeforeAnythingStarts) {
+  WriteSequence(4);
+  Write("scene.0003.pbrt",
+        Scene(LookFrom(3), "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"no.png\""));
+  for (const char* way : {"--in-process", "--workers=1"}) {
+    const Outcome outcome = Tessera({"render", "scene.####.pbrt", "--frames", "1-4", way});
+    EXPECT_EQ(outcome.code, 2) << outcome.errors;
+    EXPECT_THAT(outcome.errors,
+                AllOf(HasSubstr("scene.0003.pbrt:8:35: no.png"), Not(HasSubstr("samples/s"))));
+    EXPECT_FALSE(Exists("scene.0001.exr"));
+  }
+  const Outcome info = Tessera({"info", "scene.####.pbrt", "--frames", "1-4"});
+  EXPECT_EQ(info.code, 2);
+  EXPECT_THAT(info.errors, HasSubstr("scene.0003.pbrt:8:35: no.png"));
+  const Outcome missing = Tessera({"render", "scene.####.pbrt", "--frames", "1-7"});
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_THAT(missing.errors, HasSubstr("scene.0003.pbrt")) << "the first that is bad";
+}
+
+TEST_F(Frames, InfoCountsThem) {
+  WriteSequence(3);
+  const Outcome info = Tessera({"info", "scene.####.pbrt", "--frames", "1-3"});
+  ASSERT_EQ(info.code, 0) << info.errors;
+  EXPECT_THAT(info.output,
+              AllOf(HasSubstr("frames      3, 1 to 3, all can be read"), HasSubstr("files       3,")));
+}
+
+TEST_F(Frames, AFarmsSequenceIsFetchedWholeOrByOneFrame) {
+  WriteSequence(3);
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit("scene.####.pbrt", {"--frames", "1-3"});
+  EXPECT_THAT(Ask({"watch", job}).errors, HasSubstr("3 of 3 frames"));
+  const Outcome one = Ask({"fetch", job, "--frame", "2", "-o", "two.exr"});
+  EXPECT_EQ(one.output, "two.exr\n") << one.errors;
+  EXPECT_TRUE(Bytes("two.exr") == Alone(2));
+  const std::string name = "job-" + job + ".0003.exr";
+  Write(name, "half a picture");
+  const Outcome all = Ask({"fetch", job});
+  EXPECT_EQ(all.code, 0) << all.errors;
+  for (int frame = 1; frame <= 3; ++frame) {
+    EXPECT_TRUE(Bytes("job-" + job + ".000" + std::to_string(frame) + ".exr") == Alone(frame)) << frame;
+  }
+  const Outcome none = Ask({"fetch", job, "--frame", "9"});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(none.errors, HasSubstr("has no frame 9: its frames are 1 to 3"));
+}
+
+TEST_F(Frames, FetchTakesWhatIsFinishedAndNamesWhatIsNot) {
+  WriteSequence(1);
+  Write("scene.0002.pbrt", Scene(LookFrom(2) + " Sampler \"independent\" \"integer pixelsamples\" 1000000"));
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit("scene.####.pbrt", {"--frames", "1-2"});
+  ASSERT_TRUE(Eventually([&] { return Figure(job, "frames_finished") == 1; }));
+  const Outcome fetched = Ask({"fetch", job});
+  EXPECT_EQ(fetched.code, 1);
+  EXPECT_THAT(fetched.errors, HasSubstr("frame 2 of job " + job + " is not finished"));
+  EXPECT_TRUE(Bytes("job-" + job + ".0001.exr") == Alone(1));
+  EXPECT_FALSE(Exists("job-" + job + ".0002.exr"));
+  EXPECT_EQ(Ask({"fetch", job, "--preview"}).code, 0);
+  EXPECT_TRUE(Exists("job-" + job + ".0002.exr"));
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,127 @@
+// Frames of a sequence: what moves, and what they share.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "scene/scene.h"
+#include "tests/renderer/scene/memory_files.h"
+
+namespace tessera {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+constexpr const char* kFilm =
+    "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 Sampler \"independent\"\n";
+
+std::unique_ptr<Scene> Load(FileSource& files, std::optional<double> time = {}) {
+  RenderOptions options;
+  options.time = time;
+  options.samples_per_pixel = 4;
+  auto scene = Scene::Load(files, "scene.pbrt", options, Scene::Depth::kRender);
+  EXPECT_TRUE(scene) << scene.error().message;
+  return scene ? std::move(*scene) : nullptr;
+}
+
+std::vector<float> Render(const Scene& scene) {
+  return scene.Render({0, 0, 8, 8}, {0, 4}, nullptr)->sums;
+}
+
+TEST(Sequence, WhatMovesIsElsewhereAtAnotherTime) {
+  MemoryFiles files(
+      {{"scene.pbrt", std::string(kFilm) +
+                          "Camera \"perspective\" WorldBegin LightSource \"infinite\" Translate 0 0 3\n"
+                          "ActiveTransform EndTime Translate 3 0 0 ActiveTransform All\n"
+                          "Material \"diffuse\" \"rgb reflectance\" [0 0 0] Shape \"sphere\""}});
+  const auto start = Load(files, 0), middle = Load(files, 0.5), rest = Load(files, 1), after = Load(files, 2);
+  EXPECT_NE(Render(*start), Render(*middle));
+  EXPECT_NE(Render(*middle), Render(*rest));
+  EXPECT_EQ(Render(*rest), Render(*after));
+  EXPECT_EQ(Render(*middle), Render(*Load(files))) << "the middle of a shutter from 0 to 1";
+  EXPECT_EQ(start->frame(), middle->frame());
+  EXPECT_EQ(start->summary().moving, 1u);
+  EXPECT_THAT(start->summary().warnings, Contains(HasSubstr("the frame's time, without motion blur")));
+}
+
+TEST(Sequence, AMovingCameraMoves) {
+  MemoryFiles files(
+      {{"scene.pbrt", std::string(kFilm) +
+                          "ActiveTransform EndTime Translate 1 0 0 ActiveTransform All\n"
+                          "Camera \"perspective\" WorldBegin LightSource \"infinite\" Translate 0 0 3\n"
+                          "Material \"diffuse\" Shape \"sphere\""}});
+  EXPECT_NE(Render(*Load(files, 0)), Render(*Load(files, 1)));
+}
+
+TEST(Sequence, ATimeSurvivesItsCodec) {
+  RenderOptions options;
+  options.time = 17.0 / 24;
+  const auto decoded = DecodeRenderOptions(EncodeRenderOptions(options));
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(*decoded, options);
+  EXPECT_FALSE(DecodeRenderOptions("time=inf\ntile-size=32\n"));
+  EXPECT_FALSE(DecodeRenderOptions("time=soon\ntile-size=32\n"));
+}
+
+// A folder with a scene that has a texture and a mesh.
+class SharedFiles : public testing::Test {
+ protected:
+  SharedFiles() : folder_(testing::TempDir() + "sequence-" + std::to_string(::getpid())) {
+    std::filesystem::create_directories(folder_);
+    std::filesystem::copy_file(std::string(TESSERA_SOURCE_DIR) + "/tests/scenes/original/earth.jpg",
+                               folder_ + "/map.jpg", std::filesystem::copy_options::overwrite_existing);
+    WriteMesh(1);
+    Write("scene.pbrt", std::string(kFilm) +
+                            "Camera \"perspective\" WorldBegin LightSource \"infinite\" Translate 0 0 3\n"
+                            "Texture \"map\" \"spectrum\" \"imagemap\" \"string filename\" \"map.jpg\"\n"
+                            "Material \"diffuse\" \"texture reflectance\" \"map\" Shape \"sphere\"\n"
+                            "Shape \"plymesh\" \"string filename\" \"mesh.ply\"");
+  }
+  ~SharedFiles() override { std::filesystem::remove_all(folder_); }
+  void Write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ + "/" + name) << text;
+  }
+  void WriteMesh(int size) {
+    const std::string s = std::to_string(size);
+    Write("mesh.ply",
+          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n-" +
+              s + " 0 -1.5\n" + s + " 0 -1.5\n0 " + s + " -1.5\n3 0 1 2\n");
+  }
+  std::vector<float> RenderWith(std::shared_ptr<SharedCache> cache) {
+    DiskFileSource files(folder_, std::move(cache));
+    const auto picture = Render(*Load(files));
+    EXPECT_EQ(files.FilesRead().size(), 3u) << "what is shared counts as read";
+    return picture;
+  }
+  std::string folder_;
+};
+
+TEST_F(SharedFiles, GiveTheSameBitsAsThoseReadAlone) {
+  const auto cache = std::make_shared<SharedCache>(uint64_t{1} << 30);
+  const std::vector<float> alone = RenderWith(nullptr);
+  EXPECT_EQ(RenderWith(cache), alone);
+  const uint64_t bytes = cache->bytes();
+  EXPECT_GT(bytes, 500'000u) << "the decoded picture";
+  EXPECT_EQ(RenderWith(cache), alone);
+  EXPECT_EQ(cache->bytes(), bytes) << "nothing is decoded again";
+}
+
+TEST_F(SharedFiles, AFileThatChangedIsReadAgain) {
+  const auto cache = std::make_shared<SharedCache>(uint64_t{1} << 30);
+  const std::vector<float> before = RenderWith(cache);
+  WriteMesh(10);
+  EXPECT_NE(RenderWith(cache), before);
+}
+
+TEST_F(SharedFiles, ACacheTooSmallForThemChangesNothing) {
+  const auto cache = std::make_shared<SharedCache>(10'000);
+  EXPECT_EQ(RenderWith(cache), RenderWith(nullptr));
+  EXPECT_EQ(RenderWith(cache), RenderWith(nullptr));
+}
+
+}  // namespace
+}  // namespace tessera
