@@ -10,6 +10,7 @@
 #include "client/command_line.h"
 #include "client/commands.h"
 #include "util/ending_signals.h"
+#include "util/processor.h"
 
 namespace tessera {
 namespace {
@@ -51,6 +52,7 @@ int Run(const std::vector<std::string>& arguments, Cancellation& cancellation) {
 }  // namespace tessera
 
 int main(int argc, char** argv) {
+  tessera::RequireProcessor();
   ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error of write, not our end
   tessera::Cancellation cancellation;
   const tessera::EndingSignals signals(

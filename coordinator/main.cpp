@@ -9,6 +9,7 @@
 
 #include "coordinator/coordinator.h"
 #include "coordinator/options.h"
+#include "util/processor.h"
 
 namespace {
 
@@ -43,6 +44,7 @@ bool FollowParent(pid_t parent) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  tessera::RequireProcessor();
   const pid_t parent = getppid();
   const auto options = tessera::ParseCoordinatorOptions(argc, argv);
   if (!options) return Fail(options.error());

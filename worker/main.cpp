@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "util/ending_signals.h"
+#include "util/processor.h"
 #include "worker/options.h"
 #include "worker/worker.h"
 
@@ -53,6 +54,7 @@ int Run(const std::vector<std::string>& arguments, std::stop_token stop) {
 }  // namespace tessera
 
 int main(int argc, char** argv) {
+  tessera::RequireProcessor();
   ::signal(SIGPIPE, SIG_IGN);  // a reader of our log that goes away is not our end
   std::stop_source stop;
   const tessera::EndingSignals signals([&stop](int count) { tessera::OnSignal(stop, count); });

@@ -9,6 +9,8 @@
 #include <random>
 
 #include "film/radiance_tile.h"
+#include "scene/probe.h"
+#include "util/check.h"
 #include "wire/channel.h"
 #include "worker/build_id.h"
 #include "worker/scene_loader.h"
@@ -35,12 +37,22 @@ uint64_t RandomNumber() {
   return (high << 32 | low) | 1;  // not 0
 }
 
+std::string ProbeDigest() {
+  const auto start = Clock::now();
+  const auto digest = RenderProbe();
+  TESSERA_CHECK(digest);
+  spdlog::debug("probe digest={} render_s={:.3f}", digest->Hex(),
+                std::chrono::duration<double>(Clock::now() - start).count());
+  return {digest->bytes.begin(), digest->bytes.end()};
+}
+
 WorkerState Introduce(const WorkerOptions& options) {
   WorkerState self;
   self.worker = WorkerId{RandomNumber()};
   self.name = options.name;
   self.slots = options.threads;
   self.build_digest = BuildId();
+  self.probe_digest = ProbeDigest();
   return self;
 }
 

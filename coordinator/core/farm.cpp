@@ -6,6 +6,7 @@
 
 #include "core/extension.h"
 #include "core/policy.h"
+#include "terms/probe.h"
 #include "util/check.h"
 
 namespace tessera {
@@ -19,6 +20,12 @@ std::string Mismatch(const RadianceTile& tile, const WorkUnit& unit, PixelBounds
   if (tile.bounds != bounds) return "holds other pixels than the tile's";
   if (tile.channels != channels) return fmt::format("has {} channels instead of {}", tile.channels, channels);
   return {};
+}
+
+std::string Hexadecimal(std::string_view bytes) {
+  std::string text;
+  for (const char byte : bytes) text += fmt::format("{:02x}", static_cast<unsigned char>(byte));
+  return text;
 }
 
 }  // namespace
@@ -59,6 +66,12 @@ Result<void> Farm::CheckAdmission(const WorkerState& state) const {
     return Failed(
         fmt::format("worker \"{}\" is version {}, this coordinator {}: install the same release on both",
                     state.name, state.software_version, kSoftwareVersion));
+  }
+  if (const std::string digest = Hexadecimal(state.probe_digest); !digest.empty() && digest != kProbeDigest) {
+    return Failed(fmt::format(
+        "worker \"{}\" computes other pictures: its probe unit has digest {}, this release's has {}: its "
+        "processor, system libraries or build differ",
+        state.name, digest, kProbeDigest));
   }
   if (scheduler_.IsFull(state.worker)) return Failed("the farm has too many workers");
   return {};

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "terms/probe.h"
+
 namespace tessera {
 namespace {
 
@@ -223,6 +225,21 @@ TEST(Farm, WorkersOfAnotherReleaseAreNotAdmitted) {
   state = {};
   state.protocol = 99;
   EXPECT_THAT(stage.farm.CheckAdmission(state).error().message, HasSubstr("protocol 99"));
+}
+
+TEST(Farm, AWorkerThatComputesOtherPicturesIsRefusedWithBothDigests) {
+  FarmStage stage;
+  WorkerState state;
+  const auto bytes_of = [](const Digest& digest) {
+    return std::string(digest.bytes.begin(), digest.bytes.end());
+  };
+  state.probe_digest = bytes_of(*Digest::FromHex(kProbeDigest));
+  EXPECT_TRUE(stage.farm.CheckAdmission(state));
+  state.probe_digest = bytes_of(Sha256("another machine"));
+  const auto refused = stage.farm.CheckAdmission(state);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr(Sha256("another machine").Hex()));
+  EXPECT_THAT(refused.error().message, HasSubstr(std::string(kProbeDigest)));
 }
 
 TEST(Farm, APreviewShowsWhatIsThere) {

@@ -1,0 +1,51 @@
+#include "scene/probe.h"
+
+#include <map>
+#include <string>
+
+#include "film/radiance_tile.h"
+#include "scene/probe_scene.h"
+#include "scene/scene.h"
+
+namespace tessera {
+namespace {
+
+class ProbeFiles : public FileSource {
+ public:
+  explicit ProbeFiles(std::string scene) : scene_(std::move(scene)) {}
+  Result<std::string> Read(const std::string& name) override {
+    if (name == "probe.pbrt") return scene_;
+    if (name == "probe.ply") return std::string(kProbeMesh);
+    if (name == "probe.pfm") return ProbeImage();
+    return BadInput(name + ": is not a file of the probe");
+  }
+
+ private:
+  std::string scene_;
+};
+
+std::string SceneText(const ProbeVariant& variant) {
+  std::string text = std::string(kProbeHead) + variant.settings + kProbeWorld;
+  if (variant.has_lights_of_no_size) text += kProbeLightsOfNoSize;
+  return text;
+}
+
+}  // namespace
+
+Result<Digest> RenderProbe() {
+  std::string sums;
+  for (const ProbeVariant& variant : ProbeVariants()) {
+    ProbeFiles files(SceneText(variant));
+    RenderOptions options;
+    options.accelerator = variant.accelerator;
+    const auto scene = Scene::Load(files, "probe.pbrt", options, Scene::Depth::kRender);
+    if (!scene) return scene.error();
+    const FrameSpec& frame = (*scene)->frame();
+    for (const SampleRange range : DyadicPartition(frame.samples_per_pixel)) {
+      sums += EncodeRadianceTile(*(*scene)->Render(frame.crop, range, nullptr));
+    }
+  }
+  return Sha256(sums);
+}
+
+}  // namespace tessera

@@ -1,0 +1,160 @@
+#include "scene/probe_scene.h"
+
+#include <cstdint>
+
+namespace tessera {
+
+std::span<const ProbeVariant> ProbeVariants() {
+  static constexpr ProbeVariant kVariants[] = {
+      {R"(Sampler "independent" "integer pixelsamples" 3 PixelFilter "box"
+          Integrator "path" "string lightsampler" "bvh")",
+       "embree", true},
+      {R"(Sampler "stratified" "integer xsamples" 2 "integer ysamples" 2 PixelFilter "gaussian"
+          Integrator "volpath" "string lightsampler" "power")",
+       "bvh", true},
+      {R"(Sampler "sobol" "integer pixelsamples" 4 "string randomization" "permutedigits" PixelFilter "mitchell"
+          Integrator "volpath" "integer maxdepth" 12 "string lightsampler" "uniform")",
+       "embree", true},
+      {R"(Sampler "paddedsobol" "integer pixelsamples" 4 "string randomization" "owen" PixelFilter "sinc"
+          Integrator "simplevolpath")",
+       "list", true},
+      {R"(Sampler "zsobol" "integer pixelsamples" 4 PixelFilter "triangle" Integrator "simplepath")",
+       "embree", true},
+      {R"(Sampler "sobol" "integer pixelsamples" 4 PixelFilter "gaussian" Integrator "randomwalk")", "embree",
+       true},
+      {R"(Sampler "sobol" "integer pixelsamples" 4 PixelFilter "gaussian" Integrator "mixture")", "embree",
+       false},
+  };
+  return kVariants;
+}
+
+const char* const kProbeHead = R"(
+Film "rgb" "integer xresolution" 24 "integer yresolution" 16 "float iso" 120 "float maxcomponentvalue" 50
+LookAt 0 2.2 -9   0 1.4 0   0 1 0
+Camera "perspective" "float fov" 44 "float lensradius" 0.05 "float focaldistance" 9
+MakeNamedMedium "haze" "string type" "homogeneous" "rgb sigma_a" [ 0.01 0.02 0.03 ] "rgb sigma_s" [ 0.02 0.02 0.01 ]
+  "float g" 0.4
+MediumInterface "" "haze"
+)";
+
+// Four rows of five balls before a wall; the top row are shapes and lights.
+const char* const kProbeWorld = R"(
+WorldBegin
+MakeNamedMedium "milk" "string type" "homogeneous" "string preset" "Wholemilk" "float scale" 0.5
+MakeNamedMedium "ember" "string type" "homogeneous" "rgb sigma_a" [ 1 1 1 ] "rgb sigma_s" [ 1 2 3 ]
+  "rgb Le" [ 0.8 0.3 0.1 ] "float g" -0.5
+AttributeBegin
+  Rotate 30 0 1 0
+  LightSource "infinite" "string filename" "probe.pfm" "float scale" 0.3
+AttributeEnd
+LightSource "infinite" "blackbody L" [ 6500 ] "float scale" 0.1
+AttributeBegin
+  AreaLightSource "diffuse" "blackbody L" [ 3200 ] "float scale" 4
+  Translate -3 3.6 0 Shape "sphere" "float radius" 0.4
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 2 4 6 ] "bool twosided" true
+  Translate -1.5 3.6 0 Shape "disk" "float radius" 0.4 "float innerradius" 0.1
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "spectrum L" [ 400 1 550 3 700 2 ]
+  Translate 0 3.3 0 Rotate -90 1 0 0 Shape "cylinder" "float radius" 0.3 "float zmin" 0 "float zmax" 0.6 "float phimax" 270
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 3 3 1 ] "float power" 20
+  Translate 1.5 3.6 0 Shape "bilinearmesh" "point3 P" [ -0.4 -0.4 0  0.4 -0.3 0.2  -0.4 0.4 0  0.4 0.4 -0.2 ]
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "string filename" "probe.pfm" "float scale" 5
+  Translate 3 3.6 0 Shape "trianglemesh" "point3 P" [ -0.4 -0.4 0  0.4 -0.4 0  0 0.4 0 ] "point2 uv" [ 0 0 1 0 0 1 ]
+AttributeEnd
+
+Texture "image" "spectrum" "imagemap" "string filename" "probe.pfm" "string filter" "ewa"
+Texture "image3" "spectrum" "imagemap" "string filename" "probe.pfm" "string filter" "trilinear" "float uscale" 3
+  "string wrap" "clamp" "bool invert" true
+Texture "image1" "float" "imagemap" "string filename" "probe.pfm" "string filter" "bilinear" "string wrap" "black"
+Texture "image0" "float" "imagemap" "string filename" "probe.pfm" "string filter" "point" "float vscale" 2
+Texture "checker" "spectrum" "checkerboard" "float uscale" 4 "float vscale" 4 "texture tex1" "image" "rgb tex2" [ 0.1 0.2 0.4 ]
+Texture "blocks" "spectrum" "checkerboard" "integer dimension" 3 "rgb tex1" [ 0.9 0.7 0.2 ] "rgb tex2" [ 0.2 0.1 0.4 ]
+Texture "bilerp" "spectrum" "bilerp" "rgb v00" [ 0.9 0.1 0.1 ] "rgb v01" [ 0.1 0.9 0.1 ] "rgb v10" [ 0.1 0.1 0.9 ]
+  "rgb v11" [ 0.8 0.8 0.8 ] "string mapping" "spherical"
+Texture "dots" "spectrum" "dots" "rgb inside" [ 0.9 0.9 0.1 ] "rgb outside" [ 0.1 0.1 0.3 ] "string mapping" "cylindrical"
+Texture "marble" "spectrum" "marble" "float variation" 0.6 "float scale" 3
+Texture "facing" "spectrum" "directionmix" "texture tex1" "marble" "texture tex2" "bilerp" "vector3 dir" [ 0.3 0.8 -0.5 ]
+Texture "grain" "float" "fbm" "integer octaves" 5 "float roughness" 0.6
+Texture "folds" "float" "wrinkled" "integer octaves" 4
+Texture "gusts" "float" "windy"
+Texture "planar" "float" "checkerboard" "float tex1" 1 "float tex2" 0
+  "string mapping" "planar" "vector3 v1" [ 5 0 0 ] "vector3 v2" [ 0 5 0 ]
+Texture "small" "float" "scale" "texture tex" "gusts" "float scale" 0.2
+Texture "mixed" "spectrum" "mix" "texture tex1" "dots" "texture tex2" "checker" "texture amount" "grain"
+Texture "flat" "spectrum" "constant" "rgb value" [ 0.4 0.5 0.3 ]
+
+Material "diffuse" "texture reflectance" "image3"
+Shape "bilinearmesh" "point3 P" [ -5 -1 2  5 -1 2  -5 5 2  5 5 2 ]
+Material "coateddiffuse" "texture reflectance" "checker" "float roughness" 0.1
+Shape "trianglemesh" "point3 P" [ -6 -0.5 -4  6 -0.5 -4  6 -0.5 3  -6 -0.5 3 ] "point2 uv" [ 0 0 1 0 1 1 0 1 ]
+  "normal N" [ 0 1 0  0.1 1 0  0 1 0.1  0 1 0 ] "integer indices" [ 0 2 1 0 3 2 ]
+
+AttributeBegin Translate -3 0.2 0 Material "diffuse" "texture reflectance" "mixed" Shape "sphere" "float radius" 0.6 AttributeEnd
+AttributeBegin Translate -1.5 0.2 0 Material "diffusetransmission" "texture reflectance" "blocks" "rgb transmittance" [ 0.3 0.4 0.2 ]
+  Shape "sphere" "float radius" 0.6 AttributeEnd
+AttributeBegin Translate 0 0.2 0 Material "conductor" "spectrum eta" "metal-Au-eta" "spectrum k" "metal-Au-k" "float roughness" 0.02
+  Shape "sphere" "float radius" 0.6 AttributeEnd
+AttributeBegin Translate 1.5 0.2 0 Material "conductor" "rgb reflectance" [ 0.7 0.8 0.9 ] "float uroughness" 0.4 "float vroughness" 0.1
+  Shape "sphere" "float radius" 0.6 "float phimax" 300 AttributeEnd
+AttributeBegin Translate 3 0.2 0 Material "conductor" "float roughness" 0 "texture displacement" "small" Shape "sphere" "float radius" 0.6 AttributeEnd
+
+AttributeBegin Translate -3 1.5 0 Material "dielectric" "float eta" 1.5 Shape "sphere" "float radius" 0.6 AttributeEnd
+AttributeBegin Translate -1.5 1.5 0 Material "dielectric" "spectrum eta" "glass-F11" "float roughness" 0.3 MediumInterface "milk" "haze"
+  Shape "sphere" "float radius" 0.6 AttributeEnd
+AttributeBegin Translate 0 1.5 0 Material "thindielectric" "float eta" 1.4 Shape "sphere" "float radius" 0.6 AttributeEnd
+AttributeBegin Translate 1.5 1.5 0 Material "interface" MediumInterface "ember" "haze" Shape "sphere" "float radius" 0.6 AttributeEnd
+AttributeBegin Translate 3 1.5 0 Material "coateddiffuse" "texture reflectance" "facing" "float roughness" 0 "float thickness" 0.05
+  "rgb albedo" [ 0.4 0.3 0.2 ] Shape "sphere" "float radius" 0.6 AttributeEnd
+
+MakeNamedMaterial "leaf" "string type" "diffuse" "texture reflectance" "flat" "string normalmap" "probe.pfm"
+MakeNamedMaterial "foil" "string type" "conductor" "spectrum eta" "metal-Al-eta" "spectrum k" "metal-Al-k" "texture roughness" "image1"
+MakeNamedMaterial "both" "string type" "mix" "string materials" [ "leaf" "foil" ] "texture amount" "folds"
+ObjectBegin "thing"
+  NamedMaterial "both"
+  Shape "plymesh" "string filename" "probe.ply"
+  Shape "disk" "float radius" 0.3 "float height" 0.5 "texture alpha" "planar"
+ObjectEnd
+AttributeBegin Translate -2.2 2.6 -0.5 ObjectInstance "thing" AttributeEnd
+AttributeBegin Translate 0 2.6 -0.5 Rotate 40 0 1 0 Scale 1.2 0.8 1 ObjectInstance "thing" AttributeEnd
+AttributeBegin Translate 2.2 2.6 -0.5 Rotate 70 1 1 0 Scale -1 1 1 ReverseOrientation ObjectInstance "thing" AttributeEnd
+AttributeBegin Translate 0 -0.2 -2 Material "diffuse" "texture reflectance" "image" Shape "cylinder" "float radius" 0.25 "texture alpha" "image0" AttributeEnd
+)";
+
+const char* const kProbeLightsOfNoSize = R"(
+LightSource "point" "rgb I" [ 2 3 4 ] "point3 from" [ -4 4 -5 ]
+LightSource "spot" "blackbody I" [ 4000 ] "float scale" 6 "point3 from" [ 4 5 -5 ] "point3 to" [ 1 0 0 ] "float coneangle" 30
+LightSource "distant" "rgb L" [ 0.2 0.2 0.1 ] "point3 from" [ 1 3 -2 ] "point3 to" [ 0 0 0 ]
+AttributeBegin
+  Translate 0 4.5 -3
+  LightSource "goniometric" "string filename" "probe.pfm" "rgb I" [ 4 4 5 ]
+  Rotate 50 1 0 0
+  LightSource "projection" "string filename" "probe.pfm" "float fov" 60 "float power" 30
+AttributeEnd
+)";
+
+const char* const kProbeMesh =
+    "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 3\nproperty list uchar int vertex_indices\nend_header\n"
+    "-0.4 -0.3 0\n0.4 -0.3 0.1\n0.4 0.3 -0.1\n-0.4 0.3 0\n0 0.1 -0.5\n"
+    "4 0 1 2 3\n3 0 1 4\n3 2 3 4\n";
+
+std::string ProbeImage() {
+  constexpr int kSide = 8;
+  std::string file = "PF\n8 8\n1.0\n";  // big-endian
+  uint32_t state = 1;
+  for (int i = 0; i < kSide * kSide * 3; ++i) {
+    state = state * 1664525 + 1013904223;                         // any pattern without symmetry
+    const uint32_t bits = 0x3f000000u | (state >> 9 & 0x7ffffe);  // a float in [0.5, 1)
+    for (int shift = 24; shift >= 0; shift -= 8) file += static_cast<char>(bits >> shift & 0xff);
+  }
+  return file;
+}
+
+}  // namespace tessera

@@ -1,0 +1,25 @@
+// The scenes of the probe unit. When something new can be rendered it belongs in here; the digest then
+// changes.
+#pragma once
+
+#include <span>
+#include <string>
+
+namespace tessera {
+
+// Settings before WorldBegin. Each variant has the same world.
+struct ProbeVariant {
+  const char* settings;
+  const char* accelerator;
+  // With points and directions as lights, which only shadow rays find.
+  bool has_lights_of_no_size;
+};
+std::span<const ProbeVariant> ProbeVariants();
+
+extern const char* const kProbeHead;            // film and camera
+extern const char* const kProbeWorld;           // with WorldBegin
+extern const char* const kProbeLightsOfNoSize;  // to be put after it
+extern const char* const kProbeMesh;            // "probe.ply"
+std::string ProbeImage();                       // "probe.pfm": square, in colour
+
+}  // namespace tessera
