@@ -8,6 +8,6 @@ namespace tessera {
 // The digest of the probe unit (renderer/scene/probe.h), in hexadecimal: a worker with another one would
 // spoil pictures. A test of the renderer keeps it true: it changes, with kSoftwareVersion, whenever a picture
 // may change by a bit.
-constexpr std::string_view kProbeDigest = "f20517e2792a4941a39df07b821b89b7beffecc7f7ffc6e3de35551c4f6e094c";
+constexpr std::string_view kProbeDigest = "2e1830be572b969907deb6723f5866ffd88e506cd13615509587e1c849531c27";
 
 }  // namespace tessera

@@ -1,10 +1,13 @@
 #include "worker/blob_cache.h"
 
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -42,6 +45,25 @@ std::vector<CachedFile> ListFiles(const std::string& folder) {
   return files;
 }
 
+// Whether the process that wrote a file beside its final name has ended. If another machine shares the folder
+// it may be wrong; the other then fails to keep one file, and has it all the same.
+bool IsAbandoned(const fs::path& path) {
+  const std::string name = path.filename().string();
+  const size_t mark = name.find(kTemporaryMark);
+  if (mark == std::string::npos) return false;
+  const int process = std::atoi(name.c_str() + mark + kTemporaryMark.size());
+  return process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
+}
+
+std::vector<CachedFile> ListWithoutAbandoned(const std::string& folder) {
+  std::vector<CachedFile> files = ListFiles(folder);
+  std::erase_if(files, [](const CachedFile& file) {
+    std::error_code ignored;
+    return IsAbandoned(file.path) && fs::remove(file.path, ignored);
+  });
+  return files;
+}
+
 uint64_t TotalSize(const std::vector<CachedFile>& files) {
   uint64_t total = 0;
   for (const CachedFile& file : files) total += file.size;
@@ -60,7 +82,7 @@ Result<void> BlobCache::Prepare(const std::string& folder) {
 }
 
 BlobCache::BlobCache(std::string folder, uint64_t bytes_max)
-    : folder_(std::move(folder)), bytes_max_(bytes_max), bytes_(TotalSize(ListFiles(folder_))) {}
+    : folder_(std::move(folder)), bytes_max_(bytes_max), bytes_(TotalSize(ListWithoutAbandoned(folder_))) {}
 
 std::string BlobCache::PathOf(const Digest& digest) const {
   const std::string hex = digest.Hex();

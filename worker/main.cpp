@@ -42,6 +42,7 @@ int Run(const std::vector<std::string>& arguments, std::stop_token stop) {
   const WorkerOptions& options = parsed->options;
   if (auto prepared = BlobCache::Prepare(options.cache_dir); !prepared) return Report(prepared.error());
   SetUpLog();
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
   Worker worker(options);
   const auto ended = worker.Run(stop);
   const int code = ended ? 0 : Report(ended.error());

@@ -6,6 +6,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
@@ -20,6 +21,7 @@ namespace {
 // What the user wrote, before it is believed.
 struct Words {
   std::string coordinator, threads, cache_dir, cache_size, name;
+  std::string log_level = kLogLevelDefault;
 };
 
 std::string Environment(const char* variable) {
@@ -89,6 +91,7 @@ Result<WorkerOptions> Check(const Words& words) {
   }
   options.cache_dir = words.cache_dir.empty() ? DefaultCacheDir() : words.cache_dir;
   options.name = words.name.empty() ? HostName() : words.name;
+  options.log_level = words.log_level;
   if (options.name.size() > kNameBytesMax) return BadInput("--name: is too long");
   return options;
 }
@@ -119,6 +122,9 @@ Result<WorkerCommandLine> ParseWorkerCommandLine(const std::vector<std::string>&
   app.add_option("--cache-size", words.cache_size,
                  "bytes kept there at most; K, M, G, T may follow [default: 20G]");
   app.add_option("--name", words.name, "what people call this worker [default: the host's name]");
+  app.add_option("--log-level", words.log_level, "how much goes to stderr; debug tells of every unit")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
+      ->capture_default_str();
   std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // CLI11 takes them from the back
   try {
     app.parse(std::move(reversed));

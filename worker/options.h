@@ -12,6 +12,7 @@ namespace tessera {
 
 constexpr uint64_t kCacheBytesDefault = uint64_t{20}
                                         << 30;  // some large scenes: fetched once per machine, not per job
+constexpr const char* kLogLevelDefault = "info";
 constexpr uint64_t kCacheBytesMin = uint64_t{1} << 20;
 
 // Parsed and checked once, constant ever after.
@@ -21,6 +22,7 @@ struct WorkerOptions {
   std::string cache_dir;  // of scene files; default: $XDG_CACHE_HOME/tessera or ~/.cache/tessera
   uint64_t cache_bytes = kCacheBytesDefault;
   std::string name;  // for people; default: the host's
+  std::string log_level = kLogLevelDefault;
 };
 
 struct WorkerCommandLine {

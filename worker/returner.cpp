@@ -30,13 +30,24 @@ std::vector<LeaseId> ReadIds(const google::protobuf::RepeatedField<uint64_t>& nu
   return ids;
 }
 
-void LogRefusals(const proto::ResultsAnswer& answer, const std::vector<FinishedUnit>& results) {
+const char* NameOf(int verdict) {
+  switch (verdict) {
+    case proto::ResultsAnswer::ACCEPTED: return "accepted";
+    case proto::ResultsAnswer::DUPLICATE: return "duplicate";
+    case proto::ResultsAnswer::OBSOLETE: return "obsolete";
+    default: return "refused";
+  }
+}
+
+void LogVerdicts(const proto::ResultsAnswer& answer, const std::vector<FinishedUnit>& results) {
   int reason = 0;
   for (int i = 0; i < answer.verdicts_size() && i < static_cast<int>(results.size()); ++i) {
+    const WorkUnit& unit = results[static_cast<size_t>(i)].unit;
+    spdlog::debug("answered unit=\"{}\" verdict={}", unit.Text(), NameOf(answer.verdicts(i)));
     if (answer.verdicts(i) != proto::ResultsAnswer::REFUSED) continue;
     const std::string words = reason < answer.reasons_size() ? ReadReason(answer.reasons(reason)) : "";
     ++reason;
-    spdlog::error("refused unit=\"{}\" reason=\"{}\"", results[static_cast<size_t>(i)].unit.Text(), words);
+    spdlog::error("refused unit=\"{}\" reason=\"{}\"", unit.Text(), words);
   }
 }
 
@@ -61,7 +72,7 @@ class Courier {
     const grpc::Status status =
         Call([&](grpc::ClientContext* context) { return stub_->ReturnResults(context, request, &answer); });
     if (!status.ok()) return status;
-    LogRefusals(answer, results);
+    LogVerdicts(answer, results);
     bench_.AddLeases(ReadLeases(answer.leases()), ReadIds(answer.drop()));
     bench_.ResultsAnswered(results);
     return status;

@@ -18,8 +18,9 @@
 
 namespace tessera {
 
-constexpr std::chrono::seconds kCallPatience{60};  // for one answer, with all attempts
-constexpr int kAttemptsMax = 8;                    // of one call that breaks on its way
+constexpr std::chrono::seconds kCallPatience{60};  // for one answer
+constexpr std::chrono::seconds kRetryPatience{
+    60};  // for a coordinator that is away: one that starts again is back soon
 // Between attempts; doubled after each that fails.
 constexpr std::chrono::milliseconds kRetryFirst{50};
 constexpr std::chrono::milliseconds kRetryMax{3000};
@@ -63,14 +64,15 @@ inline bool Pause(std::stop_token stop, std::chrono::milliseconds duration) {
 }
 
 // Runs `attempt`, which makes one call and gives its status, until it succeeds, fails for good, was stopped
-// or has failed too often. `what` names it in errors. Every call of the protocol may be repeated.
+// or has failed for too long. `what` names it in errors. Every call of the protocol may be repeated.
 template <typename Attempt>
 Result<void> WithRetries(std::stop_token stop, const std::string& what, Attempt attempt) {
-  std::chrono::milliseconds pause = kRetryFirst;
-  for (int attempts = 1;; ++attempts) {
+  const auto give_up = std::chrono::steady_clock::now() + kRetryPatience;
+  for (std::chrono::milliseconds pause = kRetryFirst;;) {
     const grpc::Status status = attempt();
     if (status.ok()) return {};
-    const bool again = status.error_code() == grpc::StatusCode::UNAVAILABLE && attempts < kAttemptsMax;
+    const bool again = status.error_code() == grpc::StatusCode::UNAVAILABLE &&
+                       std::chrono::steady_clock::now() + pause < give_up;
     if (!again || !Pause(stop, pause)) return ToError(status, what);
     pause = std::min(pause * 2, kRetryMax);
   }

@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -26,7 +27,7 @@ std::string Slurp(const std::string& path) {
 
 // A file name that no other process of this test program has used.
 std::string Unique(const std::string& folder, const std::string& program) {
-  static int count = 0;
+  static std::atomic<int> count = 0;
   return folder + "/" + program + "-" + std::to_string(count++);
 }
 

@@ -1,6 +1,8 @@
 #include "worker/blob_cache.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -44,6 +46,18 @@ TEST_F(BlobCacheTest, GivesBackWhatWasPutAlsoToTheNextProcess) {
   }
   BlobCache cache(folder(), kPlenty);
   EXPECT_EQ(cache.Get(Sha256(bytes)), bytes);
+}
+
+TEST_F(BlobCacheTest, RemovesWhatAKilledProcessLeftHalfWritten) {
+  const pid_t dead = ::fork();
+  if (dead == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(dead, nullptr, 0), dead);
+  const std::string of_the_dead = folder() + "/ab.tmp-" + std::to_string(dead) + "-0";
+  const std::string of_the_living = folder() + "/ab.tmp-" + std::to_string(::getpid()) + "-0";
+  for (const std::string& name : {of_the_dead, of_the_living}) std::ofstream(name) << "half";
+  const BlobCache cache(folder(), kPlenty);
+  EXPECT_FALSE(fs::exists(of_the_dead));
+  EXPECT_TRUE(fs::exists(of_the_living));
 }
 
 TEST_F(BlobCacheTest, NeverGivesDamagedBytes) {

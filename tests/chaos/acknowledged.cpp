@@ -1,0 +1,64 @@
+#include "tests/chaos/acknowledged.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <sstream>
+
+namespace tessera {
+namespace {
+
+constexpr const char* kEvent = " answered unit=\"";
+constexpr const char* kAccepted = " verdict=accepted";
+
+bool ReadLine(const std::string& line, Acknowledgement* read) {
+  const size_t event = line.find(kEvent);
+  if (event == std::string::npos || !line.ends_with(kAccepted)) return false;
+  unsigned long long job = 0;
+  unsigned frame = 0, tile = 0, begin = 0, end = 0;
+  const char* const unit = line.c_str() + event;
+  if (std::sscanf(unit, " answered unit=\"job %llu frame %u tile %u samples [%u,%u)\"", &job, &frame, &tile,
+                  &begin, &end) != 5) {
+    return false;
+  }
+  *read = {job, frame, tile, {begin, end - begin}, line.substr(0, line.find(' '))};
+  return true;
+}
+
+// Whether every sample of the range is in one of the others.
+bool IsCovered(SampleRange range, const std::vector<SampleRange>& others) {
+  uint64_t covered = 0;  // dyadic ranges contain each other or are apart
+  for (const SampleRange& other : others) {
+    if (other.Contains(range)) return true;
+    const bool is_inside_another = std::any_of(others.begin(), others.end(), [&](const SampleRange& third) {
+      return third != other && third.Contains(other) && range.Contains(third);
+    });
+    if (range.Contains(other) && !is_inside_another) covered += other.size;
+  }
+  return covered >= range.size;
+}
+
+}  // namespace
+
+std::vector<Acknowledgement> ReadAcknowledgements(const std::string& log) {
+  std::vector<Acknowledgement> all;
+  std::istringstream lines(log);
+  for (std::string line; std::getline(lines, line);) {
+    Acknowledgement read;
+    if (!lines.eof() && ReadLine(line, &read)) all.push_back(std::move(read));
+  }
+  return all;
+}
+
+size_t CountRenderedAgain(std::vector<Acknowledgement> all) {
+  std::ranges::stable_sort(all, {}, &Acknowledgement::time);
+  std::map<std::tuple<uint64_t, uint32_t, uint32_t>, std::vector<SampleRange>> tiles;
+  size_t count = 0;
+  for (const Acknowledgement& each : all) {
+    std::vector<SampleRange>& before = tiles[{each.job, each.frame, each.tile}];
+    if (IsCovered(each.range, before)) ++count;
+    if (std::ranges::find(before, each.range) == before.end()) before.push_back(each.range);
+  }
+  return count;
+}
+
+}  // namespace tessera

@@ -1,0 +1,114 @@
+#include "tests/chaos/customer.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "tests/end_to_end/process.h"
+#include "util/file.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::minutes kJobPatience{10};  // of a farm that is being hurt
+constexpr uint64_t kPictureBytesMax = uint64_t{1} << 30;
+constexpr int kFrames = 3;
+
+std::string Bytes(const std::string& path) {
+  const auto bytes = ReadFile(path, kPictureBytesMax);
+  return bytes ? *bytes : std::string();
+}
+
+void WriteSequence(const std::string& folder, int samples_per_pixel) {
+  for (int frame = 1; frame <= kFrames; ++frame) {
+    std::ofstream(fmt::format("{}/scene.{:04}.pbrt", folder, frame)) << fmt::format(
+        "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 48\n"
+        "Sampler \"sobol\" \"integer pixelsamples\" {}\nLookAt {} 1 -5  0 0 0  0 1 0\nCamera "
+        "\"perspective\"\n"
+        "WorldBegin\nLightSource \"infinite\" \"rgb L\" [ 0.6 0.7 0.9 ]\n"
+        "Material \"dielectric\" Shape \"sphere\"\nMaterial \"diffuse\" Translate 0 -1 0 Rotate 90 1 0 0\n"
+        "Shape \"disk\" \"float radius\" 4\n",
+        samples_per_pixel, frame);
+  }
+}
+
+ChaosJob Prepare(const std::string& folder, std::string scene, std::vector<std::string> options, int frames) {
+  ChaosJob job{std::move(scene), std::move(options), {}};
+  std::vector<std::string> words{"render", job.scene, "--in-process", "-o",
+                                 frames > 1 ? "oracle.#.exr" : "oracle.exr"};
+  words.insert(words.end(), job.options.begin(), job.options.end());
+  const Outcome outcome = RunProgram(folder, "tessera", words);
+  if (outcome.code != 0) throw std::runtime_error("the undisturbed picture failed: " + outcome.errors);
+  for (int frame = 1; frame <= frames; ++frame) {
+    job.pictures.push_back(
+        Bytes(folder + (frames > 1 ? fmt::format("/oracle.{}.exr", frame) : "/oracle.exr")));
+  }
+  return job;
+}
+
+}  // namespace
+
+std::vector<ChaosJob> PrepareJobs(const std::string& folder, int samples_per_pixel) {
+  const std::string scenes = std::string(TESSERA_SOURCE_DIR) + "/tests/scenes/";
+  const auto spp = [&](int divisor) { return std::to_string(std::max(1, samples_per_pixel / divisor)); };
+  WriteSequence(folder, samples_per_pixel);
+  return {Prepare(folder, scenes + "box.pbrt", {"--spp", spp(1), "--tile-size", "16"}, 1),
+          Prepare(folder, folder + "/scene.####.pbrt", {"--frames", fmt::format("1-{}", kFrames)}, kFrames),
+          Prepare(folder, scenes + "original/materials.pbrt", {"--spp", spp(8), "--resolution", "96x96"}, 1)};
+}
+
+void Customers::Work(size_t customer) {
+  for (size_t i = customer; !closed_; ++i) {
+    if (!Do(jobs_[i % jobs_.size()], customer)) return;
+  }
+}
+
+bool Customers::Do(const ChaosJob& job, size_t customer) {
+  std::vector<std::string> words{"submit", job.scene};
+  words.insert(words.end(), job.options.begin(), job.options.end());
+  std::string answer;
+  if (!Ask(words, &answer)) return false;
+  const std::string id = answer.substr(0, answer.find('\n'));
+  if (!Ask({"watch", id}, &answer)) return false;
+  const std::string output = fmt::format("{}/customer-{}", folder_, customer);
+  const bool is_sequence = job.pictures.size() > 1;
+  if (!Ask({"fetch", id, "-o", output + (is_sequence ? ".#.exr" : ".exr")}, &answer)) return false;
+  for (size_t i = 0; i < job.pictures.size(); ++i) {
+    const std::string path = is_sequence ? fmt::format("{}.{}.exr", output, i + 1) : output + ".exr";
+    ++pictures_;
+    if (Bytes(path) != job.pictures[i]) {
+      Complain(fmt::format("frame {} of job {} ({}) differs from the undisturbed picture", i, id, job.scene));
+    }
+    std::filesystem::remove(path);
+  }
+  return true;
+}
+
+bool Customers::Ask(std::vector<std::string> arguments, std::string* answer) {
+  arguments.insert(arguments.end(), {"--coordinator", address_});
+  Process process(folder_, "tessera", arguments);
+  std::optional<int> code;
+  const auto deadline = std::chrono::steady_clock::now() + kJobPatience;
+  while (!code && !gave_up_ && std::chrono::steady_clock::now() < deadline) {
+    code = process.Wait(std::chrono::milliseconds(200));
+  }
+  *answer = process.Output();
+  if (code == 0) return true;
+  Complain(fmt::format("tessera {} {} {}: {}", arguments[0], arguments[1],
+                       code ? fmt::format("ended with {}", *code) : "took too long", process.Errors()));
+  return false;
+}
+
+void Customers::Complain(const std::string& problem) {
+  const std::lock_guard lock(mutex_);
+  problems_.push_back(problem);
+}
+
+std::vector<std::string> Customers::problems() const {
+  const std::lock_guard lock(mutex_);
+  return problems_;
+}
+
+}  // namespace tessera

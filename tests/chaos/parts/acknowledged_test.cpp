@@ -1,0 +1,45 @@
+#include "tests/chaos/acknowledged.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+std::string Line(int second, const std::string& range, const std::string& verdict = "accepted") {
+  return "2026-01-01T00:00:0" + std::to_string(second) +
+         ".000+0000 debug answered unit=\"job 3 frame 0 tile 17 samples " + range + "\" verdict=" + verdict +
+         "\n";
+}
+
+size_t Count(const std::string& log) {
+  return CountRenderedAgain(ReadAcknowledgements(log));
+}
+
+TEST(Acknowledged, ReadsWhatWorkersLog) {
+  const auto all =
+      ReadAcknowledgements("something else\n" + Line(1, "[64,128)") + Line(2, "[0,1)", "duplicate"));
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].job, 3u);
+  EXPECT_EQ(all[0].tile, 17u);
+  EXPECT_EQ(all[0].range, (SampleRange{64, 64}));
+}
+
+TEST(Acknowledged, ALineThatIsCutOffIsNone) {
+  const std::string line = Line(1, "[64,128)");
+  EXPECT_TRUE(ReadAcknowledgements(line.substr(0, line.size() - 1)).empty());
+}
+
+TEST(Acknowledged, WhatIsAcceptedTwiceWasLost) {
+  EXPECT_EQ(Count(Line(1, "[0,4)") + Line(2, "[4,8)") + Line(3, "[0,4)")), 1u);
+  EXPECT_EQ(Count(Line(1, "[0,4)") + Line(2, "[4,8)") + Line(3, "[0,8)")), 1u) << "in two parts";
+  EXPECT_EQ(Count(Line(1, "[0,8)") + Line(2, "[4,6)")), 1u) << "as part of a larger one";
+}
+
+TEST(Acknowledged, ALargerResultMayBringMoreThanWasThere) {
+  EXPECT_EQ(Count(Line(1, "[0,4)") + Line(2, "[0,8)")), 0u);
+  EXPECT_EQ(Count(Line(1, "[0,4)") + Line(2, "[0,2)", "duplicate") + Line(3, "[6,8)") + Line(4, "[0,8)")),
+            0u);
+}
+
+}  // namespace
+}  // namespace tessera
