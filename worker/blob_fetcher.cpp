@@ -11,8 +11,8 @@
 #include "proto/blobs.grpc.pb.h"
 #include "wire/channel.h"
 #include "wire/convert.h"
-#include "worker/backoff.h"
 #include "worker/pause.h"
+#include "worker_core/backoff.h"
 
 namespace tessera {
 namespace {

@@ -7,8 +7,8 @@
 #include "proto/work.grpc.pb.h"
 #include "wire/channel.h"
 #include "wire/convert.h"
-#include "worker/backoff.h"
 #include "worker/pause.h"
+#include "worker_core/backoff.h"
 
 namespace tessera {
 namespace {

@@ -14,8 +14,8 @@
 
 #include "terms/terms.h"
 #include "util/result.h"
-#include "worker/backoff.h"
 #include "worker/workbench.h"
+#include "worker_core/backoff.h"
 
 namespace grpc {
 class Channel;

@@ -1,46 +1,20 @@
-// What the threads of a worker share: leases and scenes, and what is on its way back to the coordinator. The
+// What the threads of a worker share: its workload under a lock, and ways to wait for a change of it. The
 // threads that speak with the coordinator, that load scenes and that render meet only here.
 #pragma once
 
 #include <condition_variable>
-#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "terms/terms.h"
 #include "util/result.h"
-#include "worker/lease_book.h"
-#include "worker/scene_shelf.h"
+#include "worker_core/workload.h"
 
 namespace tessera {
-
-// Something rendered, as it travels.
-struct FinishedUnit {
-  LeaseId lease{};
-  WorkUnit unit;
-  std::string tile;  // EncodeRadianceTile
-  double render_seconds = 0;
-};
-
-// Something that could not be done: a unit, or, with a lease of 0, a whole scene.
-struct FailureReport {
-  LeaseId lease{};
-  WorkUnit unit;
-  Digest scene;
-  std::string reason;
-};
-
-// A unit to render, with all that it needs.
-struct UnitTask {
-  Lease lease;
-  SceneShelf::ScenePointer scene;
-  LeaseBook::StopFlag stop;
-};
 
 // Thread safe. Waiting functions return empty-handed once `stop` is requested.
 class Workbench {
@@ -74,7 +48,7 @@ class Workbench {
   // ---- For the thread that returns
   // The next failure or the next results, at most `bytes_max` beyond the first. They stay here until
   // answered.
-  using Parcel = std::variant<std::monostate, FailureReport, std::vector<FinishedUnit>>;
+  using Parcel = Workload::Parcel;
   Parcel AwaitParcel(size_t bytes_max, std::stop_token stop);
   // The oldest failure, or these results, have been answered.
   void FailureAnswered();
@@ -90,18 +64,10 @@ class Workbench {
   void StopRendering();
 
  private:
-  void AddLeasesLocked(const std::vector<Lease>& leases, const std::vector<LeaseId>& drop);
-  bool IsIdle() const;
-
   const std::function<void()> on_news_;
   mutable std::mutex mutex_;
   std::condition_variable_any units_changed_, scenes_changed_, parcels_changed_, idle_changed_;
-  LeaseBook leases_;
-  SceneShelf scenes_;
-  std::deque<FinishedUnit> results_;
-  std::deque<FailureReport> failures_;
-  std::vector<LeaseId> returned_;  // to be told
-  bool draining_ = false;
+  Workload load_;  // guarded by mutex_
 };
 
 }  // namespace tessera

@@ -82,21 +82,27 @@ void Farm::Synchronize(Instant now, CallId call, const WorkerState& state) {
   // An older call of the same worker has nothing more to bring.
   if (const auto older = parked_.find(state.worker); older != parked_.end()) {
     output_.directives.push_back({older->second.call, {}});
-    parked_calls_.erase(older->second.call);
-    parked_.erase(older);
+    Unpark(state.worker);
   }
   const bool answer_now = state.leaving || state.wait.count() <= 0;
   const Instant wait = answer_now ? Instant{0} : std::min<Instant>(state.wait, kParkMax);
   parked_[state.worker] = {call, now + wait};
   parked_calls_[call] = state.worker;
+  parked_until_.emplace(now + wait, state.worker);
+}
+
+void Farm::Unpark(WorkerId worker) {
+  const auto found = parked_.find(worker);
+  parked_calls_.erase(found->second.call);
+  parked_until_.erase({found->second.until, worker});
+  parked_.erase(found);
 }
 
 void Farm::Cut(Instant now, CallId call) {
   const auto found = parked_calls_.find(call);
   if (found == parked_calls_.end()) return;
   const WorkerId worker = found->second;
-  parked_calls_.erase(found);
-  parked_.erase(worker);
+  Unpark(worker);
   scheduler_.Disconnect(now, worker);
 }
 
@@ -234,21 +240,23 @@ void Farm::Advance(Instant now) {
 
 void Farm::AnswerParked(Instant now) {
   std::vector<WorkerId> due;
-  for (const auto& [worker, parked] : parked_) {
-    if (now >= parked.until || scheduler_.HasNews(worker)) due.push_back(worker);
+  for (const WorkerId worker : scheduler_.news()) {
+    if (parked_.contains(worker) && scheduler_.HasNews(worker)) due.push_back(worker);
   }
-  for (const WorkerId worker : due) Answer(now, worker, parked_.at(worker).call);
+  for (const WorkerId worker : due) Answer(now, worker);
+  while (!parked_until_.empty() && parked_until_.begin()->first <= now) {
+    Answer(now, parked_until_.begin()->second);
+  }
 }
 
-void Farm::Answer(Instant now, WorkerId worker, CallId call) {
-  output_.directives.push_back({call, scheduler_.TakeDirective(now, worker)});
-  parked_calls_.erase(call);
-  parked_.erase(worker);
+void Farm::Answer(Instant now, WorkerId worker) {
+  output_.directives.push_back({parked_.at(worker).call, scheduler_.TakeDirective(now, worker)});
+  Unpark(worker);
 }
 
 Instant Farm::Patience(Instant now) const {
   Instant patience = scheduler_.TickInterval();
-  for (const auto& [worker, parked] : parked_) patience = std::min(patience, parked.until - now);
+  if (!parked_until_.empty()) patience = std::min(patience, parked_until_.begin()->first - now);
   return std::max(patience, Instant{0});
 }
 

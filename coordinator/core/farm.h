@@ -205,7 +205,8 @@ class Farm {
   JobStatus StatusOf(Instant now, const JobEntry& job) const;
   void MeasureProgress(Instant now);
   void AnswerParked(Instant now);
-  void Answer(Instant now, WorkerId worker, CallId call);
+  void Answer(Instant now, WorkerId worker);
+  void Unpark(WorkerId worker);
 
   Scheduler scheduler_;
   std::map<JobId, JobEntry> jobs_;
@@ -220,6 +221,7 @@ class Farm {
   std::set<FrameId> found_kept_;   // in the spool
   std::map<WorkerId, Parked> parked_;
   std::map<CallId, WorkerId> parked_calls_;
+  std::set<std::pair<Instant, WorkerId>> parked_until_;
   std::vector<PendingResults> pending_results_;
   FarmOutput output_;
 };

@@ -112,6 +112,10 @@ bool FrameWork::IsDone(TileSamples samples) const {
   return tiles_[samples.tile].done.Contains(samples.range);
 }
 
+bool FrameWork::HasDone(TileSamples samples) const {
+  return tiles_[samples.tile].done.Overlaps(samples.range);
+}
+
 void FrameWork::RecordCost(TileSamples samples, double cost) {
   Tile& tile = tiles_[samples.tile];
   const double pixel_samples = double{1} * samples.range.size * tile.pixels;

@@ -41,6 +41,7 @@ class FrameWork {
   // Marks as done; false if all were done before.
   bool Finish(TileSamples samples);
   bool IsDone(TileSamples samples) const;
+  bool HasDone(TileSamples samples) const;  // any of them
 
   // A measurement.
   void RecordCost(TileSamples samples, double cost);

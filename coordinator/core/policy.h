@@ -23,8 +23,9 @@ constexpr double kGuidedDivisor = 4;
 // What the coordinator merges with ease. Farms with so many slots that shorter units would exceed it get
 // longer ones.
 constexpr double kResultsPerSecondMax = 1000;
-// At the end of a frame the rate may be exceeded for a moment.
-constexpr double kResultsPerSecondBurst = 4000;
+// At the end of a frame the rate may be exceeded for a moment. Sizes are rounded down to powers of two, which
+// makes half as many again: above what is merged in time, the units that end last wait longest.
+constexpr double kResultsPerSecondBurst = 1500;
 // Of a unit whose cost nobody has measured: long enough that only one waits behind the one that runs.
 constexpr double kUnknownUnitDuration_s = 1.0;
 

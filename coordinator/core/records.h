@@ -41,6 +41,8 @@ struct WorkerRecord {
 
   double speed = 1;
   uint64_t speed_measurements = 0;
+  double speed_counted = 0;  // of all slots, in the sum of all workers
+  int slots_counted = 0;
 
   std::map<Digest, bool> scenes;            // listed by the last state; whether ready
   std::vector<SceneOrder> wanted;           // to be loaded
@@ -53,7 +55,6 @@ struct WorkerRecord {
   int queue_unknown = 0;     // how many are not
   std::vector<LeaseId> unannounced;
   std::vector<LeaseId> drops;  // not told yet
-  uint64_t starved_at = 0;     // version of the open work in which it found nothing
 
   uint64_t units_finished = 0, units_failed = 0;
   int strikes = 0;
@@ -94,6 +95,7 @@ struct JobRecord {
   size_t leases = 0;                       // held by workers now
   double load_s = 0;                       // that a worker takes to get a scene of it ready; 0: not known
   double measured_cost = 0, measured_samples = 0;  // of all its frames: on a worker of speed 1; pixel samples
+  std::map<WorkerId, uint32_t> holders;    // how many of them each holds
 
   FrameRecord& Begin(uint32_t frame) {
     frames_ahead.erase(frame);

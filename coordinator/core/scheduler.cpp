@@ -47,7 +47,7 @@ void Scheduler::AddJob(JobId id, std::shared_ptr<const JobSpec> spec,
   job.submitted = std::move(spec);
   job.kept = kept;
   priorities_[job.priority].insert(id);
-  ++work_version_;
+  AnnounceWork();
 }
 
 void Scheduler::ExtendJob(JobId id, std::shared_ptr<const JobSpec> spec,
@@ -84,7 +84,7 @@ void Scheduler::RemoveJob(JobId id) {
     }
   }
   for (const LeaseId lease : void_leases) {
-    workers_.at(leases_.at(lease).worker).drops.push_back(lease);
+    Drop(workers_.at(leases_.at(lease).worker), lease);
     Forget(lease);
   }
   for (auto& [worker_id, worker] : workers_) {
@@ -94,7 +94,7 @@ void Scheduler::RemoveJob(JobId id) {
   priorities_[job->priority].erase(id);
   if (priorities_[job->priority].empty()) priorities_.erase(job->priority);
   jobs_.erase(id);
-  ++work_version_;  // who wanted a scene of this job may want another
+  AnnounceWork();  // who wanted a scene of this job may want another
 }
 
 bool Scheduler::IsKnown(const WorkUnit& unit) const {
@@ -151,7 +151,11 @@ bool Scheduler::Finish(Instant now, WorkerId worker_id, LeaseId lease, const Wor
     }
   }
   DropMoot(unit, frame);
-  if (frame.work.Complete()) FindJob(unit.job)->frames.erase(unit.frame);
+  if (frame.work.Complete()) {
+    JobRecord& job = *FindJob(unit.job);
+    job.frames.erase(unit.frame);
+    if (!job.frames_ahead.empty()) AnnounceWork();  // there is room for another
+  }
   return true;
 }
 
@@ -164,7 +168,7 @@ void Scheduler::DropMoot(const WorkUnit& unit, FrameRecord& frame) {
     if (range.Overlaps(unit.range) && frame.work.IsDone({unit.tile, range})) moot.push_back(lease);
   }
   for (const LeaseId lease : moot) {
-    workers_.at(leases_.at(lease).worker).drops.push_back(lease);
+    Drop(workers_.at(leases_.at(lease).worker), lease);
     Forget(lease);
   }
 }
@@ -180,7 +184,7 @@ void Scheduler::MeasureSpeed(WorkerRecord& worker, FrameRecord& frame, const Wor
     if (!frame.work.IsMeasured(unit.tile)) gain /= 4;
     worker.speed = std::clamp(worker.speed * std::pow(observed / worker.speed, gain), kSpeedMin, kSpeedMax);
     ++worker.speed_measurements;
-    speeds_changed_ = true;
+    CountSpeed(worker);
   }
   frame.work.RecordCost(samples, render_seconds * worker.speed);
   JobRecord& job = jobs_.at(unit.job);
@@ -211,7 +215,7 @@ void Scheduler::FailScene(Instant now, WorkerId worker_id, const Digest& scene, 
   worker->scenes.erase(scene);
   std::erase_if(worker->wanted, [&](const SceneOrder& order) { return order.key == scene; });
   worker->loading_since.erase(scene);
-  worker->starved_at = 0;
+  ForgetHunger(*worker);
   Log(fmt::format("scene_failed worker={:016x} name=\"{}\" scene={} reason=\"{}\"", Number(worker_id),
                   worker->name, scene.Hex(), words));
   for (const LeaseId lease : std::vector<LeaseId>(worker->leases.begin(), worker->leases.end())) {
@@ -225,6 +229,7 @@ void Scheduler::FailScene(Instant now, WorkerId worker_id, const Digest& scene, 
       if (const auto condemned = frame.failures.Condemned(options_.attempts_max)) Condemn(job, *condemned);
     }
   }
+  UpdateHunger(*worker);
 }
 
 void Scheduler::RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
@@ -240,13 +245,14 @@ void Scheduler::Strike(Instant, WorkerId worker_id, const std::string& reason) {
   if (++worker->strikes < kStrikesMax) return;
   worker->quarantine = reason;
   worker->notice_told = false;
-  speeds_changed_ = true;
+  news_.insert(worker_id);
   Log(fmt::format("worker_quarantined worker={:016x} name=\"{}\" reason=\"{}\"", Number(worker_id),
                   worker->name, reason));
   for (const LeaseId lease : std::vector<LeaseId>(worker->leases.begin(), worker->leases.end())) {
-    worker->drops.push_back(lease);
+    Drop(*worker, lease);
     Return(lease);
   }
+  CountSpeed(*worker);
   UpdateHunger(*worker);
 }
 
@@ -258,6 +264,11 @@ void Scheduler::Condemn(JobRecord& job, const std::string& words) {
 
 void Scheduler::CondemnWhatAllFailed(Instant now) {
   if (now < kPoisonGrace) return;
+  const auto has_failures = [](const auto& frame) { return !frame.second.failures.empty(); };
+  const bool any = std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& job) {
+    return std::any_of(job.second.frames.begin(), job.second.frames.end(), has_failures);
+  });
+  if (!any) return;
   std::set<WorkerId> able;
   for (const auto& [id, worker] : workers_) {
     if (worker.MayWork()) able.insert(id);

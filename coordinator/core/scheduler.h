@@ -81,6 +81,8 @@ class Scheduler {
   Instant TickInterval() const;
   // Whether there is something to tell the worker.
   bool HasNews(WorkerId worker) const;
+  // Workers that HasNews may be true for; all others have none.
+  const std::set<WorkerId>& news() const { return news_; }
   // What the worker should have and do, besides what its last state listed.
   WorkerDirective TakeDirective(Instant now, WorkerId worker);
   // The part of it that answers to results bring.
@@ -94,7 +96,6 @@ class Scheduler {
   std::vector<WorkerStatus> Workers(Instant now) const;
   bool IsFull(WorkerId worker) const { return workers_.size() >= kWorkersMax && !workers_.contains(worker); }
   uint32_t WorkersOf(JobId job) const;
-  std::optional<double> SecondsLeft(JobId job) const;  // if the whole farm works on it
   size_t lease_count() const { return leases_.size(); }
   // What happened, one "event key=value ..." each, since last asked.
   std::vector<std::string> TakeLog();
@@ -124,11 +125,14 @@ class Scheduler {
   bool TakeOver(Instant now, WorkerRecord& worker, const HeldLease& held);
   void Expire(Instant now);
   void ForgetWorkers(Instant now);
-  void SumSpeeds();
+  void CountSpeed(WorkerRecord& worker);
+  void Drop(WorkerRecord& worker, LeaseId lease);
 
   // scheduler_dispatch.cpp: who gets what
   bool HasRoom(const WorkerRecord& worker) const;
   void UpdateHunger(const WorkerRecord& worker);
+  void ForgetHunger(const WorkerRecord& worker);
+  void AnnounceWork() { hungry_.merge(starved_); }
   double QueueSeconds(const WorkerRecord& worker) const;
   void Dispatch(Instant now);
   bool GrantOne(Instant now, WorkerRecord& worker);
@@ -156,7 +160,12 @@ class Scheduler {
   // scheduler_tail.cpp: what idle workers take from slower ones
   void RelieveTail(Instant now);
   std::vector<LeaseId> SlowestUnits(Instant now, size_t count_max) const;
-  bool Relieve(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots);
+  enum class Relief {
+    kGiven,
+    kUnfit,   // the helper cannot do it
+    kUseless  // neither it nor any slower one would end it sooner
+  };
+  Relief Relieve(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots);
   std::optional<SampleRange> PieceFor(const LeaseRecord& slow, const FrameRecord& frame, double whole_s,
                                       int idle_slots) const;
 
@@ -166,11 +175,11 @@ class Scheduler {
   std::map<int, std::set<JobId>, std::greater<int>> priorities_;
   std::map<WorkerId, WorkerRecord> workers_;
   std::map<LeaseId, LeaseRecord> leases_;
-  std::set<WorkerId> hungry_;  // may work and have room
-  uint64_t work_version_ = 1;  // counts the times that open work came into being
-  double total_speed_ = 0;     // slots times speed of the workers that may work
+  std::set<WorkerId> hungry_;   // may work, have room, and there may be something for them
+  std::set<WorkerId> starved_;  // may work, have room, and there is nothing for them
+  std::set<WorkerId> news_;     // see news()
+  double total_speed_ = 0;      // slots times speed of the workers that may work
   int total_slots_ = 0;
-  bool speeds_changed_ = false;  // the two above are to be summed again
   Instant tail_due_{}, expiry_due_{}, crews_due_{};
   std::map<Digest, size_t> crews_;  // of scenes: workers that have them or load them, as last counted
   std::vector<CondemnedJob> condemned_;

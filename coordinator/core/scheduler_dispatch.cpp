@@ -11,7 +11,6 @@ namespace tessera {
 
 void Scheduler::Advance(Instant now) {
   Expire(now);
-  SumSpeeds();
   Dispatch(now);
   RelieveTail(now);
 }
@@ -27,11 +26,16 @@ bool Scheduler::HasRoom(const WorkerRecord& worker) const {
 }
 
 void Scheduler::UpdateHunger(const WorkerRecord& worker) {
-  if (worker.MayWork() && HasRoom(worker)) {
+  if (!worker.MayWork() || !HasRoom(worker)) {
+    ForgetHunger(worker);
+  } else if (!starved_.contains(worker.id)) {
     hungry_.insert(worker.id);
-  } else {
-    hungry_.erase(worker.id);
   }
+}
+
+void Scheduler::ForgetHunger(const WorkerRecord& worker) {
+  hungry_.erase(worker.id);
+  starved_.erase(worker.id);
 }
 
 // In rounds, so that no worker has units waiting while another has a slot without one.
@@ -40,8 +44,11 @@ void Scheduler::Dispatch(Instant now) {
     for (const WorkerId id : std::vector<WorkerId>(hungry_.begin(), hungry_.end())) {
       WorkerRecord& worker = workers_.at(id);
       const size_t enough = static_cast<size_t>(worker.slots) * static_cast<size_t>(per_slot);
-      while (worker.starved_at != work_version_ && worker.leases.size() < enough && HasRoom(worker)) {
-        if (!GrantOne(now, worker)) worker.starved_at = work_version_;
+      while (worker.leases.size() < enough && HasRoom(worker)) {
+        if (GrantOne(now, worker)) continue;
+        hungry_.erase(id);
+        starved_.insert(id);
+        break;
       }
     }
   }
@@ -103,6 +110,7 @@ void Scheduler::Want(WorkerRecord& worker, const Choice& choice) {
   worker.wanted = {scene};
   worker.wanted_told = false;
   ++crews_[scene.key];
+  news_.insert(worker.id);
 }
 
 std::optional<double> Scheduler::OpenCost(const JobRecord& job) const {
@@ -146,8 +154,10 @@ LeaseRecord& Scheduler::Grant(Instant now, WorkerRecord& worker, JobRecord& job,
   }
   worker.leases.insert(id);
   worker.unannounced.push_back(id);
+  news_.insert(worker.id);
   frame.leases[unit.tile][id] = unit.range;
   ++job.leases;
+  ++job.holders[worker.id];
   UpdateHunger(worker);
   return record;
 }
@@ -165,6 +175,7 @@ void Scheduler::Forget(LeaseId id) {
   const WorkUnit unit = record.lease.unit;
   JobRecord& job = jobs_.at(unit.job);
   --job.leases;
+  if (--job.holders.at(worker.id) == 0) job.holders.erase(worker.id);
   FrameRecord& frame = job.frames.at(unit.frame);
   auto& of_tile = frame.leases.at(unit.tile);
   of_tile.erase(id);
@@ -183,26 +194,12 @@ void Scheduler::Return(LeaseId id) {
     for (const auto& [other, range] : others->second) held.push_back(range);
   }
   frame.work.GiveBack({unit.tile, unit.range}, held);
-  ++work_version_;
+  AnnounceWork();
 }
 
 uint32_t Scheduler::WorkersOf(JobId id) const {
-  std::set<WorkerId> holders;
-  for (const auto& [lease, record] : leases_) {
-    if (record.lease.unit.job == id) holders.insert(record.worker);
-  }
-  return static_cast<uint32_t>(holders.size());
-}
-
-std::optional<double> Scheduler::SecondsLeft(JobId id) const {
   const auto job = jobs_.find(id);
-  if (job == jobs_.end() || total_speed_ <= 0) return std::nullopt;
-  auto cost = OpenCost(job->second);
-  if (!cost) return std::nullopt;
-  for (const auto& [lease, record] : leases_) {
-    if (record.lease.unit.job == id) *cost += record.cost.value_or(0);
-  }
-  return *cost / total_speed_;
+  return job == jobs_.end() ? 0 : static_cast<uint32_t>(job->second.holders.size());
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 // slow worker are moved; those that run are split and rendered a second time (backup tasks: Dean and Ghemawat
 // 2004, section 3.6).
 #include <algorithm>
+#include <deque>
 
 #include "core/policy.h"
 #include "core/scheduler.h"
@@ -19,30 +20,37 @@ bool HasStarted(Instant now, const LeaseRecord& record) {
 }
 
 constexpr size_t kCandidatesPerSlot = 4;  // looked at for each idle slot: some are not for it
+constexpr int kAttemptsMax = 20'000;      // to give a unit to a worker, in one round: some milliseconds
 
 }  // namespace
 
 void Scheduler::RelieveTail(Instant now) {
-  if (now < tail_due_ || hungry_.empty() || leases_.empty()) return;
+  if (now < tail_due_ || starved_.empty() || leases_.empty()) return;
   tail_due_ = now + kTailInterval;
-  std::vector<WorkerRecord*> helpers;
+  const auto idle_slots_of = [](const WorkerRecord& worker) {
+    return worker.slots - static_cast<int>(worker.leases.size());
+  };
+  std::deque<WorkerRecord*> helpers;
   int idle_slots = 0;
-  for (const WorkerId id : hungry_) {
+  for (const WorkerId id : starved_) {
     WorkerRecord& worker = workers_.at(id);
-    const int idle = worker.slots - static_cast<int>(worker.leases.size());
-    if (idle <= 0 || worker.starved_at != work_version_) continue;
+    if (idle_slots_of(worker) <= 0) continue;
     helpers.push_back(&worker);
-    idle_slots += idle;
+    idle_slots += idle_slots_of(worker);
   }
   if (helpers.empty()) return;
   std::stable_sort(helpers.begin(), helpers.end(),
                    [](const auto* a, const auto* b) { return a->speed > b->speed; });
-  const std::vector<LeaseId> slowest =
-      SlowestUnits(now, static_cast<size_t>(idle_slots) * kCandidatesPerSlot);
-  for (WorkerRecord* const helper : helpers) {
-    for (const LeaseId slow : slowest) {
-      const auto is_idle = [&] { return static_cast<int>(helper->leases.size()) < helper->slots; };
-      while (is_idle() && leases_.contains(slow) && Relieve(now, *helper, slow, idle_slots)) {
+  int attempts = 0;
+  for (const LeaseId slow : SlowestUnits(now, static_cast<size_t>(idle_slots) * kCandidatesPerSlot)) {
+    for (size_t h = 0; h < helpers.size() && leases_.contains(slow) && attempts < kAttemptsMax; ++attempts) {
+      WorkerRecord& helper = *helpers[h];
+      const Relief relief = Relieve(now, helper, slow, idle_slots);
+      if (relief == Relief::kUseless) break;
+      if (relief == Relief::kUnfit) {
+        ++h;
+      } else if (idle_slots_of(helper) <= 0) {
+        helpers.erase(helpers.begin() + static_cast<std::ptrdiff_t>(h));
       }
     }
   }
@@ -63,29 +71,29 @@ std::vector<LeaseId> Scheduler::SlowestUnits(Instant now, size_t count_max) cons
 }
 
 // Gives the helper the slow unit or a part of it, if that promises to end it sooner.
-bool Scheduler::Relieve(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots) {
+Scheduler::Relief Scheduler::Relieve(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots) {
   const LeaseRecord& record = leases_.at(slow);
   const WorkUnit unit = record.lease.unit;
   JobRecord& job = jobs_.at(unit.job);
   FrameRecord& frame = job.frames.at(unit.frame);
-  if (record.worker == helper.id || !helper.HasReady(frame.scene.key)) return false;
-  if (!frame.failures.May(helper.id, unit.tile)) return false;
+  if (record.worker == helper.id || !helper.HasReady(frame.scene.key)) return Relief::kUnfit;
+  if (!frame.failures.May(helper.id, unit.tile)) return Relief::kUnfit;
   const double remaining_s = Seconds(LikelyEnd(now, record) - now);
   const double whole_s = record.cost ? *record.cost / helper.speed : kUnknownUnitDuration_s;
   WorkUnit taken = unit;
   if (HasStarted(now, record)) {
     const auto piece = PieceFor(record, frame, whole_s, idle_slots);
-    if (!piece) return false;
+    if (!piece) return Relief::kUseless;
     const double piece_s = whole_s * piece->size / unit.range.size;
-    if (remaining_s < kBackupGain * (piece_s + kHandoverDuration_s)) return false;
+    if (remaining_s < kBackupGain * (piece_s + kHandoverDuration_s)) return Relief::kUseless;
     taken.range = *piece;
   } else {
-    if (remaining_s < kStealGain * (whole_s + kHandoverDuration_s)) return false;
-    workers_.at(record.worker).drops.push_back(slow);
+    if (remaining_s < kStealGain * (whole_s + kHandoverDuration_s)) return Relief::kUseless;
+    Drop(workers_.at(record.worker), slow);
     Forget(slow);
   }
   Grant(now, helper, job, frame, taken, NextLease());
-  return true;
+  return Relief::kGiven;
 }
 
 // A part of the straggler's range that nobody else works on yet: as many parts as slots are idle, or smaller
@@ -95,7 +103,7 @@ std::optional<SampleRange> Scheduler::PieceFor(const LeaseRecord& slow, const Fr
   const WorkUnit& unit = slow.lease.unit;
   const auto& leases = frame.leases.at(unit.tile);
   const auto is_free = [&](SampleRange piece) {
-    if (frame.work.IsDone({unit.tile, piece})) return false;
+    if (frame.work.HasDone({unit.tile, piece})) return false;
     const auto copies = std::count_if(leases.begin(), leases.end(),
                                       [&](const auto& each) { return each.second.Overlaps(piece); });
     return copies < kCopiesMax;

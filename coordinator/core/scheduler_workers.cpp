@@ -21,14 +21,12 @@ WorkerRecord& Scheduler::Admit(Instant now, const WorkerState& state) {
     Log(fmt::format("worker_joined worker={:016x} name=\"{}\" slots={}", Number(state.worker), state.name,
                     state.slots));
     worker.live = true;
-    worker.starved_at = 0;
     worker.notice_told = !worker.quarantined();
-    speeds_changed_ = true;
+    if (worker.quarantined()) news_.insert(state.worker);
   }
   worker.id = state.worker;
   worker.name = state.name;
   worker.software_version = state.software_version;
-  if (worker.slots != state.slots || worker.draining != state.draining) speeds_changed_ = true;
   worker.slots = state.slots;
   worker.draining = state.draining;
   worker.last_contact = now;
@@ -42,7 +40,7 @@ void Scheduler::Synchronize(Instant now, const WorkerState& state) {
   worker.sequence = state.sequence;
   for (const HeldScene& scene : state.scenes) {
     if (!scene.ready || worker.HasReady(scene.key)) continue;
-    worker.starved_at = 0;
+    ForgetHunger(worker);
     MeasureLoading(now, worker, scene.key);
   }
   worker.scenes.clear();
@@ -53,6 +51,7 @@ void Scheduler::Synchronize(Instant now, const WorkerState& state) {
   }
   ReconcileLeases(now, worker, state);
   if (state.leaving) Disconnect(now, state.worker);
+  CountSpeed(worker);
   UpdateHunger(worker);
 }
 
@@ -64,7 +63,7 @@ void Scheduler::ReconcileLeases(Instant now, WorkerRecord& worker, const WorkerS
         known->second.lease.unit == held.unit) {
       Renew(now, known->second, held);
     } else if (held.stage != LeaseStage::kReturning && !TakeOver(now, worker, held)) {
-      worker.drops.push_back(held.id);
+      Drop(worker, held.id);
     }
   }
   for (const LeaseId lease : worker.leases) {
@@ -72,6 +71,7 @@ void Scheduler::ReconcileLeases(Instant now, WorkerRecord& worker, const WorkerS
     if (record.listed || !record.announced || now - record.announced_at < kAnnounceAgain) continue;
     record.announced = false;
     worker.unannounced.push_back(lease);
+    news_.insert(worker.id);
   }
 }
 
@@ -109,12 +109,13 @@ void Scheduler::Disconnect(Instant now, WorkerId worker_id) {
   worker->scenes.clear();
   worker->wanted.clear();
   worker->loading_since.clear();
-  speeds_changed_ = true;
   Log(fmt::format("worker_lost worker={:016x} name=\"{}\" leases={}", Number(worker_id), worker->name,
                   worker->leases.size()));
   for (const LeaseId lease : std::vector<LeaseId>(worker->leases.begin(), worker->leases.end()))
     Return(lease);
   worker->drops.clear();
+  news_.erase(worker_id);
+  CountSpeed(*worker);
   UpdateHunger(*worker);
 }
 
@@ -134,7 +135,7 @@ void Scheduler::Expire(Instant now) {
     LeaseRecord& record = leases_.at(id);
     Log(fmt::format("lease_expired lease={} worker={:016x} unit=\"{}\"", Number(id), Number(record.worker),
                     record.lease.unit.Text()));
-    workers_.at(record.worker).drops.push_back(id);
+    Drop(workers_.at(record.worker), id);
     Return(id);
   }
   ForgetWorkers(now);
@@ -143,24 +144,30 @@ void Scheduler::Expire(Instant now) {
 
 void Scheduler::ForgetWorkers(Instant now) {
   std::erase_if(workers_, [&](const auto& entry) {
-    return !entry.second.live && now - entry.second.last_contact > kWorkerForgotten;
+    const auto& [id, worker] = entry;
+    const bool forgotten = !worker.live && now - worker.last_contact > kWorkerForgotten;
+    if (forgotten) news_.erase(id);
+    return forgotten;
   });
 }
 
-void Scheduler::SumSpeeds() {
-  if (!speeds_changed_) return;
-  speeds_changed_ = false;
-  total_speed_ = 0;
-  total_slots_ = 0;
-  for (const auto& [id, worker] : workers_) {
-    if (!worker.MayWork()) continue;
-    total_speed_ += worker.slots * worker.speed;
-    total_slots_ += worker.slots;
-  }
+void Scheduler::Drop(WorkerRecord& worker, LeaseId lease) {
+  worker.drops.push_back(lease);
+  news_.insert(worker.id);
+}
+
+// Keeps the sums of all workers in step with this one.
+void Scheduler::CountSpeed(WorkerRecord& worker) {
+  const int slots = worker.MayWork() ? worker.slots : 0;
+  const double speed = slots * worker.speed;
+  total_slots_ += slots - worker.slots_counted;
+  total_speed_ = total_slots_ == 0 ? 0 : total_speed_ + speed - worker.speed_counted;
+  worker.slots_counted = slots;
+  worker.speed_counted = speed;
 }
 
 Instant Scheduler::TickInterval() const {
-  if (!hungry_.empty() && !leases_.empty()) return kTailInterval;
+  if (!starved_.empty() && !leases_.empty()) return kTailInterval;
   return workers_.empty() && jobs_.empty() ? kIdleInterval : kExpiryInterval;
 }
 
@@ -177,11 +184,18 @@ Scheduler::Grants Scheduler::TakeGrants(Instant now, WorkerId id) {
   Grants grants;
   for (const LeaseId lease : std::exchange(worker->unannounced, {})) {
     LeaseRecord& record = leases_.at(lease);
+    const WorkUnit& unit = record.lease.unit;
+    if (FindFrame(unit)->work.HasDone(
+            {unit.tile, unit.range})) {  // others were quicker: what is left is cut anew
+      Return(lease);
+      continue;
+    }
     record.announced = true;
     record.announced_at = now;
     grants.leases.push_back(record.lease);
   }
   grants.drop = std::exchange(worker->drops, {});
+  if (worker->wanted_told && worker->notice_told) news_.erase(id);
   return grants;
 }
 
@@ -200,6 +214,7 @@ WorkerDirective Scheduler::TakeDirective(Instant now, WorkerId id) {
   worker->wanted_told = true;
   directive.notice = worker->quarantine;
   worker->notice_told = true;
+  news_.erase(id);
   return directive;
 }
 

@@ -8,168 +8,144 @@ namespace tessera {
 namespace {
 
 constexpr double kHealedLimit_s = 400;  // simulated seconds in which a healed farm must end every job
+constexpr Instant kSyncRetry = milliseconds(1000);  // as the coordinator's
+constexpr Instant kPictureRetry = milliseconds(2000);
 
 }  // namespace
 
-SimulationOptions DrawOptions(uint64_t seed) {
-  Random random(Hash(seed, 77));
-  SimulationOptions options;
-  options.workers = random.Int(1, 6);
-  options.jobs = random.Int(1, 3);
-  options.loss = random.Chance(0.5) ? random.Real(0, 0.3) : 0;
-  options.duplication = random.Chance(0.5) ? random.Real(0, 0.3) : 0;
-  options.delay_max_s = random.Chance(0.5) ? random.Real(0, 1) : 0.002;
-  options.death_interval_s = random.Chance(0.5) ? random.Real(2, 30) : 0;
-  options.hang_interval_s = random.Chance(0.5) ? random.Real(2, 30) : 0;
-  options.crash_interval_s = random.Chance(0.4) ? random.Real(5, 40) : 0;
-  options.one_fails_units = random.Chance(0.3);
-  options.one_damages_results = random.Chance(0.3);
-  options.poison = random.Chance(0.15);
-  options.cancel_one = random.Chance(0.15);
-  return options;
-}
+Simulation::Simulation(uint64_t seed, SimulationOptions options, OnTrace on_trace)
+    : options_(options), on_trace_(std::move(on_trace)), random_(Hash(seed, 1)) {}
 
-Simulation::Simulation(uint64_t seed, SimulationOptions options)
-    : options_(options), random_(Hash(seed, 1)) {}
-
-void Simulation::Violation(const std::string& what) {
-  report_.violations.push_back(At() + "us: " + what);
+void Simulation::Trace(const std::string& line) {
+  const std::string timed = fmt::format("{:.6f} {}\n", Seconds(queue_.now()), line);
+  trace_.Add(timed);
+  if (on_trace_) on_trace_(timed);
 }
 
 void Simulation::StartFarm() {
-  farm_ = std::make_unique<Farm>(SchedulerOptions{++epoch_});
-  for (const std::string& bytes : journal_) {
-    const auto fact = DecodeFact(bytes);
-    if (!fact) {
-      Violation("a fact cannot be read back");
-      continue;
-    }
-    farm_->Restore(*fact);
+  uint32_t epoch = 1;
+  std::vector<Fact> facts;
+  for (const std::string& bytes : disk_.facts()) {
+    auto fact = DecodeFact(bytes);
+    if (!fact) return Violation("a fact cannot be read back");
+    if (const auto* started = std::get_if<CoordinatorStarted>(&*fact)) epoch = started->epoch + 1;
+    facts.push_back(std::move(*fact));
   }
-  farm_->Begin(queue_.now());
+  farm_clock_ = random_.Duration(0, 1e6);  // another boot, another origin
+  farm_ = std::make_unique<Farm>(SchedulerOptions{epoch});
+  for (const Fact& fact : facts) farm_->Restore(fact);
+  farm_->Begin(FarmNow());
+  Trace(fmt::format("start epoch={} facts={}", epoch, facts.size()));
+  CheckMemory();
+  for (const Fact& fact : facts) NoteFact(fact);
   Touch();
 }
 
 void Simulation::CrashFarm() {
-  Trace(At() + " crash");
+  if (!farm_) return;
+  Trace("crash");
+  ++report_.crashes;
+  disk_.Crash(random_);
+  crash_point_ = 0;
   farm_.reset();
+  unsynced_.clear();
   directive_calls_.clear();
   results_calls_.clear();
-  for (JobModel& job : jobs_) job.pictures.clear();  // those acknowledged are known by their facts
+  after_sync_.clear();
+  ledger_ = {};  // results of frames that are not finished are rendered again
   queue_.After(random_.Duration(0, 3), [this] { StartFarm(); });
-}
-
-void Simulation::SubmitJobs() {
-  for (int j = 0; j < options_.jobs; ++j) {
-    JobModel model;
-    auto spec = std::make_shared<JobSpec>();
-    spec->submission = static_cast<uint64_t>(j) + 1;
-    spec->name = fmt::format("job{}", j);
-    spec->priority = random_.Int(0, 1);
-    const int frames = random_.Int(1, 2);
-    for (int f = 0; f < frames; ++f) {
-      const auto samples = static_cast<uint32_t>(random_.Int(1, 100));
-      const int width = random_.Int(5, 24);
-      const int height = random_.Int(5, 24);
-      spec->frames.push_back({fmt::format("scene{}.pbrt", f), "", SmallFrame(width, height, 8, samples), f});
-    }
-    model.spec = spec;
-    model.cost = random_.Real(0.00005, 0.001);
-    model.poisoned = options_.poison && j == 0;
-    const auto id = farm_->Submit(queue_.now(), spec);
-    model.id = *id;
-    jobs_.push_back(model);
-  }
 }
 
 // A batch of events is applied a moment later, all at once.
 void Simulation::Touch() {
-  if (step_planned_) return;
-  step_planned_ = true;
-  queue_.After(random_.Duration(0, 0.002), [this] { Step(); });
+  PlanStep(random_.Duration(0, 0.002));
 }
 
+void Simulation::PlanStep(Instant delay) {
+  const Instant at = queue_.now() + delay;
+  if (step_at_ <= at) return;
+  step_at_ = at;
+  queue_.After(delay, [this, plan = ++step_planned_] {
+    if (plan == step_planned_) Step();
+  });
+}
+
+// As the coordinator's core thread: apply, journal, sync, answer.
 void Simulation::Step() {
-  step_planned_ = false;
+  step_at_ = Instant::max();
   if (!farm_) return;
-  farm_->Advance(queue_.now());
-  FarmOutput output = farm_->TakeOutput();
+  farm_->Advance(FarmNow());
+  unsynced_.push_back(farm_->TakeOutput());
+  for (const Fact& fact : unsynced_.back().facts) disk_.Append(fact);
+  CheckGrants(unsynced_.back());
+  for (const std::string& line : unsynced_.back().log) Trace(line);
+  if (crash_point_ == 1) return CrashFarm();
+  const auto synced = disk_.Sync();
+  if (crash_point_ == 2) return CrashFarm();
+  PlanStep(std::max(synced ? farm_->Patience(FarmNow()) : kSyncRetry, Instant(1000)));
+  if (!synced) return;
+  for (const FarmOutput& output : std::exchange(unsynced_, {})) Answer(output);
+  for (const Deliver& answer : std::exchange(after_sync_, {})) answer();
+}
+
+void Simulation::Answer(const FarmOutput& output) {
   for (const Fact& fact : output.facts) {
-    journal_.push_back(EncodeFact(fact));
-    Trace(fmt::format("{} fact {}", At(), Sha256(journal_.back()).Hex()));
+    Trace("fact " + Sha256(EncodeFact(fact)).Hex().substr(0, 16));
+    NoteFact(fact);
+  }
+  for (const auto& answer : output.results) {
+    auto call = results_calls_.extract(answer.call);
+    if (!call) continue;
+    const ResultsCall& waiting = call.mapped();
+    for (size_t i = 0; i < waiting.units.size(); ++i) {
+      const Verdict verdict = answer.verdicts[i];
+      if (verdict == Verdict::kAccepted || verdict == Verdict::kDuplicate)
+        ledger_.Acknowledge(waiting.units[i]);
+      report_.refused += verdict == Verdict::kRefused;
+      report_.duplicates += verdict == Verdict::kDuplicate;
+      ++report_.results;
+    }
+    waiting.answer(answer);
   }
   for (const auto& answer : output.directives) {
     if (auto call = directive_calls_.extract(answer.call)) call.mapped()(answer.directive);
   }
-  for (const auto& answer : output.results) {
-    if (auto call = results_calls_.extract(answer.call)) call.mapped()(answer);
-  }
-  for (const FinishedPicture& finished : output.pictures) CheckPicture(finished);
-  for (const std::string& line : output.log) Trace(At() + " " + line);
-  if (!step_planned_) {
-    step_planned_ = true;
-    queue_.After(std::max(farm_->Patience(queue_.now()), Instant(1000)), [this] { Step(); });
+  for (const FinishedPicture& finished : output.pictures) {
+    CheckPicture(finished);
+    WritePicture(finished.job, finished.frame);
   }
 }
 
-// I2 and I3: whatever came in whatever order, the picture is that of one machine, to the last bit.
-void Simulation::CheckPicture(const FinishedPicture& finished) {
-  const auto model =
-      std::find_if(jobs_.begin(), jobs_.end(), [&](const JobModel& job) { return job.id == finished.job; });
-  const uint64_t seed = Hash(model->spec->submission, finished.frame);
-  const FramePicture wanted = ReferencePicture(seed, model->spec->frames[finished.frame].spec);
-  if (finished.picture.values != wanted.values) Violation("a picture is not the reference");
-  if (!model->pictures.insert(finished.frame).second) Violation("a picture came twice");
-  const Digest file = Sha256(fmt::format("{} {}", Number(finished.job), finished.frame));
-  queue_.After(random_.Duration(0, 0.2),
-               [this, job = finished.job, frame = finished.frame, file, epoch = epoch_] {
-                 if (!farm_ || epoch != epoch_) return;
-                 farm_->PictureWritten(queue_.now(), job, frame, file);
-                 Touch();
-               });
-}
-
-bool Simulation::AllEnded() const {
-  return farm_ != nullptr && std::all_of(jobs_.begin(), jobs_.end(), [&](const JobModel& job) {
-           const auto status = farm_->Status(queue_.now(), job.id);
-           return status && HasEnded(status->state);
-         });
-}
-
-// I4 for jobs (each is still known) and I5 (each has ended), as it should.
-void Simulation::CheckEnd() {
-  for (const JobModel& job : jobs_) {
-    const auto status = farm_ ? farm_->Status(queue_.now(), job.id) : std::nullopt;
-    if (!status) {
-      Violation("a job is forgotten");
-      continue;
+// Takes a moment; with a full disk it is tried again later.
+void Simulation::WritePicture(JobId job, uint32_t frame) {
+  queue_.After(random_.Duration(0, 0.2), [=, this, process = report_.crashes] {
+    if (!farm_ || report_.crashes != process) return;
+    if (disk_.full()) {
+      farm_->PictureDelayed(job, "no space left on device");
+      queue_.After(kPictureRetry, [=, this] {
+        if (farm_ && report_.crashes == process) WritePicture(job, frame);
+      });
+    } else {
+      farm_->PictureWritten(FarmNow(), job, frame, Sha256(fmt::format("{} {}", Number(job), frame)));
     }
-    const bool may_fail = job.poisoned || options_.one_fails_units || options_.one_damages_results;
-    const std::string what =
-        fmt::format("{} is {} with {} of {} samples ({})", job.spec->name, JobStateName(status->state),
-                    status->samples_done, status->samples_total, status->reason);
-    if (!HasEnded(status->state)) Violation("not ended: " + what);
-    if (job.poisoned && status->state == JobState::kFinished) Violation("a poisoned job finished: " + what);
-    if (status->state == JobState::kFailed && !may_fail) Violation("failed without cause: " + what);
-    if (status->state == JobState::kCancelled && !job.cancelled) Violation("cancelled by nobody: " + what);
-    if (status->state == JobState::kFinished && status->samples_done != status->samples_total) {
-      Violation("finished early: " + what);
-    }
-    report_.samples_needed += status->samples_total;
-  }
+    Touch();
+  });
 }
 
 SimulationReport Simulation::Run() {
+  Trace(options_.Text());
   StartFarm();
-  SubmitJobs();
-  for (int n = 0; n < options_.workers; ++n) nodes_.emplace_back();
+  MakeJobs();
+  for (int n = 0; n < options_.workers; ++n) {
+    Node& node = nodes_.emplace_back();
+    node.speed = random_.Real(0.7, 1.3) * (random_.Chance(options_.slow_share) ? 0.1 : 1);
+    node.clock = random_.Duration(0, 1e6);
+  }
   for (size_t n = 0; n < nodes_.size(); ++n) StartWorker(n);
   PlanFaults();
   const Instant limit = FromSeconds(options_.faults_s + kHealedLimit_s);
-  while (!queue_.empty() && queue_.next_at() < limit && !(AllEnded() && Healthy())) {
-    queue_.RunNext();
-    if (AllEnded() && report_.ended_s == 0) report_.ended_s = Seconds(queue_.now());
-  }
+  while (!queue_.empty() && queue_.next_at() < limit && !(Healthy() && AllEnded())) queue_.RunNext();
+  report_.ended_s = Seconds(queue_.now());
   CheckEnd();
   report_.trace = trace_.Finish();
   return report_;

@@ -1,31 +1,41 @@
-// Hundreds of small farms under every mix of faults. A failing seed prints itself: it replays to the last
-// event.
+// Thousands of small farms under every mix of faults, and a few large ones. A failing seed prints itself; it
+// replays, with all that happens, by `build/release/bin/simulate --seed N --trace`.
 #include "tests/simulation/simulation.h"
 
 #include <gtest/gtest.h>
 
+#include "tests/simulation/scale_farm.h"
+
 namespace tessera {
 namespace {
 
-SimulationReport RunSeed(uint64_t seed) {
-  return Simulation(seed, DrawOptions(seed)).Run();
-}
+constexpr uint64_t kSeeds = 2000;
+constexpr uint64_t kShards = 16;  // that run side by side
 
-TEST(Simulation, EveryJobEndsWithTheRightPictureWhateverFails) {
-  constexpr uint64_t kSeeds = 400;
-  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    const SimulationReport report = RunSeed(seed);
+class Seeds : public testing::TestWithParam<uint64_t> {};
+
+TEST_P(Seeds, EveryJobEndsWithTheRightPictureWhateverFailsAndEachSeedReplaysExactly) {
+  for (uint64_t seed = GetParam() + 1; seed <= kSeeds; seed += kShards) {
+    const SimulationReport report = Simulation(seed, DrawOptions(seed)).Run();
     for (const std::string& violation : report.violations)
-      ADD_FAILURE() << "seed " << seed << " at " << violation;
+      ADD_FAILURE() << "seed " << seed << " (" << DrawOptions(seed).Text() << ") at " << violation;
+    const SimulationReport again = Simulation(seed, DrawOptions(seed)).Run();
+    EXPECT_EQ(report.trace.Hex(), again.trace.Hex()) << "seed " << seed << " does not replay";
   }
 }
 
-TEST(Simulation, SameSeedGivesTheSameTrace) {
-  constexpr uint64_t kSeeds = 100;
-  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    EXPECT_EQ(RunSeed(seed).trace.Hex(), RunSeed(seed).trace.Hex()) << "seed " << seed;
-  }
+INSTANTIATE_TEST_SUITE_P(Simulation, Seeds, testing::Range(uint64_t{0}, kShards));
+
+class Scale : public testing::TestWithParam<int> {};
+
+TEST_P(Scale, AFarmWithSlowAndDyingMachinesWastesLittle) {
+  const ScaleReport report = ScaleFarm(ScaleOptionsFor(GetParam(), 120)).Run();
+  ASSERT_TRUE(report.finished);
+  EXPECT_LE(report.Ratio(), 1.10) << "makespan over total work / total speed";
+  EXPECT_LE(report.Waste(), 0.05) << "samples rendered in vain over all samples";
 }
+
+INSTANTIATE_TEST_SUITE_P(Simulation, Scale, testing::Values(10, 100, 1000));
 
 }  // namespace
 }  // namespace tessera

@@ -1,15 +1,13 @@
-// A worker as proto/work.proto describes it, without threads or network: what it holds, what it says, what it
-// does with an answer. The simulation moves its messages and its time.
+// A worker process without threads or network: the real workload of a worker (worker/core), driven in
+// simulated time. The simulation moves its messages, renders its units and tells it the time.
 #pragma once
 
-#include <map>
 #include <optional>
-#include <set>
-#include <string>
 #include <vector>
 
 #include "core/instant.h"
 #include "terms/terms.h"
+#include "worker_core/workload.h"
 
 namespace tessera {
 
@@ -28,33 +26,28 @@ class WorkerModel {
   WorkerId id() const { return id_; }
   const WorkerTraits& traits() const { return traits_; }
   void set_speed(double speed) { traits_.speed = speed; }
+  Workload& load() { return load_; }
+  uint64_t sequence() const { return sequence_; }  // of the last state
 
-  WorkerState State(Instant now, std::chrono::milliseconds wait);
-  // Takes in an answer. The scenes it wants that are new: to be loaded.
-  std::vector<SceneOrder> Apply(Instant now, const WorkerDirective& directive);
-  void SceneLoaded(const Digest& scene) { scenes_[scene] = true; }
+  // The clock of its machine, which has an origin of its own.
+  static Workload::TimePoint At(Instant now) { return Workload::TimePoint(now); }
+
+  // What it says next.
+  WorkerState State(Instant now);
+  // Takes in the answer to the state `said`: that of one which a later state overtook holds no wishes.
+  void Apply(Instant now, const WorkerState& said, const WorkerDirective& directive);
   // The next unit for an idle slot; it runs from now on.
-  std::optional<Lease> Start(Instant now);
-  // Its result is on its way. False if it was dropped meanwhile.
-  bool Rendered(Instant now, LeaseId lease);
-  // The lease is over: its result was answered, or it failed.
-  void Forget(LeaseId lease) { held_.erase(lease); }
-  bool Holds(LeaseId lease) const { return held_.contains(lease); }
-  bool idle() const { return held_.empty(); }
+  std::optional<UnitTask> StartUnit(Instant now);
+  // The slot is free again, whatever became of the unit.
+  void SlotFreed() { --running_; }
+  void SceneLoaded(const Digest& scene);
 
  private:
-  struct Held {
-    Lease lease;
-    LeaseStage stage = LeaseStage::kWaiting;
-    Instant since{};
-  };
   WorkerId id_;
   WorkerTraits traits_;
+  Workload load_;
   uint64_t sequence_ = 0;
-  std::map<Digest, bool> scenes_;  // whether ready
-  std::map<LeaseId, Held> held_;
-  std::vector<LeaseId> order_;  // in which waiting leases are rendered
-  std::set<LeaseId> seen_;
+  int running_ = 0;
 };
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-#include "worker/backoff.h"
+#include "worker_core/backoff.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "worker/scene_shelf.h"
+#include "worker_core/scene_shelf.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -42,6 +42,22 @@ TEST(SchedulerJobs, EqualJobsShareTheFarm) {
   for (const JobId job : jobs) EXPECT_EQ(HeldOf(stage, job), 12u);
 }
 
+TEST(SchedulerJobs, AFrameThatEndsMakesRoomForTheNextWhileAllWorkersAreIdle) {
+  SchedulerStage stage;
+  const JobId job = stage.AddJob(1, 0, static_cast<int>(kFramesActiveMax) + 1);
+  stage.Join(1, 1000);
+  stage.Advance();
+  ASSERT_EQ(stage.Held(1).size(), 16u * kFramesActiveMax) << "the last frame has to wait";
+  for (const Lease& lease : stage.Held(1)) {
+    if (lease.unit.frame == 3) stage.Finish(1, lease, 0.1);
+  }
+  stage.Advance();
+  size_t of_the_last = 0;
+  for (const Lease& lease : stage.Held(1)) of_the_last += lease.unit.frame == kFramesActiveMax;
+  EXPECT_EQ(of_the_last, 16u);
+  EXPECT_TRUE(stage.scheduler.IsComplete(job, 3));
+}
+
 TEST(SchedulerJobs, AWorkerStaysWithTheSceneItHas) {
   SchedulerStage stage;
   const JobId mine = stage.AddJob(64);

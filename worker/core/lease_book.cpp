@@ -1,4 +1,4 @@
-#include "worker/lease_book.h"
+#include "worker_core/lease_book.h"
 
 #include <algorithm>
 

@@ -9,10 +9,11 @@
 #include <optional>
 #include <vector>
 
-#include "scene/scene.h"
 #include "terms/terms.h"
 
 namespace tessera {
+
+class Scene;
 
 constexpr size_t kScenesHeldMax = 4;  // beyond those in use: a scene may take many gigabytes
 constexpr std::chrono::seconds kSceneRetryInterval{

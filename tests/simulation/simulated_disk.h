@@ -1,0 +1,40 @@
+// The coordinator's disk in a simulation: it may be full, and a crash loses what was not synced, or some of
+// it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/journal.h"
+#include "tests/simulation/random.h"
+
+namespace tessera {
+
+class SimulatedDisk : public Journal {
+ public:
+  void Append(const Fact& fact) override { pending_.push_back(EncodeFact(fact)); }
+  Result<void> Sync() override {
+    if (pending_.empty()) return {};
+    if (full_) return Failed("no space left on device");
+    synced_.insert(synced_.end(), pending_.begin(), pending_.end());
+    pending_.clear();
+    return {};
+  }
+
+  void set_full(bool full) { full_ = full; }
+  bool full() const { return full_; }
+  // The process is killed in the midst of a write: of what was not synced the first records may be there.
+  void Crash(Random& random) {
+    pending_.resize(static_cast<size_t>(random.Int(0, static_cast<int>(pending_.size()))));
+    synced_.insert(synced_.end(), pending_.begin(), pending_.end());
+    pending_.clear();
+  }
+  // What the next process finds.
+  const std::vector<std::string>& facts() const { return synced_; }
+
+ private:
+  std::vector<std::string> synced_, pending_;  // EncodeFact
+  bool full_ = false;
+};
+
+}  // namespace tessera

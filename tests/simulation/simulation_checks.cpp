@@ -1,0 +1,159 @@
+// The clients of a simulated farm, and what they and an observer of all messages hold against it.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tests/simulation/simulation.h"
+
+namespace tessera {
+namespace {
+
+constexpr Instant kClientRetry = seconds(3);
+
+}  // namespace
+
+void Simulation::Violation(const std::string& what) {
+  Trace("VIOLATION " + what);
+  report_.violations.push_back(fmt::format("{:.6f}: {}", Seconds(queue_.now()), what));
+}
+
+void Simulation::MakeJobs() {
+  for (int j = 0; j < options_.jobs; ++j) {
+    JobModel model;
+    auto spec = std::make_shared<JobSpec>();
+    spec->submission = static_cast<uint64_t>(j) + 1;
+    spec->name = fmt::format("job{}", j);
+    spec->priority = random_.Int(0, 1);
+    const int frames = random_.Int(1, 2);
+    for (int f = 0; f < frames; ++f) {
+      const auto samples = static_cast<uint32_t>(random_.Int(1, 64));
+      const int width = random_.Int(5, 24);
+      const int height = random_.Int(5, 24);
+      spec->frames.push_back({fmt::format("scene{}.pbrt", f), "", SmallFrame(width, height, 8, samples), f});
+      report_.samples_needed += static_cast<uint64_t>(width) * static_cast<uint64_t>(height) * samples;
+    }
+    model.spec = spec;
+    model.cost = random_.Real(0.00005, 0.001);
+    model.poisoned = options_.poison && j == 0;
+    jobs_.push_back(model);
+    queue_.After(random_.Duration(0, 10), [this, job = jobs_.size() - 1] { Submit(job); });
+  }
+  if (options_.cancel_one) queue_.After(random_.Duration(0, 20), [this] { Cancel(0); });
+}
+
+// A client submits the same again until it is told that the farm has it.
+void Simulation::Submit(size_t j) {
+  if (jobs_[j].acknowledged) return;
+  Send([this, j] {
+    if (!farm_ || jobs_[j].acknowledged) return;
+    const auto id = farm_->Submit(FarmNow(), jobs_[j].spec);
+    if (!id) return Violation("a job is turned away: " + id.error().message);
+    after_sync_.push_back([this, j, id = *id] {
+      Send([this, j, id] {
+        Trace(fmt::format("client job={} id={}", jobs_[j].spec->name, Number(id)));
+        jobs_[j].acknowledged = true;
+      });
+    });
+    Touch();
+  });
+  queue_.After(kClientRetry, [this, j] { Submit(j); });
+}
+
+void Simulation::Cancel(size_t j) {
+  if (HasEnded(jobs_[j].told)) return;
+  queue_.After(kClientRetry, [this, j] { Cancel(j); });
+  if (!jobs_[j].acknowledged) return;
+  jobs_[j].cancelled = true;
+  Send([this, j] {
+    if (!farm_) return;
+    if (!farm_->Cancel(FarmNow(), jobs_[j].id)) Violation("a job cannot be cancelled");
+    Touch();
+  });
+}
+
+Simulation::JobModel* Simulation::ModelOf(JobId id) {
+  const auto found = std::ranges::find(jobs_, id, [](const JobModel& job) { return job.id; });
+  return found == jobs_.end() ? nullptr : &*found;
+}
+
+// What is on the disk may be told to anybody, and must be true for ever.
+void Simulation::NoteFact(const Fact& fact) {
+  if (const auto* submitted = std::get_if<JobSubmitted>(&fact)) {
+    jobs_[submitted->spec->submission - 1].id = submitted->job;
+  } else if (const auto* ended = std::get_if<JobEnded>(&fact)) {
+    ModelOf(ended->job)->told = ended->state;
+  } else if (const auto* finished = std::get_if<FrameFinished>(&fact)) {
+    const FrameSpec& spec = ModelOf(finished->job)->spec->frames[finished->frame].spec;
+    for (uint32_t tile = 0; tile < static_cast<uint32_t>(spec.TileCount()); ++tile) {
+      for (const SampleRange range : DyadicPartition(spec.samples_per_pixel)) {
+        ledger_.Acknowledge({finished->job, finished->frame, tile, range});
+      }
+    }
+  }
+}
+
+// I4: what was acknowledged is not rendered again.
+void Simulation::CheckGrants(const FarmOutput& output) {
+  const auto check = [&](const std::vector<Lease>& leases) {
+    for (const Lease& lease : leases) {
+      if (!ledger_.IsNew(lease.id)) continue;
+      Trace(fmt::format("lease {} {}", Number(lease.id), lease.unit.Text()));
+      if (ledger_.Holds(lease.unit)) Violation("leased though acknowledged: " + lease.unit.Text());
+    }
+  };
+  for (const auto& each : output.directives) check(each.directive.leases);
+  for (const auto& each : output.results) check(each.grants.leases);
+}
+
+// I2 and I3: whatever came in whatever order, the picture is that of one machine, to the last bit.
+void Simulation::CheckPicture(const FinishedPicture& finished) {
+  const JobModel& model = *ModelOf(finished.job);
+  const uint64_t seed = Hash(model.spec->submission, finished.frame);
+  const FramePicture wanted = ReferencePicture(seed, model.spec->frames[finished.frame].spec);
+  Trace(fmt::format("picture job={} frame={}", Number(finished.job), finished.frame));
+  if (finished.picture.values != wanted.values) Violation("a picture is not the reference");
+}
+
+// I4: a new process of the coordinator knows what the former told.
+void Simulation::CheckMemory() {
+  for (const JobModel& job : jobs_) {
+    if (!job.acknowledged) continue;
+    const auto status = farm_->Status(FarmNow(), job.id);
+    if (!status) {
+      Violation("a job is forgotten: " + job.spec->name);
+    } else if (HasEnded(job.told) && status->state != job.told) {
+      Violation(fmt::format("{} was {} and is {}", job.spec->name, JobStateName(job.told),
+                            JobStateName(status->state)));
+    }
+  }
+}
+
+bool Simulation::AllEnded() {
+  return farm_ != nullptr && std::ranges::all_of(jobs_, [&](const JobModel& job) {
+           return job.acknowledged && HasEnded(job.told);
+         });
+}
+
+// I5: each job has ended, and as it should.
+void Simulation::CheckEnd() {
+  for (const JobModel& job : jobs_) {
+    const auto status = farm_ ? farm_->Status(FarmNow(), job.id) : std::nullopt;
+    if (!status) {
+      Violation("a job is forgotten at the end: " + job.spec->name);
+      continue;
+    }
+    const bool may_fail = job.poisoned || options_.one_fails_units || options_.one_damages_results;
+    const std::string what =
+        fmt::format("{} is {} with {} of {} samples ({})", job.spec->name, JobStateName(status->state),
+                    status->samples_done, status->samples_total, status->reason);
+    if (!HasEnded(status->state)) Violation("not ended: " + what);
+    if (job.poisoned && status->state == JobState::kFinished) Violation("a poisoned job finished: " + what);
+    if (status->state == JobState::kFailed && !may_fail) Violation("failed without cause: " + what);
+    if (status->state == JobState::kCancelled && !job.cancelled) Violation("cancelled by nobody: " + what);
+    if (status->state == JobState::kFinished && status->samples_done != status->samples_total) {
+      Violation("finished early: " + what);
+    }
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,115 @@
+#include "worker_core/workload.h"
+
+#include <algorithm>
+
+namespace tessera {
+namespace {
+
+// Of a lease's duration: it is told again this many times before it lapses.
+constexpr int kTellingsPerLease = 3;
+
+void Append(std::vector<LeaseId>& to, const std::vector<LeaseId>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+void Workload::Apply(const WorkerDirective& directive, TimePoint now) {
+  if (!draining_) scenes_.Want(directive.scenes, [this](const Digest& key) { return leases_.Uses(key); });
+  AddLeases(directive.leases, directive.drop, now);
+}
+
+void Workload::AddLeases(const std::vector<Lease>& leases, const std::vector<LeaseId>& drop, TimePoint now) {
+  for (const Lease& lease : leases) {
+    if (!leases_.Add(lease, now)) continue;
+    if (!draining_ && scenes_.Expects(lease.scene)) continue;
+    leases_.Forget(lease.id);
+    returned_.push_back(lease.id);
+  }
+  for (const LeaseId id : drop) {
+    leases_.Forget(id);
+    std::erase_if(results_, [id](const FinishedUnit& unit) { return unit.lease == id; });
+  }
+}
+
+void Workload::FillState(WorkerState& state, TimePoint now) const {
+  state.scenes = scenes_.Held();
+  state.leases = leases_.Held(now);
+  state.returned_leases = returned_;
+  state.draining = draining_;
+  state.wait = kSynchronizeWaitMax;
+  if (const auto shortest = leases_.ShortestDuration())
+    state.wait = std::min(state.wait, *shortest / kTellingsPerLease);
+}
+
+void Workload::ReturnsHeard(const std::vector<LeaseId>& returned) {
+  std::erase_if(returned_, [&](LeaseId id) { return std::ranges::find(returned, id) != returned.end(); });
+}
+
+std::optional<UnitTask> Workload::StartUnit(TimePoint now) {
+  const auto is_ready = [this](const Digest& key) { return scenes_.IsReady(key); };
+  const auto started = leases_.Start(is_ready, now);
+  if (!started) return std::nullopt;
+  return UnitTask{started->lease, scenes_.Use(started->lease.scene), started->stop};
+}
+
+bool Workload::UnitFinished(FinishedUnit unit, TimePoint now) {
+  if (!leases_.Finish(unit.lease, now)) return false;
+  results_.push_back(std::move(unit));
+  return true;
+}
+
+void Workload::UnitFailed(const Lease& lease, std::string reason) {
+  leases_.Forget(lease.id);
+  failures_.push_back({lease.id, lease.unit, lease.scene, std::move(reason)});
+}
+
+std::optional<SceneOrder> Workload::StartScene(TimePoint now) {
+  if (draining_) return std::nullopt;
+  return scenes_.StartLoading(now);
+}
+
+void Workload::SceneLoaded(const Digest& key, SceneShelf::ScenePointer scene) {
+  scenes_.Loaded(key, std::move(scene));
+}
+
+void Workload::SceneFailed(const Digest& key, std::string reason, TimePoint now) {
+  scenes_.Failed(key, now);
+  Append(returned_, leases_.TakeScene(key));
+  failures_.push_back({LeaseId{}, {}, key, std::move(reason)});
+}
+
+Workload::Parcel Workload::NextParcel(size_t bytes_max) const {
+  if (!failures_.empty()) return failures_.front();
+  if (results_.empty()) return {};
+  std::vector<FinishedUnit> results;
+  size_t bytes = 0;
+  for (const FinishedUnit& result : results_) {
+    bytes += results.empty() ? 0 : result.tile.size();
+    if (bytes > bytes_max || results.size() == static_cast<size_t>(kResultsPerCallMax)) break;
+    results.push_back(result);
+  }
+  return results;
+}
+
+void Workload::ResultsAnswered(const std::vector<FinishedUnit>& results) {
+  for (const FinishedUnit& answered : results) {
+    leases_.Forget(answered.lease);
+    std::erase_if(results_, [&](const FinishedUnit& unit) { return unit.lease == answered.lease; });
+  }
+}
+
+void Workload::Drain() {
+  draining_ = true;
+  Append(returned_, leases_.TakeWaiting());
+}
+
+bool Workload::IsIdle() const {
+  return leases_.running() == 0 && results_.empty() && failures_.empty() && returned_.empty();
+}
+
+void Workload::StopRendering() {
+  Append(returned_, leases_.TakeRunning());
+}
+
+}  // namespace tessera
