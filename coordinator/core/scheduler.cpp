@@ -64,7 +64,7 @@ void Scheduler::ExtendJob(JobId id, std::shared_ptr<const JobSpec> spec,
   }
   job.kept.insert(kept.begin(), kept.end());
   job.spec = std::move(spec);
-  ++work_version_;
+  AnnounceWork();
 }
 
 void Scheduler::RestoreDone(JobId id, uint32_t frame_index, TileSamples samples) {

@@ -28,7 +28,7 @@ void Scheduler::Activate(JobRecord& job) {
   for (const uint32_t wanted = FramesAbreast(job) + 1;
        open < wanted && !job.frames_ahead.empty() && job.frames.size() < kFramesActiveMax; ++open) {
     job.Begin(*job.frames_ahead.begin());
-    ++work_version_;
+    AnnounceWork();
   }
 }
 

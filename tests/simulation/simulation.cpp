@@ -25,7 +25,7 @@ void Simulation::Trace(const std::string& line) {
 void Simulation::StartFarm() {
   uint32_t epoch = 1;
   std::vector<Fact> facts;
-  for (const std::string& bytes : disk_.facts()) {
+  for (const std::string& bytes : journal_.facts()) {
     auto fact = DecodeFact(bytes);
     if (!fact) return Violation("a fact cannot be read back");
     if (const auto* started = std::get_if<CoordinatorStarted>(&*fact)) epoch = started->epoch + 1;
@@ -34,6 +34,7 @@ void Simulation::StartFarm() {
   farm_clock_ = random_.Duration(0, 1e6);  // another boot, another origin
   farm_ = std::make_unique<Farm>(SchedulerOptions{epoch});
   for (const Fact& fact : facts) farm_->Restore(fact);
+  RestoreSpool();
   farm_->Begin(FarmNow());
   Trace(fmt::format("start epoch={} facts={}", epoch, facts.size()));
   CheckMemory();
@@ -41,18 +42,29 @@ void Simulation::StartFarm() {
   Touch();
 }
 
+void Simulation::RestoreSpool() {
+  for (const FrameId frame : spool_.Frames()) {
+    switch (farm_->FoundInSpool(frame, spool_.HasBegun(frame))) {
+      case Farm::SpoolUse::kDrop: spool_.Drop(frame); break;
+      case Farm::SpoolUse::kKeep: break;
+      case Farm::SpoolUse::kRestore:
+        for (TileNode& node : spool_.Nodes(frame)) farm_->RestoreNode(frame, std::move(node));
+    }
+  }
+}
+
 void Simulation::CrashFarm() {
   if (!farm_) return;
   Trace("crash");
   ++report_.crashes;
-  disk_.Crash(random_);
+  journal_.Crash(random_);
+  spool_.Crash(random_);
   crash_point_ = 0;
   farm_.reset();
   unsynced_.clear();
   directive_calls_.clear();
   results_calls_.clear();
   after_sync_.clear();
-  ledger_ = {};  // results of frames that are not finished are rendered again
   queue_.After(random_.Duration(0, 3), [this] { StartFarm(); });
 }
 
@@ -70,25 +82,45 @@ void Simulation::PlanStep(Instant delay) {
   });
 }
 
-// As the coordinator's core thread: apply, journal, sync, answer.
+// As the coordinator's core thread: apply, keep, sync, answer.
 void Simulation::Step() {
   step_at_ = Instant::max();
   if (!farm_) return;
   farm_->Advance(FarmNow());
-  unsynced_.push_back(farm_->TakeOutput());
-  for (const Fact& fact : unsynced_.back().facts) disk_.Append(fact);
-  CheckGrants(unsynced_.back());
-  for (const std::string& line : unsynced_.back().log) Trace(line);
+  FarmOutput& output = unsynced_.emplace_back(farm_->TakeOutput());
+  for (auto& [frame, node] : std::exchange(output.accepted, {})) spool_.Append(frame, std::move(node));
+  for (const Fact& fact : output.facts) journal_.Append(fact);
+  CheckGrants(output);
+  for (const std::string& line : output.log) Trace(line);
   if (crash_point_ == 1) return CrashFarm();
-  const auto synced = disk_.Sync();
-  if (crash_point_ == 2) return CrashFarm();
+  const auto synced = Sync();
+  if (!farm_) return;
   PlanStep(std::max(synced ? farm_->Patience(FarmNow()) : kSyncRetry, Instant(1000)));
   if (!synced) return;
-  for (const FarmOutput& output : std::exchange(unsynced_, {})) Answer(output);
+  for (FarmOutput& each : std::exchange(unsynced_, {})) Answer(std::move(each));
   for (const Deliver& answer : std::exchange(after_sync_, {})) answer();
+  if (journal_.IsLarge()) (void)journal_.Replace(farm_->Snapshot());
 }
 
-void Simulation::Answer(const FarmOutput& output) {
+Result<void> Simulation::Sync() {
+  for (const FrameId frame : spool_.Grown()) {
+    if (auto nodes = farm_->Sums(frame)) spool_.Replace(frame, std::move(*nodes));
+  }
+  auto synced = spool_.Sync();
+  if (synced && crash_point_ == 2) {
+    CrashFarm();
+    return {};
+  }
+  if (synced) synced = journal_.Sync();
+  if (crash_point_ == 3) {
+    CrashFarm();
+    return {};
+  }
+  farm_->StorageDelayed(synced ? "" : synced.error().message);
+  return synced;
+}
+
+void Simulation::Answer(FarmOutput output) {
   for (const Fact& fact : output.facts) {
     Trace("fact " + Sha256(EncodeFact(fact)).Hex().substr(0, 16));
     NoteFact(fact);
@@ -114,13 +146,15 @@ void Simulation::Answer(const FarmOutput& output) {
     CheckPicture(finished);
     WritePicture(finished.job, finished.frame);
   }
+  for (auto& [frame, nodes] : output.sums) spool_.Replace(frame, std::move(nodes));
+  for (const FrameId frame : output.dropped) spool_.Drop(frame);
 }
 
 // Takes a moment; with a full disk it is tried again later.
 void Simulation::WritePicture(JobId job, uint32_t frame) {
   queue_.After(random_.Duration(0, 0.2), [=, this, process = report_.crashes] {
     if (!farm_ || report_.crashes != process) return;
-    if (disk_.full()) {
+    if (disk_full_) {
       farm_->PictureDelayed(job, "no space left on device");
       queue_.After(kPictureRetry, [=, this] {
         if (farm_ && report_.crashes == process) WritePicture(job, frame);

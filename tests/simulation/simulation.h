@@ -15,7 +15,8 @@
 #include "tests/simulation/picture_model.h"
 #include "tests/simulation/random.h"
 #include "tests/simulation/result_ledger.h"
-#include "tests/simulation/simulated_disk.h"
+#include "tests/simulation/simulated_journal.h"
+#include "tests/simulation/simulated_spool.h"
 #include "tests/simulation/simulation_options.h"
 #include "tests/simulation/worker_model.h"
 #include "util/digest.h"
@@ -68,11 +69,13 @@ class Simulation {
 
   // simulation.cpp: the coordinator's side
   void StartFarm();
+  void RestoreSpool();
   void CrashFarm();
   void Touch();  // the farm has events to apply
   void Step();
   void PlanStep(Instant delay);
-  void Answer(const FarmOutput& output);
+  Result<void> Sync();
+  void Answer(FarmOutput output);
   void WritePicture(JobId job, uint32_t frame);
   Instant FarmNow() const { return queue_.now() + farm_clock_; }
   void Trace(const std::string& line);
@@ -121,6 +124,7 @@ class Simulation {
   void Partition(size_t node);
   void JumpClock();
   void FillDisk();
+  void SetDiskFull(bool full);
   void Blackout();
   void Cut(CallId call);
 
@@ -133,9 +137,12 @@ class Simulation {
   uint64_t worker_next_ = 1;
 
   std::unique_ptr<Farm> farm_;
-  SimulatedDisk disk_;
+  SimulatedJournal journal_;
+  SimulatedSpool spool_;
+  bool disk_full_ = false;
   Instant farm_clock_{};  // ahead of simulated time; each process has its own
-  int crash_point_ = 0;   // 1: crash before the next sync, 2: after it, before the answers
+  // 1: crash before the next sync, 2: between spool and journal, 3: after it, before the answers.
+  int crash_point_ = 0;
   uint64_t step_planned_ = 0;
   Instant step_at_ = Instant::max();
   uint64_t call_next_ = 1;

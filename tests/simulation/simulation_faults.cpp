@@ -33,7 +33,7 @@ void Simulation::PlanFaults() {
   Repeat(options_.full_disk_interval_s, [this] { FillDisk(); });
   Repeat(options_.blackout_interval_s, [this] { Blackout(); });
   Repeat(options_.crash_interval_s, [this] {
-    crash_point_ = random_.Int(0, 2);
+    crash_point_ = random_.Int(0, 3);
     if (crash_point_ == 0) {
       CrashFarm();
     } else if (farm_) {
@@ -46,7 +46,7 @@ void Simulation::PlanFaults() {
 // All is repaired, and a sound machine joins, so that no fault of the others can hold up the farm.
 void Simulation::Heal() {
   Trace("heal");
-  disk_.set_full(false);
+  SetDiskFull(false);
   crash_point_ = 0;
   for (Node& node : nodes_) node.hung_until = node.deaf_until = node.mute_until = queue_.now();
   nodes_.emplace_back();
@@ -125,11 +125,17 @@ void Simulation::JumpClock() {
 
 void Simulation::FillDisk() {
   Trace("disk full");
-  disk_.set_full(true);
+  SetDiskFull(true);
   queue_.After(random_.Duration(0, 10), [this] {
     Trace("disk has room");
-    disk_.set_full(false);
+    SetDiskFull(false);
   });
+}
+
+void Simulation::SetDiskFull(bool full) {
+  disk_full_ = full;
+  journal_.set_full(full);
+  spool_.set_full(full);
 }
 
 void Simulation::Blackout() {

@@ -10,7 +10,7 @@
 
 namespace tessera {
 
-class SimulatedDisk : public Journal {
+class SimulatedJournal : public Journal {
  public:
   void Append(const Fact& fact) override { pending_.push_back(EncodeFact(fact)); }
   Result<void> Sync() override {
@@ -21,8 +21,16 @@ class SimulatedDisk : public Journal {
     return {};
   }
 
+  // Small, so that it happens.
+  bool IsLarge() const override { return synced_.size() > 20; }
+  Result<void> Replace(const std::vector<Fact>& facts) override {
+    if (full_) return Failed("no space left on device");
+    synced_.clear();
+    for (const Fact& fact : facts) synced_.push_back(EncodeFact(fact));
+    return {};
+  }
+
   void set_full(bool full) { full_ = full; }
-  bool full() const { return full_; }
   // The process is killed in the midst of a write: of what was not synced the first records may be there.
   void Crash(Random& random) {
     pending_.resize(static_cast<size_t>(random.Int(0, static_cast<int>(pending_.size()))));
