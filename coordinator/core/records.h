@@ -2,6 +2,7 @@
 // reaches decisions. Owned by the scheduler; nothing outside sees it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
@@ -68,6 +69,10 @@ struct WorkerRecord {
     const auto found = scenes.find(scene);
     return found != scenes.end() && found->second;
   }
+  bool Wants(const Digest& scene) const {
+    return std::any_of(wanted.begin(), wanted.end(),
+                       [&](const SceneOrder& order) { return order.key == scene; });
+  }
 };
 
 struct FrameRecord {
@@ -95,7 +100,7 @@ struct JobRecord {
   size_t leases = 0;                       // held by workers now
   double load_s = 0;                       // that a worker takes to get a scene of it ready; 0: not known
   double measured_cost = 0, measured_samples = 0;  // of all its frames: on a worker of speed 1; pixel samples
-  std::map<WorkerId, uint32_t> holders;    // how many of them each holds
+  std::map<WorkerId, uint32_t> holders;            // how many of them each holds
 
   FrameRecord& Begin(uint32_t frame) {
     frames_ahead.erase(frame);

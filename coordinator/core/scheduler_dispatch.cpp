@@ -106,7 +106,11 @@ Scheduler::Choice Scheduler::ReadyFrame(JobRecord& job, const WorkerRecord& work
 void Scheduler::Want(WorkerRecord& worker, const Choice& choice) {
   const SceneOrder& scene = choice.frame->scene;
   if (worker.scenes.contains(scene.key)) return;  // it is being loaded
-  if (!worker.wanted.empty() && worker.wanted.front().key == scene.key) return;
+  if (worker.Wants(scene.key)) return;
+  for (const SceneOrder& other : worker.wanted) {
+    size_t& crew = crews_[other.key];
+    if (crew > 0 && !worker.scenes.contains(other.key)) --crew;
+  }
   worker.wanted = {scene};
   worker.wanted_told = false;
   ++crews_[scene.key];

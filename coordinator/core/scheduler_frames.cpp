@@ -41,8 +41,8 @@ Scheduler::Choice Scheduler::FrameToLoad(Instant now, JobRecord& job, const Work
   for (auto& [index, frame] : job.frames) {
     if (worker.HasReady(frame.scene.key) || !MayRender(frame, worker)) continue;
     const Choice choice{&job, index, &frame};
-    if (abreast == 1 || worker.scenes.contains(frame.scene.key) || crews_[frame.scene.key] < crew_max)
-      return choice;
+    if (abreast == 1 || worker.scenes.contains(frame.scene.key)) return choice;
+    if (crews_[frame.scene.key] < crew_max + (worker.Wants(frame.scene.key) ? 1 : 0)) return choice;
     if (any.frame == nullptr) any = choice;
   }
   return any;
