@@ -104,6 +104,13 @@ void AddCoordinator(CLI::App& app, Options& options) {
                  fmt::format("HOST:PORT or unix:PATH [default: $TESSERA_COORDINATOR or {}]",
                              kCoordinatorAddressDefault))
       ->type_name("ADDR");
+  AddWord(app, "--patience",
+          fmt::format("how long to wait for a coordinator that does not answer, seconds [default: {}]",
+                      kPatienceDefault.count()),
+          "N", [&options](const std::string& word) {
+            options.patience =
+                std::chrono::seconds(Take(ParseInteger("--patience", word, 0, kPatienceMax_s)));
+          });
 }
 
 void AddJob(CLI::App& app, Options& options) {

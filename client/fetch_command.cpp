@@ -5,7 +5,7 @@
 
 #include "client/commands.h"
 #include "client/frame_fetcher.h"
-#include "farm/coordinator_client.h"
+#include "client/reach_coordinator.h"
 
 namespace tessera {
 namespace {
@@ -33,7 +33,7 @@ Error NotFinished(uint64_t job, const std::vector<int>& missing) {
 Result<int> RunFetch(const Options& options, Cancellation& cancellation) {
   const auto start = std::chrono::steady_clock::now();
   const std::string output = options.output.empty() ? fmt::format("job-{}.exr", options.job) : options.output;
-  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  const auto client = ReachCoordinator(options, cancellation);
   if (!client) return client.error();
   const auto frames = (*client)->Frames(JobId{options.job});
   if (!frames) return frames.error();

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include "client/commands.h"
+#include "client/reach_coordinator.h"
 #include "client/status_text.h"
 #include "client/watching.h"
-#include "farm/coordinator_client.h"
 
 namespace tessera {
 namespace {
@@ -16,7 +16,7 @@ void Print(const Options& options, const JobStatus& status) {
 }  // namespace
 
 Result<int> RunStatus(const Options& options, Cancellation& cancellation) {
-  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  const auto client = ReachCoordinator(options, cancellation);
   if (!client) return client.error();
   const auto status = (*client)->Status(JobId{options.job});
   if (!status) return status.error();
@@ -25,7 +25,7 @@ Result<int> RunStatus(const Options& options, Cancellation& cancellation) {
 }
 
 Result<int> RunWatch(const Options& options, Cancellation& cancellation) {
-  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  const auto client = ReachCoordinator(options, cancellation);
   if (!client) return client.error();
   const auto status = WatchWithProgress(**client, JobId{options.job});
   if (!status) return status.error();
@@ -35,7 +35,7 @@ Result<int> RunWatch(const Options& options, Cancellation& cancellation) {
 }
 
 Result<int> RunCancel(const Options& options, Cancellation& cancellation) {
-  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  const auto client = ReachCoordinator(options, cancellation);
   if (!client) return client.error();
   const auto status = (*client)->Cancel(JobId{options.job});
   if (!status) return status.error();
@@ -44,7 +44,7 @@ Result<int> RunCancel(const Options& options, Cancellation& cancellation) {
 }
 
 Result<int> RunExtend(const Options& options, Cancellation& cancellation) {
-  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  const auto client = ReachCoordinator(options, cancellation);
   if (!client) return client.error();
   const auto status = (*client)->Extend(JobId{options.job}, *options.render.samples_per_pixel);
   if (!status) return status.error();

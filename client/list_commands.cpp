@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include "client/commands.h"
+#include "client/reach_coordinator.h"
 #include "client/status_text.h"
-#include "farm/coordinator_client.h"
 
 namespace tessera {
 
 Result<int> RunJobs(const Options& options, Cancellation& cancellation) {
-  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  const auto client = ReachCoordinator(options, cancellation);
   if (!client) return client.error();
   const auto jobs = (*client)->Jobs();
   if (!jobs) return jobs.error();
@@ -17,7 +17,7 @@ Result<int> RunJobs(const Options& options, Cancellation& cancellation) {
 }
 
 Result<int> RunWorkers(const Options& options, Cancellation& cancellation) {
-  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  const auto client = ReachCoordinator(options, cancellation);
   if (!client) return client.error();
   const auto workers = (*client)->Workers();
   if (!workers) return workers.error();

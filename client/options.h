@@ -1,6 +1,7 @@
 // Everything that the command line of `tessera` can say.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -15,6 +16,10 @@ constexpr int kPathDepthMax = 1'000'000;  // bounces: beyond what any path survi
 
 constexpr double kFramesPerSecondDefault = 24;  // of films
 constexpr double kFramesPerSecondMin = 1e-3;    // slower than any time lapse
+
+// The restart of a coordinator takes less; a wrong address should not cost more.
+constexpr std::chrono::seconds kPatienceDefault{15};
+constexpr int kPatienceMax_s = 7 * 24 * 3600;
 
 constexpr const char* kCoordinatorAddressDefault = "127.0.0.1:7700";
 
@@ -36,12 +41,13 @@ struct Options {
   bool in_process = false;  // no farm
 
   // a farm's commands
-  std::string coordinator;   // HOST:PORT or unix:PATH
-  std::string name;          // of the job; empty: the scene's
-  int priority = 0;          // higher goes first
-  bool watch = false;        // submit: follow the job until it ends
-  bool preview = false;      // fetch: what is there will do
-  std::optional<int> frame;  // fetch: this one of a sequence
+  std::string coordinator;                                // HOST:PORT or unix:PATH
+  std::chrono::milliseconds patience = kPatienceDefault;  // for a coordinator that does not answer
+  std::string name;                                       // of the job; empty: the scene's
+  int priority = 0;                                       // higher goes first
+  bool watch = false;                                     // submit: follow the job until it ends
+  bool preview = false;                                   // fetch: what is there will do
+  std::optional<int> frame;                               // fetch: this one of a sequence
   uint64_t job = 0;
 
   // compare

@@ -89,7 +89,7 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const Options& options, cons
   const Crew crew = ChooseCrew(options);
   const auto farm = LocalFarm::Start(crew.workers, crew.threads, cancellation);
   if (!farm) return farm.error();
-  const auto client = CoordinatorClient::Connect((*farm)->address(), cancellation.token());
+  const auto client = CoordinatorClient::Connect((*farm)->address(), options.patience, cancellation.token());
   if (!client) return client.error();
   if (auto sent = (*client)->Upload(job->packed); !sent) return sent.error();
   const auto id = (*client)->Submit(job->packed, job->packed.frames[0].scene_file, 0);

@@ -4,16 +4,16 @@
 #include <filesystem>
 
 #include "client/commands.h"
+#include "client/reach_coordinator.h"
 #include "client/scene_job.h"
 #include "client/watching.h"
-#include "farm/coordinator_client.h"
 
 namespace tessera {
 
 Result<int> RunSubmit(const Options& options, Cancellation& cancellation) {
   const auto job = LoadSceneJob(options, Scene::Depth::kCheck, cancellation.token());
   if (!job) return job.error();
-  const auto client = CoordinatorClient::Connect(options.coordinator, cancellation.token());
+  const auto client = ReachCoordinator(options, cancellation);
   if (!client) return client.error();
   if (auto sent = (*client)->Upload(job->packed); !sent) return sent.error();
   const std::string name =

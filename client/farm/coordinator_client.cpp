@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::chrono::seconds kConnectPatience{5};
+constexpr std::chrono::seconds kSilenceNoticed{1};
 constexpr std::chrono::milliseconds kConnectSlice{100};  // how soon a stop is noticed meanwhile
 constexpr std::chrono::minutes kWatchPatience{30};  // for a coordinator that is away: a machine's restart
 constexpr uint64_t kPictureSizeMax = uint64_t{8} << 30;  // bytes: the largest frame in floats
@@ -66,14 +66,35 @@ grpc::Status ReceivePicture(proto::Jobs::Stub& stub, grpc::ClientContext* contex
   return status;
 }
 
+Result<void> WaitForCoordinator(grpc::Channel& channel, const std::string& address,
+                                std::chrono::milliseconds patience, std::stop_token stop,
+                                const std::function<void()>& on_silence) {
+  const auto begin = std::chrono::steady_clock::now();
+  bool noticed = on_silence == nullptr;
+  while (!WaitForConnection(channel, kConnectSlice)) {
+    if (stop.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
+    const auto waited = std::chrono::steady_clock::now() - begin;
+    if (waited > patience) {
+      return Failed(fmt::format("{}: no coordinator answers there (waited {:.0f} s)", address,
+                                std::chrono::duration<double>(patience).count()));
+    }
+    if (!noticed && waited > kSilenceNoticed) {
+      on_silence();
+      noticed = true;
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 CoordinatorClient::CoordinatorClient(std::unique_ptr<Connection> connection)
     : connection_(std::move(connection)) {}
 CoordinatorClient::~CoordinatorClient() = default;
 
-Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const std::string& address,
-                                                                      std::stop_token stop) {
+Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(
+    const std::string& address, std::chrono::milliseconds patience, std::stop_token stop,
+    const std::function<void()>& on_silence) {
   const auto parsed = ParseAddress(address, "--coordinator");
   if (!parsed) return parsed.error();
   auto connection = std::make_unique<Connection>();
@@ -82,13 +103,8 @@ Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const std:
   connection->channel = OpenChannel(*parsed);
   connection->jobs = proto::Jobs::NewStub(connection->channel);
   connection->blobs = proto::Blobs::NewStub(connection->channel);
-  const auto deadline = std::chrono::steady_clock::now() + kConnectPatience;
-  while (!WaitForConnection(*connection->channel, kConnectSlice)) {
-    if (stop.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
-    if (std::chrono::steady_clock::now() > deadline) {
-      return Failed(fmt::format("{}: no coordinator answers there", address));
-    }
-  }
+  auto reached = WaitForCoordinator(*connection->channel, address, patience, stop, on_silence);
+  if (!reached) return reached.error();
   proto::HealthAnswer health;
   auto asked = Call(stop, *connection->jobs, &proto::Jobs::Stub::Health, proto::HealthRequest(), health,
                     "greet the coordinator");

@@ -21,9 +21,11 @@ namespace tessera {
 // request to stop ends any of them with kInterrupted. Used by one thread at a time.
 class CoordinatorClient {
  public:
-  // `address` is HOST:PORT or unix:PATH. An error if nobody answers there or only another version of the
-  // protocol.
-  static Result<std::unique_ptr<CoordinatorClient>> Connect(const std::string& address, std::stop_token stop);
+  // `address` is HOST:PORT or unix:PATH. An error if nobody answers there within `patience` or only another
+  // version of the protocol. Calls `on_silence`, if given, once when the answer does not come at once.
+  static Result<std::unique_ptr<CoordinatorClient>> Connect(
+      const std::string& address, std::chrono::milliseconds patience, std::stop_token stop,
+      const std::function<void()>& on_silence = nullptr);
   ~CoordinatorClient();
   CoordinatorClient(const CoordinatorClient&) = delete;
   CoordinatorClient& operator=(const CoordinatorClient&) = delete;

@@ -87,7 +87,7 @@ bool Customers::Do(const ChaosJob& job, size_t customer) {
 }
 
 bool Customers::Ask(std::vector<std::string> arguments, std::string* answer) {
-  arguments.insert(arguments.end(), {"--coordinator", address_});
+  arguments.insert(arguments.end(), {"--coordinator", address_, "--patience", "120"});
   Process process(folder_, "tessera", arguments);
   std::optional<int> code;
   const auto deadline = std::chrono::steady_clock::now() + kJobPatience;

@@ -93,8 +93,9 @@ TEST_F(Errors, ACoordinatorThatIsNotThereIsAFailureOfTheFarm) {
   StartCoordinator();
   coordinator().Signal(SIGKILL);
   coordinator().Wait();
-  const Outcome outcome = Ask({"jobs"});
+  const Outcome outcome = Ask({"jobs", "--patience", "2"});
   EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.errors, HasSubstr("waiting for it up to 2 s"));
   EXPECT_THAT(outcome.errors, HasSubstr(address() + ": no coordinator answers there"));
 }
 

@@ -1,0 +1,16 @@
+// The coordinator that a command speaks with.
+#pragma once
+
+#include <memory>
+
+#include "client/cancellation.h"
+#include "client/options.h"
+#include "farm/coordinator_client.h"
+
+namespace tessera {
+
+// Waits for it as long as the user wants, and says so on the standard error if it does not answer at once.
+Result<std::unique_ptr<CoordinatorClient>> ReachCoordinator(const Options& options,
+                                                            Cancellation& cancellation);
+
+}  // namespace tessera
