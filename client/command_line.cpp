@@ -85,7 +85,9 @@ void AddRenderOptions(CLI::App& app, Options& options) {
           [&render](const std::string& word) { render.crop = Take(ParseCrop(word)); });
   AddWord(app, "--seed", "of the random numbers", "S",
           [&render](const std::string& word) { render.seed = Take(ParseUnsigned("--seed", word)); });
-  app.add_option("--integrator", render.integrator, "path or volpath")->type_name("NAME");
+  app.add_option("--integrator", render.integrator,
+                 "path, volpath, mixture, simplepath, simplevolpath or randomwalk")
+      ->type_name("NAME");
   AddWord(app, "--accelerator", "embree (default), bvh or list", "NAME", [&render](const std::string& word) {
     static constexpr std::string_view kChoices[] = {"embree", "bvh", "list"};
     render.accelerator = Take(ParseChoice("--accelerator", word, kChoices));

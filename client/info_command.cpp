@@ -15,17 +15,16 @@ uint64_t FileBytes(const ScenePackage& package) {
   return bytes;
 }
 
-// Whether the accelerator was built, too.
-bool IsBuilt(const SceneSummary& scene) {
-  return scene.build_seconds > 0;
-}
-
-void PrintAccelerator(const SceneSummary& scene) {
-  fmt::print("accelerator {}", scene.accelerator);
-  if (IsBuilt(scene)) {
-    fmt::print(": built in {:.3f} s, {} bytes", scene.build_seconds, scene.accelerator_bytes);
-    if (scene.accelerator_nodes > 0) fmt::print(", {} nodes", scene.accelerator_nodes);
-    if (scene.accelerator_cost > 0) fmt::print(", surface area cost {:.2f}", scene.accelerator_cost);
+void PrintAccelerator(const AcceleratorSummary& accelerator) {
+  fmt::print("  {:<9} ", accelerator.kind);
+  if (!accelerator.refusal.empty()) {
+    fmt::print("{}\n", accelerator.refusal);
+    return;
+  }
+  fmt::print("built in {:.3f} s, {} bytes", accelerator.build_seconds, accelerator.bytes);
+  if (accelerator.nodes > 0) fmt::print(", {} nodes", accelerator.nodes);
+  if (accelerator.surface_area_cost > 0) {
+    fmt::print(", surface area cost {:.2f}", accelerator.surface_area_cost);
   }
   fmt::print("\n");
 }
@@ -45,7 +44,8 @@ void PrintText(const SceneJob& job) {
   fmt::print(", {} samples per pixel\n", frame.samples_per_pixel);
   fmt::print("camera      {}\nfilm        {}\nfilter      {}\nsampler     {}\nintegrator  {}\n", scene.camera,
              scene.film, scene.filter, scene.sampler, scene.integrator);
-  PrintAccelerator(scene);
+  fmt::print("accelerator {}\n", scene.accelerator);
+  for (const AcceleratorSummary& accelerator : scene.accelerators) PrintAccelerator(accelerator);
   fmt::print("shapes      {}: {} triangles, {} patches, {} quadrics, {} bytes\n", scene.shapes,
              scene.triangles, scene.patches, scene.quadrics, scene.geometry_bytes);
   fmt::print("instances   {} of {} groups\n", scene.instances, scene.groups);
@@ -55,6 +55,23 @@ void PrintText(const SceneJob& job) {
   fmt::print("files       {}, {} bytes\n", job.packed.package.files.size(), FileBytes(job.packed.package));
   fmt::print("package     {}\n", job.packed.digest.Hex());
   fmt::print("read in     {:.3f} s\n", scene.load_seconds);
+}
+
+// What an accelerator does not tell is null.
+nlohmann::ordered_json ToJson(const AcceleratorSummary& accelerator) {
+  nlohmann::ordered_json json;
+  json["kind"] = accelerator.kind;
+  if (!accelerator.refusal.empty()) {
+    json["refusal"] = accelerator.refusal;
+    return json;
+  }
+  json["build_seconds"] = accelerator.build_seconds;
+  json["bytes"] = accelerator.bytes;
+  json["nodes"] = nullptr;
+  json["surface_area_cost"] = nullptr;
+  if (accelerator.nodes > 0) json["nodes"] = accelerator.nodes;
+  if (accelerator.surface_area_cost > 0) json["surface_area_cost"] = accelerator.surface_area_cost;
+  return json;
 }
 
 void PrintJson(const SceneJob& job) {
@@ -87,11 +104,9 @@ void PrintJson(const SceneJob& job) {
   json["image_bytes"] = scene.image_bytes;
   json["package"] = job.packed.digest.Hex();
   json["load_seconds"] = scene.load_seconds;
-  if (IsBuilt(scene)) {
-    json["build_seconds"] = scene.build_seconds;
-    json["accelerator_nodes"] = scene.accelerator_nodes;
-    json["accelerator_bytes"] = scene.accelerator_bytes;
-    json["accelerator_cost"] = scene.accelerator_cost;
+  json["accelerators"] = nlohmann::ordered_json::array();
+  for (const AcceleratorSummary& accelerator : scene.accelerators) {
+    json["accelerators"].push_back(ToJson(accelerator));
   }
   json["warnings"] = scene.warnings;
   json["files"] = nlohmann::ordered_json::array();
@@ -104,10 +119,7 @@ void PrintJson(const SceneJob& job) {
 }  // namespace
 
 Result<int> RunInfo(const Options& options, Cancellation& cancellation) {
-  // An accelerator is only built to tell about it, when it was asked for.
-  const bool is_to_build = !options.render.accelerator.empty();
-  const auto job =
-      LoadSceneJob(options, is_to_build ? Scene::Depth::kRender : Scene::Depth::kCheck, cancellation.token());
+  const auto job = LoadSceneJob(options, Scene::Depth::kSurvey, cancellation.token());
   if (!job) return job.error();
   if (options.json) {
     PrintJson(*job);

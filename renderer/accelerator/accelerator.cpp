@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <thread>
 
 #include "accelerator/embree_accelerator.h"
@@ -14,13 +13,12 @@ namespace tessera {
 
 Result<std::unique_ptr<Accelerator>> MakeAccelerator(std::string_view kind, const Geometry& geometry,
                                                      const TextureTable& textures) {
-  static constexpr std::array<std::string_view, 3> kKinds{"embree", "bvh", "list"};
   const int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   if (kind == "embree") return MakeEmbreeAccelerator(geometry, textures, threads);
   if (kind == "bvh") return MakeOwnAccelerator(SearchMethod::kTree, geometry, textures, threads);
   if (kind == "list") return MakeOwnAccelerator(SearchMethod::kList, geometry, textures, threads);
   return BadInput(fmt::format("unknown accelerator \"{}\"{}; expected embree, bvh or list", kind,
-                              DidYouMean(kind, kKinds)));
+                              DidYouMean(kind, kAcceleratorKinds)));
 }
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 // Finds what a ray hits. Immutable once built, shared by all threads.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string_view>
 
@@ -28,6 +29,8 @@ class Accelerator {
   virtual bool Occluded(const Ray& ray) const = 0;
   virtual AcceleratorStatistics statistics() const = 0;
 };
+
+inline constexpr std::array<std::string_view, 3> kAcceleratorKinds{"embree", "bvh", "list"};
 
 // `kind` is "embree", "bvh" (a tree of our own) or "list" (every primitive is tried). An error if the kind is
 // unknown or cannot hold a primitive of the scene. `geometry` and `textures` must outlive the accelerator.

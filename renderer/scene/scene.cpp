@@ -21,6 +21,12 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+AcceleratorSummary SummaryOf(std::string_view kind, const Accelerator& accelerator) {
+  const AcceleratorStatistics statistics = accelerator.statistics();
+  return {std::string(kind), statistics.build_seconds, statistics.nodes,
+          statistics.bytes,  statistics.sah_cost,      {}};
+}
+
 Result<void> CheckOptions(const RenderOptions& options) {
   if (options.samples_per_pixel &&
       (*options.samples_per_pixel < 1 || *options.samples_per_pixel > kSamplesPerPixelMax)) {
@@ -60,6 +66,7 @@ class SceneLoader {
   Result<void> ReadSettings();
   Result<void> DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator);
   Result<void> BuildAccelerator();
+  void SurveyAccelerators();
   Result<void> CheckLights(const std::string& name);
 
   FileSource& files_;
@@ -155,17 +162,27 @@ Result<void> SceneLoader::CheckLights(const std::string& name) {
 
 Result<void> SceneLoader::BuildAccelerator() {
   Scene::Data& data = *data_;
-  const auto start = std::chrono::steady_clock::now();
   Result<std::unique_ptr<Accelerator>> accelerator =
       MakeAccelerator(data.summary.accelerator, data.world.geometry, data.world.textures);
   if (!accelerator) return accelerator.error();
   data.world.accelerator = std::move(*accelerator);
-  data.summary.build_seconds = SecondsSince(start);
-  const AcceleratorStatistics statistics = data.world.accelerator->statistics();
-  data.summary.accelerator_nodes = statistics.nodes;
-  data.summary.accelerator_bytes = statistics.bytes;
-  data.summary.accelerator_cost = statistics.sah_cost;
+  data.summary.accelerators.push_back(SummaryOf(data.summary.accelerator, *data.world.accelerator));
   return {};
+}
+
+void SceneLoader::SurveyAccelerators() {
+  Scene::Data& data = *data_;
+  for (const std::string_view kind : kAcceleratorKinds) {
+    if (!options_.accelerator.empty() && kind != options_.accelerator) continue;
+    const auto accelerator = MakeAccelerator(kind, data.world.geometry, data.world.textures);
+    AcceleratorSummary summary{.kind = std::string(kind), .refusal = {}};
+    if (accelerator) {
+      summary = SummaryOf(kind, **accelerator);
+    } else {
+      summary.refusal = accelerator.error().message;
+    }
+    data.summary.accelerators.push_back(std::move(summary));
+  }
 }
 
 Result<std::unique_ptr<Scene::Data>> SceneLoader::Load(const std::string& name, Scene::Depth depth) {
@@ -186,6 +203,7 @@ Result<std::unique_ptr<Scene::Data>> SceneLoader::Load(const std::string& name, 
   if (depth == Scene::Depth::kRender) {
     if (Result<void> built = BuildAccelerator(); !built) return built.error();
   }
+  if (depth == Scene::Depth::kSurvey) SurveyAccelerators();
   return std::move(data_);
 }
 

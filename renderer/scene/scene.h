@@ -35,6 +35,15 @@ struct RenderOptions {
 std::string EncodeRenderOptions(const RenderOptions& options);
 Result<RenderOptions> DecodeRenderOptions(const std::string& text);
 
+// An accelerator that was built over a scene.
+struct AcceleratorSummary {
+  std::string kind;
+  double build_seconds = 0;
+  uint64_t nodes = 0, bytes = 0;  // 0 nodes: none, or it does not tell
+  double surface_area_cost = 0;   // 0: it does not tell
+  std::string refusal;            // not empty: why this accelerator cannot hold the scene
+};
+
 // What a scene holds, for `tessera info`.
 struct SceneSummary {
   std::string camera, film, filter, sampler, integrator, accelerator;
@@ -42,13 +51,11 @@ struct SceneSummary {
   uint64_t lights = 0, materials = 0, textures = 0, media = 0;
   uint64_t moving = 0;  // the camera, shapes and instances that are elsewhere at another time
   uint64_t geometry_bytes = 0, image_bytes = 0;
-  double load_seconds = 0, build_seconds = 0;
+  double load_seconds = 0;
   // Whether a pixel's samples are the first of those it would have with more samples per pixel.
   bool extendable = false;
-  // Of the accelerator, as AcceleratorStatistics; 0 if none was built.
-  uint64_t accelerator_nodes = 0, accelerator_bytes = 0;
-  double accelerator_cost = 0;
-  std::vector<std::string> warnings;  // what is done otherwise than the scene asks
+  std::vector<AcceleratorSummary> accelerators;  // those that were built
+  std::vector<std::string> warnings;             // what is done otherwise than the scene asks
 };
 
 // What rendering some units took.
@@ -65,6 +72,7 @@ class Scene {
   enum class Depth {
     kCheck,  // read and check everything, build no acceleration structure: cannot render
     kRender,
+    kSurvey,  // as kCheck, but build every accelerator, or the one that was asked for, to tell of it
   };
   // Reads scene file `name` of `files` with all it refers to.
   static Result<std::unique_ptr<Scene>> Load(FileSource& files, const std::string& name,

@@ -88,7 +88,7 @@ void PrintJson(const SceneArgument& argument, const Scene& scene, const FrameRun
                                {"width", scene.frame().width},
                                {"height", scene.frame().height},
                                {"load_cpu_s", load_seconds},
-                               {"build_s", scene.summary().build_seconds},
+                               {"build_s", scene.summary().accelerators.at(0).build_seconds},
                                {"cpu_s", run.cpu_seconds},
                                {"wall_s", run.wall_seconds},
                                {"camera_rays", run.rays.camera_rays},

@@ -10,7 +10,9 @@
 namespace tessera {
 namespace {
 
+using testing::ContainsRegex;
 using testing::HasSubstr;
+using testing::Not;
 using Commands = EndToEnd;
 
 // More than a test can wait for: to be cancelled.
@@ -149,9 +151,15 @@ TEST_F(Commands, InfoSaysWhatASceneHolds) {
   EXPECT_EQ(text.code, 0) << text.errors;
   EXPECT_THAT(text.output, HasSubstr("96x72 pixels, 16 samples per pixel"));
   EXPECT_THAT(text.output, HasSubstr("files       2,"));
+  EXPECT_THAT(text.output, ContainsRegex("  embree +built in .* s, .* bytes"));
+  EXPECT_THAT(text.output, ContainsRegex("  bvh +built in .* s, .* bytes, .* nodes, surface area cost"));
+  EXPECT_THAT(text.output, ContainsRegex("  list +built in .* s, .* bytes, surface area cost"));
   const Outcome json = Tessera({"info", BoxScene(), "--json", "--spp", "3"});
   EXPECT_THAT(json.output, HasSubstr("\"samples_per_pixel\":3"));
   EXPECT_THAT(json.output, HasSubstr("{\"path\":\"box-walls.pbrt\""));
+  const Outcome of_one = Tessera({"info", BoxScene(), "--accelerator", "bvh"});
+  EXPECT_THAT(of_one.output, HasSubstr("  bvh "));
+  EXPECT_THAT(of_one.output, Not(HasSubstr("  embree ")));
 }
 
 }  // namespace

@@ -274,19 +274,6 @@ TEST(Embree, ThinTrianglesDoNotHideWhatLeavesThem) {
   EXPECT_EQ(false_hits, 0);
 }
 
-TEST(Embree, ASphereIsSeenFromInsideAndAtItsVeryEdge) {
-  const Geometry geometry{{SphereShape({0, 0, 5}, 1)}, {}, {}};
-  const TextureTable textures;
-  const auto accelerator = Build(geometry, textures);
-  Hit hit;
-  ASSERT_TRUE(accelerator->Intersect({{0, 0, 5}, {0, 0, 2}}, &hit));
-  EXPECT_FLOAT_EQ(hit.t, 0.5f);
-  EXPECT_TRUE(accelerator->Intersect({{0.999999f, 0, 0}, {0, 0, 1}}, &hit));
-  EXPECT_FALSE(accelerator->Intersect({{1.000001f, 0, 0}, {0, 0, 1}}, &hit));
-  ASSERT_TRUE(accelerator->Intersect({{0, 0, -1e6f}, {0, 0, 1}}, &hit));
-  EXPECT_NEAR(hit.t, 1e6f + 4, 0.1f);
-}
-
 TEST(Embree, OpacityIsTheProbabilityOfAHit) {
   for (const bool is_patch : {false, true}) {
     Geometry geometry;
