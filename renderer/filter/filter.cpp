@@ -11,8 +11,9 @@ namespace tessera {
 namespace {
 
 constexpr std::string_view kKinds[] = {"box", "gaussian", "mitchell", "sinc", "triangle"};
-constexpr int kIntervals = 512;   // per axis: far below what a pixel's samples can resolve
-constexpr float kRadiusMax = 64;  // pixels: wider filters are mistakes
+constexpr int kIntervals = 512;    // per axis: far below what a pixel's samples can resolve
+constexpr int kGuideParts = 1024;  // a power of two, so that u times it is exact: twice the intervals
+constexpr float kRadiusMax = 64;   // pixels: wider filters are mistakes
 
 // parameters: sigma. The value at the radius is subtracted, so that the filter ends at 0.
 float Gaussian(float x, float radius, const float* parameters) {
@@ -61,11 +62,23 @@ FilterAxis::FilterAxis(float radius, float (*f)(float, float, const float*), con
     cdf_[i] = cdf_[i - 1] + (std::abs(value_[i - 1]) + std::abs(value_[i])) / 2;
   }
   for (float& c : cdf_) c /= cdf_[kIntervals];
+  guide_.resize(kGuideParts);
+  for (int part = 0; part < kGuideParts; ++part) {
+    const auto above = std::upper_bound(cdf_.begin(), cdf_.end(), static_cast<float>(part) / kGuideParts);
+    guide_[part] = static_cast<uint16_t>(std::clamp<ptrdiff_t>(above - cdf_.begin() - 1, 0, kIntervals - 1));
+  }
+}
+
+// The last interval that begins at or before u: a step or two from where the guide points (Chen and Asau
+// 1974).
+int FilterAxis::IntervalOf(float u) const {
+  int i = guide_[static_cast<int>(u * kGuideParts)];
+  while (i < kIntervals - 1 && cdf_[i + 1] <= u) ++i;
+  return i;
 }
 
 float FilterAxis::Sample(float u, float* sign) const {
-  const auto above = std::upper_bound(cdf_.begin(), cdf_.end(), u);
-  const int i = std::clamp(static_cast<int>(above - cdf_.begin()) - 1, 0, kIntervals - 1);
+  const int i = IntervalOf(u);
   const float width = cdf_[i + 1] - cdf_[i];
   const float a = std::abs(value_[i]), b = std::abs(value_[i + 1]);
   const float v = width > 0 ? std::clamp((u - cdf_[i]) / width, 0.0f, kOneMinusEpsilon) : 0.5f;

@@ -2,6 +2,7 @@
 // magnitude, so every sample belongs to one pixel and carries a weight of +1 or -1.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "language/scene_description.h"
@@ -28,9 +29,11 @@ class FilterAxis {
   float Evaluate(float x) const;
 
  private:
+  int IntervalOf(float u) const;  // u in [0, 1)
   float radius_ = 0;
-  std::vector<float> value_;  // at the nodes
-  std::vector<float> cdf_;    // of |f| up to each node, 1 at the last
+  std::vector<float> value_;     // at the nodes
+  std::vector<float> cdf_;       // of |f| up to each node, 1 at the last
+  std::vector<uint16_t> guide_;  // the interval of the least u of each of equal parts of [0, 1)
 };
 
 // Immutable.

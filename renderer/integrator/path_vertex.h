@@ -20,7 +20,9 @@ inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
 // May change the shading normal and drop wavelengths.
 inline Bsdf BsdfAt(const World& world, const PathSettings& settings, SurfaceInteraction& interaction,
                    SampledWavelengths& wavelengths) {
-  const TextureContext context = MakeTextureContext(interaction, world.camera, settings.footprint_scale);
+  const TextureContext context = world.materials.NeedsFootprint(interaction.material)
+                                     ? MakeTextureContext(interaction, world.camera, settings.footprint_scale)
+                                     : PlaceOf(interaction);
   return world.materials.Evaluate(interaction.material, world.textures, context, interaction, wavelengths);
 }
 

@@ -14,10 +14,7 @@ float Clamped(float v) {
 }  // namespace
 
 TextureContext MakeTextureContext(const SurfaceInteraction& interaction, const Camera& camera, float scale) {
-  TextureContext context;
-  context.p = interaction.p;
-  context.n = interaction.shading.n;
-  context.uv = interaction.uv;
+  TextureContext context = PlaceOf(interaction);
   const Footprint footprint = camera.ApproximateFootprint(interaction.p, interaction.n, scale);
   context.dpdx = footprint.dpdx;
   context.dpdy = footprint.dpdy;

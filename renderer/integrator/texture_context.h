@@ -7,6 +7,15 @@
 
 namespace tessera {
 
+// The place alone, for materials that look at no texture.
+inline TextureContext PlaceOf(const SurfaceInteraction& interaction) {
+  TextureContext context;
+  context.p = interaction.p;
+  context.n = interaction.shading.n;
+  context.uv = interaction.uv;
+  return context;
+}
+
 // `scale` shrinks the footprint for pixels that take many samples.
 TextureContext MakeTextureContext(const SurfaceInteraction& interaction, const Camera& camera, float scale);
 

@@ -6,6 +6,7 @@
 #include "material/material_builder.h"
 #include "material/material_kinds.h"
 #include "material/relief.h"
+#include "material/texture_use.h"
 #include "util/hash.h"
 
 namespace tessera {
@@ -122,7 +123,19 @@ Result<MaterialTable> MaterialTable::Build(const SceneDescription& scene, Textur
     if (!material) return material.error();
     table.materials_.push_back(*std::move(material));
   }
+  table.MarkNeeds();
   return table;
+}
+
+// A mix needs what those it chooses from need. One that is built later is taken to need it.
+void MaterialTable::MarkNeeds() {
+  needs_footprint_.assign(materials_.size(), 1);
+  const auto needs = [&](const Material& material) {
+    const MixMaterial* mix = std::get_if<MixMaterial>(&material.kind);
+    const bool chosen = mix != nullptr && (needs_footprint_[mix->first] || needs_footprint_[mix->second]);
+    return chosen || ReadsTextures(material);
+  };
+  for (size_t i = 0; i < materials_.size(); ++i) needs_footprint_[i] = needs(materials_[i]);
 }
 
 bool MaterialTable::IsInterface(int material) const {

@@ -219,6 +219,32 @@ TEST(Material, MixesNestAndChooseIndependently) {
   EXPECT_NEAR(light / 20000.0, 0.25, 0.015);
 }
 
+TEST(Material, OnlyThoseThatLookAtTexturesNeedTheFootprint) {
+  const std::string checks = R"(Texture "c" "float" "checkerboard" Texture "s" "spectrum" "checkerboard"
+MakeNamedMaterial "plain" "string type" "diffuse"
+MakeNamedMaterial "checked" "string type" "diffuse" "texture reflectance" "s"
+)";
+  const auto needs = [&](const std::string& material) {
+    const Materials m(checks + "Material " + material);
+    EXPECT_EQ(m.error, "") << material;
+    return m.table.NeedsFootprint(m.last);
+  };
+  for (const char* plain : {R"("interface")", R"("diffuse")", R"("dielectric" "float roughness" 0.2)",
+                            R"("conductor" "float uroughness" 0.2)", R"("coateddiffuse" "float g" 0.5)",
+                            R"("mix" "string materials" [ "plain" "plain" ])"}) {
+    EXPECT_FALSE(needs(plain)) << plain;
+  }
+  for (const char* textured :
+       {R"("diffuse" "texture reflectance" "s")", R"("diffuse" "texture displacement" "c")",
+        R"("diffuse" "string normalmap" "tilted.pfm")",
+        R"("diffusetransmission" "texture transmittance" "s")", R"("conductor" "texture k" "s")",
+        R"("dielectric" "texture vroughness" "c")", R"("coateddiffuse" "texture thickness" "c")",
+        R"("mix" "texture amount" "c" "string materials" [ "plain" "plain" ])",
+        R"("mix" "string materials" [ "plain" "checked" ])"}) {
+    EXPECT_TRUE(needs(textured)) << textured;
+  }
+}
+
 TEST(Material, FlatDisplacementLeavesTheNormal) {
   for (const char* height : {"0", "0.7"}) {
     Materials m(R"(Texture "h" "float" "checkerboard" "float tex1" )" + std::string(height) +
