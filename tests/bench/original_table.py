@@ -17,7 +17,8 @@ three columns are made by volpath, those of the other two by mixture: always by 
 1 / (relMSE x CPU seconds). The time to the first column's relMSE takes errors to fall as 1 / samples.
 
 A cell that would take longer than --run-seconds is measured with fewer samples, its times and rays multiplied, its relMSE
-divided, and is marked so.
+divided, and is marked so. What the farm's processes take to start, load and write is measured with one sample per pixel
+and is not multiplied.
 
 Usage: original_table.py [--quick] [--bin DIR] [--out DIR] [--scenes NAME ...]
 On two cores the whole table takes some four hours, at most 6 x (4 x --reference-seconds + 5 x --runs x --run-seconds).
@@ -171,13 +172,21 @@ def measure_farm(bench, name, production):
     """The farm's cell: its own times; everything else is production's if the pictures agree."""
     runs = []
     picture = bench.folder / f"{name}-farm.exr"
+    once = [bench.farm(name, PILOT_SPP, i, picture) for i in range(bench.options.runs)]
+    fixed = {key: fixed_cost([run[key] for run in once], [run[key] for run in production["runs"]], production["spp"])
+             for key in ("wall_s", "cpu_s")}
     for i in range(bench.options.runs):
         load_before = os.getloadavg()[0]
         timing = bench.farm(name, production["spp"], i, picture)
         if i == 0 and not same_values(bench, picture, production["picture"]):
             raise Unavailable("the farm's picture is not production's")
         runs.append(dict(production["runs"][i], **timing, load_before=load_before, load_after=os.getloadavg()[0]))
-    return dict(production, runs=runs, picture=picture)
+    return dict(production, runs=runs, picture=picture, fixed=fixed)
+
+
+def fixed_cost(pilots, production, spp):
+    """Of a farm's run, from runs with PILOT_SPP: without what production takes for so many samples."""
+    return max(0.0, statistics.median(pilots) - statistics.median(production) / spp * PILOT_SPP)
 
 
 def summarize(cell):
@@ -185,7 +194,8 @@ def summarize(cell):
     runs, scale = cell["runs"], cell["scale"]
     summary = {"spp": cell["spp"], "scale": scale, "runs": len(runs)}
     for key in ("cpu_s", "wall_s"):
-        values = [run[key] * scale for run in runs]
+        fixed = cell.get("fixed", {}).get(key, 0.0)
+        values = [max(0.0, run[key] - fixed) * scale + fixed for run in runs]
         summary[key] = statistics.median(values)
         summary[key + "_min"], summary[key + "_max"] = min(values), max(values)
     for key in ("camera_rays", "bounce_rays", "shadow_rays"):
