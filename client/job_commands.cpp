@@ -4,6 +4,7 @@
 #include "client/commands.h"
 #include "client/reach_coordinator.h"
 #include "client/status_text.h"
+#include "client/times_text.h"
 #include "client/watching.h"
 
 namespace tessera {
@@ -21,6 +22,7 @@ Result<int> RunStatus(const Options& options, Cancellation& cancellation) {
   const auto status = (*client)->Status(JobId{options.job});
   if (!status) return status.error();
   Print(options, *status);
+  if (!options.json) fmt::print("{}", TimesTable(status->times));
   return 0;
 }
 

@@ -39,6 +39,10 @@ std::string DurationText(double seconds) {
   return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
 }
 
+std::string BytesText(uint64_t bytes) {
+  return WithPrefix(static_cast<double>(bytes)) + "B";
+}
+
 std::string ProgressText(const Progress& progress, const char* worker_word) {
   const double done = static_cast<double>(progress.samples_done);
   const double total = static_cast<double>(progress.samples_total);

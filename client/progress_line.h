@@ -26,6 +26,9 @@ std::string ProgressText(const Progress& progress, const char* worker_word);
 // "4.2 s", "3 min 12 s", "2 h 5 min"
 std::string DurationText(double seconds);
 
+// "12.3 MB"
+std::string BytesText(uint64_t bytes);
+
 // One line rewritten in place on a terminal; otherwise a line of its own, now and then. Not thread safe.
 class ProgressLine {
  public:

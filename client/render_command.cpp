@@ -12,6 +12,8 @@
 #include "client/output.h"
 #include "client/progress_line.h"
 #include "client/scene_job.h"
+#include "client/status_text.h"
+#include "client/times_text.h"
 #include "client/watching.h"
 #include "farm/coordinator_client.h"
 #include "film/picture_file.h"
@@ -104,6 +106,8 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const Options& options, cons
   });
   if (!status) return status.error();
   if (status->state != JobState::kFinished) return EndedWithoutPicture(*status);
+  if (const std::string line = TimesLine(status->times); !line.empty())
+    fmt::print(stderr, "the farm's time: {}\n", line);
   if (auto saved = fetcher.SaveFinished(); !saved) return saved.error();
   return fetcher.saved();
 }

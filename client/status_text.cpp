@@ -21,6 +21,23 @@ std::string Dump(const nlohmann::ordered_json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+nlohmann::ordered_json ToJson(const JobTimes& times) {
+  nlohmann::ordered_json json;
+  json["render_s"] = times.render_s;
+  json["waste_s"] = times.waste_s;
+  json["other_s"] = times.other_s;
+  json["fetch_s"] = times.fetch_s;
+  json["load_s"] = times.load_s;
+  json["idle_s"] = times.idle_s;
+  json["tail_s"] = times.tail_s;
+  json["writing_s"] = times.writing_s;
+  json["overhead_s"] = times.overhead_s;
+  json["merge_s"] = times.merge_s;
+  json["journal_s"] = times.journal_s;
+  json["picture_s"] = times.picture_s;
+  return json;
+}
+
 nlohmann::ordered_json ToJson(const JobStatus& status) {
   nlohmann::ordered_json json;
   json["job"] = Number(status.job);
@@ -37,6 +54,7 @@ nlohmann::ordered_json ToJson(const JobStatus& status) {
   if (status.left.count() >= 0) json["left_s"] = Seconds(status.left);
   json["frames_total"] = status.frames_total;
   json["frames_finished"] = status.frames_finished;
+  json["times"] = ToJson(status.times);
   return json;
 }
 
@@ -54,6 +72,8 @@ nlohmann::ordered_json ToJson(const WorkerStatus& status) {
   json["draining"] = status.draining;
   json["quarantined"] = status.quarantined;
   json["reason"] = status.reason;
+  json["utilisation"] = status.utilisation;
+  json["samples_per_second"] = status.samples_per_second;
   return json;
 }
 
@@ -103,13 +123,15 @@ std::string JobTable(const std::vector<JobStatus>& jobs) {
 }
 
 std::string WorkerTable(const std::vector<WorkerStatus>& workers) {
-  std::string table = fmt::format("{:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5}  {:>9}  {}\n", "NAME", "SLOTS",
-                                  "LEASES", "FINISHED", "FAILED", "SPEED", "SILENT", "VERSION");
+  std::string table =
+      fmt::format("{:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5}  {:>5}  {:>12}  {:>9}  {}\n", "NAME", "SLOTS",
+                  "LEASES", "FINISHED", "FAILED", "SPEED", "BUSY", "SAMPLES/S", "SILENT", "VERSION");
   for (const WorkerStatus& worker : workers) {
     const std::string remark = WorkerRemark(worker);
-    table += fmt::format("{:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5.2f}  {:>9}  {}{}\n", worker.name,
-                         worker.slots, worker.leases, worker.units_finished, worker.units_failed,
-                         worker.speed, DurationText(Seconds(worker.silent)), worker.software_version,
+    table += fmt::format("{:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5.2f}  {:>3.0f} %  {:>12.0f}  {:>9}  {}{}\n",
+                         worker.name, worker.slots, worker.leases, worker.units_finished, worker.units_failed,
+                         worker.speed, 100 * worker.utilisation, worker.samples_per_second,
+                         DurationText(Seconds(worker.silent)), worker.software_version,
                          remark.empty() ? "" : "  " + remark);
   }
   return table;

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "client/commands.h"
+#include "client/progress_line.h"
 #include "client/reach_coordinator.h"
 #include "client/scene_job.h"
 #include "client/watching.h"
@@ -15,7 +16,10 @@ Result<int> RunSubmit(const Options& options, Cancellation& cancellation) {
   if (!job) return job.error();
   const auto client = ReachCoordinator(options, cancellation);
   if (!client) return client.error();
-  if (auto sent = (*client)->Upload(job->packed); !sent) return sent.error();
+  const auto sent = (*client)->Upload(job->packed);
+  if (!sent) return sent.error();
+  fmt::print(stderr, "uploaded {} of {} files, {}\n", sent->files_sent, sent->files_total,
+             BytesText(sent->bytes_sent));
   const std::string name =
       options.name.empty() ? std::filesystem::path(options.scene).stem().string() : options.name;
   const auto id = (*client)->Submit(job->packed, name, options.priority);

@@ -17,14 +17,14 @@ constexpr int kTransfersMax = 1024;  // at the same time: each has a file open
 // Deletes itself when the call is over.
 class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
  public:
-  UploadCall(const BlobStore& blobs, std::atomic<int>& transfers) : blobs_(blobs), transfers_(transfers) {
-    if (++transfers_ > kTransfersMax) {
+  UploadCall(const BlobStore& blobs, TransferLoad& load) : blobs_(blobs), load_(load) {
+    if (++load_.transfers > kTransfersMax) {
       Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers at the same time; try again"});
       return;
     }
     StartRead(&chunk_);
   }
-  ~UploadCall() override { --transfers_; }
+  ~UploadCall() override { --load_.transfers; }
 
  private:
   void OnReadDone(bool ok) override {
@@ -43,7 +43,7 @@ class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
       const auto digest = ReadDigest(chunk_.digest(), "digest");
       if (!digest) return ToStatus(digest.error());
       if (blobs_.Has(*digest)) return grpc::Status::OK;
-      auto begun = blobs_.Begin(*digest, chunk_.size());
+      auto begun = blobs_.Begin(*digest, chunk_.size(), chunk_.offset());
       if (!begun) return Refusal(begun.error());
       upload_ = std::move(*begun);
     }
@@ -51,21 +51,28 @@ class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
       return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "message refused: data is longer than a chunk");
     }
     if (const auto added = upload_->Add(chunk_.data()); !added) return Refusal(added.error());
+    load_.bytes_in += chunk_.data().size();
     return std::nullopt;
   }
   grpc::Status End() {
     if (upload_ == nullptr)
       return {grpc::StatusCode::INVALID_ARGUMENT, "message refused: an upload without chunks"};
+    // Cut short: what came is kept for the next attempt.
+    if (!upload_->IsWhole()) return {grpc::StatusCode::DATA_LOSS, "the upload was cut short"};
     const auto finished = upload_->Finish();
     return finished ? grpc::Status::OK : Refusal(finished.error());
   }
   static grpc::Status Refusal(const Error& error) {
-    const bool is_data = error.kind == ErrorKind::kBadInput;
-    return {is_data ? grpc::StatusCode::DATA_LOSS : grpc::StatusCode::RESOURCE_EXHAUSTED, error.message};
+    switch (error.kind) {
+      case ErrorKind::kBadInput: return {grpc::StatusCode::DATA_LOSS, error.message};
+      case ErrorKind::kInterrupted: return {grpc::StatusCode::UNAVAILABLE, error.message};
+      case ErrorKind::kFailed: break;
+    }
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, error.message};
   }
 
   const BlobStore& blobs_;
-  std::atomic<int>& transfers_;
+  TransferLoad& load_;
   proto::UploadChunk chunk_;
   std::unique_ptr<BlobStore::Upload> upload_;
 };
@@ -73,9 +80,9 @@ class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
 // Deletes itself when the call is over.
 class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk> {
  public:
-  DownloadCall(const BlobStore& blobs, const proto::DownloadRequest& request, std::atomic<int>& transfers)
-      : transfers_(transfers) {
-    if (++transfers_ > kTransfersMax) {
+  DownloadCall(const BlobStore& blobs, const proto::DownloadRequest& request, TransferLoad& load)
+      : load_(load) {
+    if (++load_.transfers > kTransfersMax) {
       Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers at the same time; try again"});
       return;
     }
@@ -87,13 +94,13 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
     chunk_.set_size(size_);
     SendNext();
   }
-  ~DownloadCall() override { --transfers_; }
+  ~DownloadCall() override { --load_.transfers; }
 
  private:
   grpc::Status Open(const BlobStore& blobs, const proto::DownloadRequest& request) {
     const auto digest = ReadDigest(request.digest(), "digest");
     if (!digest) return ToStatus(digest.error());
-    const auto size = blobs.Size(*digest);
+    const auto size = blobs.Use(*digest);
     if (!size) return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no blob {}", digest->Hex())};
     if (request.offset() > *size)
       return {grpc::StatusCode::OUT_OF_RANGE, "the offset is beyond the blob's end"};
@@ -112,6 +119,7 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
       return;
     }
     left_ -= data.size();
+    load_.bytes_out += data.size();
     StartWrite(&chunk_);
   }
   void OnWriteDone(bool ok) override {
@@ -126,7 +134,7 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
   }
   void OnDone() override { delete this; }
 
-  std::atomic<int>& transfers_;
+  TransferLoad& load_;
   std::ifstream file_;
   uint64_t size_ = 0, left_ = 0;
   proto::DownloadChunk chunk_;
@@ -148,7 +156,9 @@ grpc::ServerUnaryReactor* BlobService::FindMissing(grpc::CallbackServerContext* 
       reactor->Finish(ToStatus(digest.error()));
       return reactor;
     }
-    if (!blobs_.Has(*digest)) answer->add_missing(bytes);
+    if (blobs_.Use(*digest)) continue;
+    answer->add_missing(bytes);
+    answer->add_held(blobs_.Unfinished(*digest));
   }
   reactor->Finish(grpc::Status::OK);
   return reactor;
@@ -156,12 +166,12 @@ grpc::ServerUnaryReactor* BlobService::FindMissing(grpc::CallbackServerContext* 
 
 grpc::ServerReadReactor<proto::UploadChunk>* BlobService::Upload(grpc::CallbackServerContext*,
                                                                  proto::UploadAnswer*) {
-  return new UploadCall(blobs_, transfers_);
+  return new UploadCall(blobs_, load_);
 }
 
 grpc::ServerWriteReactor<proto::DownloadChunk>* BlobService::Download(grpc::CallbackServerContext*,
                                                                       const proto::DownloadRequest* request) {
-  return new DownloadCall(blobs_, *request, transfers_);
+  return new DownloadCall(blobs_, *request, load_);
 }
 
 }  // namespace tessera

@@ -8,9 +8,17 @@
 
 namespace tessera {
 
+struct TransferLoad {
+  std::atomic<int> transfers{0};  // that run now
+  std::atomic<uint64_t> bytes_in{0}, bytes_out{0};
+};
+
 class BlobService final : public proto::Blobs::CallbackService {
  public:
   explicit BlobService(const BlobStore& blobs) : blobs_(blobs) {}
+  // Of blobs, since the start.
+  uint64_t bytes_in() const { return load_.bytes_in; }
+  uint64_t bytes_out() const { return load_.bytes_out; }
 
   grpc::ServerUnaryReactor* FindMissing(grpc::CallbackServerContext* context,
                                         const proto::FindMissingRequest* request,
@@ -22,7 +30,7 @@ class BlobService final : public proto::Blobs::CallbackService {
 
  private:
   const BlobStore& blobs_;
-  std::atomic<int> transfers_{0};
+  TransferLoad load_;
 };
 
 }  // namespace tessera

@@ -5,12 +5,14 @@
 
 #include <cstdio>
 
+#include "coordinator/ask_core.h"
 #include "coordinator/blob_service.h"
 #include "coordinator/core_thread.h"
 #include "coordinator/jobs_service.h"
 #include "coordinator/picture_writer.h"
 #include "coordinator/recovery.h"
 #include "coordinator/server.h"
+#include "coordinator/web_server.h"
 #include "coordinator/work_service.h"
 #include "store/data_dir.h"
 
@@ -27,12 +29,28 @@ void WaitForSignal() {
   spdlog::info("signal number={}", signal);
 }
 
+// Nothing if no web page was asked for.
+Result<std::unique_ptr<WebServer>> StartWeb(const CoordinatorOptions& options, CoreThread& core,
+                                            const WorkService& work, const BlobService& blobs,
+                                            const BlobStore& store) {
+  if (!options.http) return std::unique_ptr<WebServer>();
+  auto web = WebServer::Start(*options.http, [&]() -> std::optional<FarmView> {
+    auto view = LookAtFarm(core);
+    if (!view) return view;
+    view->traffic = {work.bytes_in(), blobs.bytes_in(), blobs.bytes_out()};
+    view->blob_bytes = store.bytes();
+    return view;
+  });
+  if (web) std::fprintf(stderr, "status page at http://%s/\n", (*web)->address().Text().c_str());
+  return web;
+}
+
 }  // namespace
 
 Result<void> RunCoordinator(const CoordinatorOptions& options) {
   auto directory = DataDir::Open(options.data_dir);
   if (!directory) return directory.error();
-  auto blobs = BlobStore::Open(directory->BlobsPath());
+  auto blobs = BlobStore::Open(directory->BlobsPath(), options.blob_bytes);
   if (!blobs) return blobs.error();
   BackgroundThread spooling;
   const auto run = [&](std::function<void()> task) { spooling.Post(std::move(task)); };
@@ -45,15 +63,20 @@ Result<void> RunCoordinator(const CoordinatorOptions& options) {
   parts->remove_pictures = [&](JobId job) { spooling.Post([&, job] { directory->RemovePictures(job); }); };
   CoreThread core(std::move(*parts));
   core_of_writer = &core;
+  blobs->Protect(
+      [&core] { return AskCore(core, [](CoreContext& context) { return context.farm.PackagesInUse(); }); });
   WorkService work(core);
   BlobService blob_service(*blobs);
   JobsService jobs(core, *blobs, *directory);
+  auto web = StartWeb(options, core, work, blob_service, *blobs);
+  if (!web) return web.error();
   auto server = CoordinatorServer::Start(options.listen, work, blob_service, jobs);
   if (!server) return server.error();
   for (const Address& address : (*server)->addresses()) {
     std::fprintf(stderr, "listening on %s\n", address.Text().c_str());
   }
   WaitForSignal();
+  web->reset();
   // Waiting calls first, then no new ones, then what their answers need.
   core.Close();
   (*server)->Shutdown();

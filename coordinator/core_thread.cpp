@@ -75,6 +75,7 @@ void CoreThread::Run() {
     CoreContext context{*parts_.farm, now, answers_};
     for (Event& event : events) event(context);
     parts_.farm->Advance(now);
+    parts_.farm->counters().core_s += Seconds(Now() - now);
     Deliver(parts_.farm->TakeOutput());
     if (closing_) {
       for (const auto& [call, answer] : std::exchange(answers_.directives_, {})) answer(nullptr);
@@ -133,11 +134,14 @@ void CoreThread::Load(FrameId frame) {
 
 bool CoreThread::Sync() {
   if (Now() < sync_due_ && !closing_) return false;
+  const Instant begun = Now();
   for (const FrameId frame : parts_.spool->Grown()) {
     if (auto nodes = parts_.farm->Sums(frame)) parts_.spool->Replace(frame, std::move(*nodes));
   }
   auto synced = parts_.spool->Sync();
   if (synced) synced = parts_.journal->Sync();
+  parts_.farm->counters().journal_s += Seconds(Now() - begun);
+  ++parts_.farm->counters().journal_syncs;
   parts_.farm->StorageDelayed(synced ? "" : synced.error().message);
   if (!synced) sync_due_ = Now() + kSyncRetry;
   return synced.has_value();

@@ -12,18 +12,33 @@ namespace {
 constexpr int kListenMax = 16;
 constexpr int kAttemptsMax = 100;
 
-Result<CoordinatorOptions> Check(CoordinatorOptions options, const std::vector<std::string>& listen) {
+Result<Address> CheckAddress(const std::string& text, const std::string& flag, bool insecure) {
+  auto address = ParseAddress(text, flag);
+  if (!address) return address.error();
+  if (!address->IsLocal() && !insecure) {
+    return BadInput(
+        fmt::format("{} {}: other machines could reach this address and nobody has to log in; listen "
+                    "on 127.0.0.1{}, or say --insecure if the network is trusted",
+                    flag, text, flag == "--listen" ? " or unix:PATH" : ""));
+  }
+  return address;
+}
+
+Result<CoordinatorOptions> Check(CoordinatorOptions options, const std::vector<std::string>& listen,
+                                 const std::string& http) {
   for (const std::string& text : listen) {
-    auto address = ParseAddress(text, "--listen");
+    auto address = CheckAddress(text, "--listen", options.insecure);
     if (!address) return address.error();
-    if (!address->IsLocal() && !options.insecure) {
-      return BadInput(
-          fmt::format("--listen {}: other machines could reach this address and nobody has to log in; listen "
-                      "on 127.0.0.1 or unix:PATH, or say --insecure if the network is trusted",
-                      text));
-    }
     options.listen.push_back(std::move(*address));
   }
+  if (!http.empty()) {
+    auto address = CheckAddress(http, "--http", options.insecure);
+    if (!address) return address.error();
+    if (address->kind != Address::Kind::kTcp)
+      return BadInput(fmt::format("--http {}: browsers need HOST:PORT", http));
+    options.http = std::move(*address);
+  }
+  if (options.blob_bytes < kBlobBytesMin) return BadInput("--blob-bytes: at least 1M");
   if (options.data_dir.empty()) return BadInput("--data-dir: is empty");
   return options;
 }
@@ -31,9 +46,10 @@ Result<CoordinatorOptions> Check(CoordinatorOptions options, const std::vector<s
 }  // namespace
 
 std::string CoordinatorOptions::Text() const {
-  std::string text = fmt::format("data_dir=\"{}\" insecure={} exit_with_parent={} keep_sums={}", data_dir,
-                                 insecure, exit_with_parent, keep_sums_bytes);
+  std::string text = fmt::format("data_dir=\"{}\" blob_bytes={} insecure={} exit_with_parent={} keep_sums={}",
+                                 data_dir, blob_bytes, insecure, exit_with_parent, keep_sums_bytes);
   for (const Address& address : listen) text += fmt::format(" listen={}", address.Text());
+  if (http) text += fmt::format(" http={}", http->Text());
   return text;
 }
 
@@ -43,6 +59,7 @@ Result<std::optional<CoordinatorOptions>> ParseCoordinatorOptions(int argc, char
   app.set_version_flag("--version", std::string("tessera-coordinator ") + kSoftwareVersion);
   CoordinatorOptions options;
   std::vector<std::string> listen;
+  std::string http;
   app.add_option("--listen", listen,
                  "where clients and workers connect: HOST:PORT or unix:PATH; may be repeated")
       ->required()
@@ -50,6 +67,11 @@ Result<std::optional<CoordinatorOptions>> ParseCoordinatorOptions(int argc, char
       ->allow_extra_args(false);
   app.add_option("--data-dir", options.data_dir, "folder for everything that outlives this process")
       ->required();
+  app.add_option("--http", http,
+                 "HOST:PORT of a status page for browsers, with metrics for Prometheus at /metrics");
+  app.add_option("--blob-bytes", options.blob_bytes,
+                 "scene files kept at most (100G); K, M, G, T may follow; the longest unused go first")
+      ->transform(CLI::AsSizeValue(false));
   app.add_flag("--insecure", options.insecure, "listen on addresses that other machines can reach");
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "end when the process that started this one ends");
@@ -73,7 +95,7 @@ Result<std::optional<CoordinatorOptions>> ParseCoordinatorOptions(int argc, char
   } catch (const CLI::ParseError& error) {
     return BadInput(error.what());
   }
-  auto checked = Check(std::move(options), listen);
+  auto checked = Check(std::move(options), listen, http);
   if (!checked) return checked.error();
   return std::optional(std::move(*checked));
 }

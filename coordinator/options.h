@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/farm.h"
+#include "store/blob_store.h"
 #include "util/result.h"
 #include "wire/address.h"
 
@@ -13,7 +14,9 @@ namespace tessera {
 
 struct CoordinatorOptions {
   std::vector<Address> listen;
+  std::optional<Address> http;  // of the status page and the metrics
   std::string data_dir;
+  uint64_t blob_bytes = kBlobBytesDefault;  // of scene files kept at most
   bool insecure = false;          // listen where other machines can reach it, though nobody has to log in
   bool exit_with_parent = false;  // end when the process that started this one ends
   int attempts_max = 3;           // different workers that may fail a unit before its job fails

@@ -29,10 +29,14 @@ void PictureWriter::WriteNow(CoreThread& core, const FinishedPicture& picture) {
   const JobId job = picture.job;
   const uint32_t frame = picture.frame;
   while (true) {
+    const auto begun = std::chrono::steady_clock::now();
     const auto written = EncodeAndWrite(directory_, picture);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     if (written) {
-      core.Post(
-          [=](CoreContext& context) { context.farm.PictureWritten(context.now, job, frame, *written); });
+      core.Post([=](CoreContext& context) {
+        context.farm.counters().picture_s += seconds;
+        context.farm.PictureWritten(context.now, job, frame, *written);
+      });
       return;
     }
     const std::string reason = written.error().message;

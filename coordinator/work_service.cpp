@@ -94,6 +94,7 @@ grpc::ServerUnaryReactor* WorkService::ReturnResults(grpc::CallbackServerContext
                                                      const proto::ResultsRequest* request,
                                                      proto::ResultsAnswer* answer) {
   grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  bytes_in_ += request->ByteSizeLong();
   auto units = ReadResults(*request);  // here, so that checking and copying pixels uses many threads
   if (!units) {
     reactor->Finish(ToStatus(units.error()));

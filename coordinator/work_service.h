@@ -12,6 +12,8 @@ class CoreThread;
 class WorkService final : public proto::Work::CallbackService {
  public:
   explicit WorkService(CoreThread& core) : core_(core) {}
+  // Of results, since the start.
+  uint64_t bytes_in() const { return bytes_in_; }
 
   grpc::ServerUnaryReactor* Synchronize(grpc::CallbackServerContext* context,
                                         const proto::WorkerState* request,
@@ -26,6 +28,7 @@ class WorkService final : public proto::Work::CallbackService {
  private:
   CoreThread& core_;
   std::atomic<uint64_t> call_next_{1};
+  std::atomic<uint64_t> bytes_in_{0};
 };
 
 }  // namespace tessera

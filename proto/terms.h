@@ -81,6 +81,7 @@ struct SceneOrder {
   std::string scene_file;
   std::string options;  // EncodeRenderOptions
   FrameSpec frame;
+  bool needs_all = false;  // every file of the package is of this scene
 };
 Digest SceneKey(const Digest& package, const std::string& scene_file, const std::string& options);
 
@@ -94,7 +95,18 @@ struct HeldLease {
 
 struct HeldScene {
   Digest key;
-  bool ready = false;  // or still loading
+  bool ready = false;     // or still loading
+  bool fetching = false;  // loading: its files are still on their way
+};
+
+// What the slots of a worker process have done since it started, in slot-milliseconds. Only grows, so that a
+// message that is lost takes nothing with it.
+struct WorkerActivity {
+  uint64_t busy_ms = 0;      // rendering
+  uint64_t fetching_ms = 0;  // nothing to do while the worker fetches a scene's files
+  uint64_t loading_ms = 0;   // the same while it reads and builds the scene
+  uint64_t idle_ms = 0;      // nothing to do at all
+  uint64_t bytes_fetched = 0;
 };
 
 // What a worker is and does, as it says itself.
@@ -112,6 +124,7 @@ struct WorkerState {
   std::vector<LeaseId> returned_leases;
   bool draining = false;
   bool leaving = false;
+  WorkerActivity activity;
   std::chrono::milliseconds wait{};
 };
 
@@ -120,6 +133,7 @@ struct WorkerDirective {
   std::vector<SceneOrder> scenes;
   std::vector<Lease> leases;
   std::vector<LeaseId> drop;
+  std::vector<Digest> prefetch;  // packages
   std::chrono::milliseconds call_again{};
   std::string notice;
 };
@@ -150,6 +164,24 @@ constexpr bool HasEnded(JobState state) {
   return state == JobState::kFinished || state == JobState::kFailed || state == JobState::kCancelled;
 }
 
+// Where the farm's time went while a job was open, in seconds of render slots. The parts make up the whole.
+struct JobTimes {
+  double render_s = 0;    // rendering what is in the picture
+  double waste_s = 0;     // rendering what others had sooner, or what was given up or lost
+  double other_s = 0;     // rendering other jobs
+  double fetch_s = 0;     // waiting for scene files
+  double load_s = 0;      // waiting for a scene to be read and built
+  double idle_s = 0;      // without work while there was still work to hand out
+  double tail_s = 0;      // without work while the last units ran elsewhere
+  double writing_s = 0;   // without work while pictures were written
+  double overhead_s = 0;  // with work in hand and not rendering: messages, and all that nobody measures
+  double SlotSeconds() const {
+    return render_s + waste_s + other_s + fetch_s + load_s + idle_s + tail_s + writing_s + overhead_s;
+  }
+  // Of the coordinator, not of slots; it does these while the slots render.
+  double merge_s = 0, journal_s = 0, picture_s = 0;
+};
+
 struct JobStatus {
   JobId job{};
   std::string name;
@@ -162,6 +194,7 @@ struct JobStatus {
   std::chrono::milliseconds elapsed{};
   std::chrono::milliseconds left{-1};  // negative: not known
   uint32_t frames_total = 0, frames_finished = 0;
+  JobTimes times;
 };
 
 struct FrameStatus {
@@ -180,6 +213,9 @@ struct WorkerStatus {
   std::chrono::milliseconds silent{};
   bool draining = false, quarantined = false;
   std::string reason;
+  double utilisation = 0;                  // of its slots, over the last minute: 0 to 1
+  double samples_per_second = 0;           // over the last minute, accepted
+  bool fetching = false, loading = false;  // a scene
 };
 
 }  // namespace tessera

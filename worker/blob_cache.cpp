@@ -1,13 +1,17 @@
 #include "worker/blob_cache.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -20,6 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr size_t kPieceBytes = size_t{1} << 20;
 constexpr std::string_view kTemporaryMark = ".tmp-";
 constexpr std::chrono::hours kTemporaryAgeMax{24};  // older ones were left behind by a crash
 
@@ -122,6 +127,67 @@ Result<void> BlobCache::Put(const Digest& digest, std::string_view bytes) {
   std::error_code ignored;
   fs::remove(beside, ignored);
   return Failed(fmt::format("{}: cannot be written: {}", path.string(), error.message()));
+}
+
+bool BlobCache::Has(const Digest& digest, uint64_t size) const {
+  std::error_code error;
+  const uint64_t found = fs::file_size(PathOf(digest), error);
+  return !error && found == size;
+}
+
+Result<std::unique_ptr<BlobCache::Incoming>> BlobCache::Begin(const Digest& digest, uint64_t size) {
+  std::unique_ptr<Incoming> incoming(new Incoming);
+  incoming->path_ = PathOf(digest);
+  incoming->beside_ = fmt::format("{}{}part", incoming->path_, kTemporaryMark);
+  incoming->digest_ = digest;
+  std::error_code error;
+  fs::create_directories(fs::path(incoming->path_).parent_path(), error);
+  incoming->file_ = ::open(incoming->beside_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (incoming->file_ < 0) return Failed(fmt::format("{}: cannot be written", incoming->beside_));
+  struct stat ours {};
+  struct stat named {};
+  // The name may have been taken from the file before it was locked: then it is whole by now.
+  const bool is_ours = ::flock(incoming->file_, LOCK_EX | LOCK_NB) == 0 &&
+                       ::fstat(incoming->file_, &ours) == 0 &&
+                       ::stat(incoming->beside_.c_str(), &named) == 0 && ours.st_ino == named.st_ino;
+  if (!is_ours) return std::unique_ptr<Incoming>();
+  const bool too_long = static_cast<uint64_t>(ours.st_size) > size;
+  if (too_long && ::ftruncate(incoming->file_, 0) != 0)
+    return Failed(fmt::format("{}: cannot be truncated", incoming->beside_));
+  std::string piece(kPieceBytes, '\0');
+  ssize_t count = 0;
+  while ((count = ::read(incoming->file_, piece.data(), piece.size())) > 0) {
+    incoming->hash_.Add(std::string_view(piece).substr(0, static_cast<size_t>(count)));
+    incoming->size_ += static_cast<uint64_t>(count);
+  }
+  bytes_ += size;
+  if (bytes_ > bytes_max_) MakeRoomFor(size);
+  return incoming;
+}
+
+BlobCache::Incoming::~Incoming() {
+  if (file_ >= 0) ::close(file_);
+}
+
+Result<void> BlobCache::Incoming::Add(std::string_view bytes) {
+  hash_.Add(bytes);
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file_, bytes.data(), bytes.size());
+    if (count <= 0) return Failed(fmt::format("{}: cannot be written: {}", beside_, std::strerror(errno)));
+    bytes.remove_prefix(static_cast<size_t>(count));
+    size_ += static_cast<uint64_t>(count);
+  }
+  return {};
+}
+
+Result<void> BlobCache::Incoming::Finish() {
+  if (hash_.Finish() != digest_) {
+    ::unlink(beside_.c_str());
+    return Failed("a file came damaged from the coordinator");
+  }
+  if (::rename(beside_.c_str(), path_.c_str()) != 0)
+    return Failed(fmt::format("{}: cannot be written", path_));
+  return {};
 }
 
 void BlobCache::MakeRoomFor(uint64_t bytes) {

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,6 +28,35 @@ class BlobCache {
   std::optional<std::string> Get(const Digest& digest);
   // Keeps the bytes, whose digest the caller has checked. A failure costs a download later and nothing else.
   Result<void> Put(const Digest& digest, std::string_view bytes);
+
+  // Whether a file of that digest and size is here; its bytes are checked when they are read.
+  bool Has(const Digest& digest, uint64_t size) const;
+  // The largest blob that is worth keeping.
+  uint64_t bytes_max() const { return bytes_max_; }
+
+  // A blob on its way into the cache, piece by piece, never whole in memory. What came of one that is broken
+  // off stays on disk, also for the next process. One thread at a time.
+  class Incoming {
+   public:
+    ~Incoming();
+    Incoming(const Incoming&) = delete;
+    Incoming& operator=(const Incoming&) = delete;
+    uint64_t size() const { return size_; }  // so far
+    Result<void> Add(std::string_view bytes);
+    // Puts it at its name. An error if the bytes are not the digest's: then nothing of them stays.
+    Result<void> Finish();
+
+   private:
+    friend class BlobCache;
+    Incoming() = default;
+    int file_ = -1;
+    std::string beside_, path_;
+    Digest digest_;
+    uint64_t size_ = 0;
+    Sha256Stream hash_;
+  };
+  // Null while another thread or process is fetching the same blob. Makes room for `size` bytes.
+  Result<std::unique_ptr<Incoming>> Begin(const Digest& digest, uint64_t size);
 
  private:
   std::string PathOf(const Digest& digest) const;

@@ -5,7 +5,14 @@
 #include <grpcpp/client_context.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+#include <vector>
 
 #include "language/file_source.h"
 #include "proto/blobs.grpc.pb.h"
@@ -20,29 +27,9 @@ namespace {
 // A scene whose file does not come for so long counts as failed; the coordinator decides what then.
 constexpr std::chrono::minutes kDownloadPatience{2};
 
-// Appends to `bytes` what comes from its end on. OK: all of it is there.
-grpc::Status Receive(proto::Blobs::Stub& stub, grpc::ClientContext& context, const Digest& digest,
-                     uint64_t size_max, std::string& bytes) {
-  proto::DownloadRequest request;
-  request.set_digest(WriteDigest(digest));
-  request.set_offset(bytes.size());
-  const auto reader = stub.Download(&context, request);
-  proto::DownloadChunk chunk;
-  uint64_t size = 0;
-  for (bool first = true; reader->Read(&chunk); first = false) {
-    if (first) size = chunk.size();
-    if (size > size_max || chunk.data().size() > size - bytes.size()) {
-      context.TryCancel();
-      reader->Finish();
-      return {grpc::StatusCode::OUT_OF_RANGE, fmt::format("it is larger than {} bytes", size_max)};
-    }
-    if (first) bytes.reserve(size);
-    bytes += chunk.data();
-  }
-  const grpc::Status status = reader->Finish();
-  if (status.ok() && bytes.size() != size) return {grpc::StatusCode::UNAVAILABLE, "it was cut short"};
-  return status;
-}
+constexpr size_t kDownloadsAtOnce =
+    4;  // fills a network whose round trips are long; files are many and small
+constexpr std::chrono::milliseconds kLookAgain{50};  // for a file that somebody else is fetching
 
 }  // namespace
 
@@ -50,34 +37,116 @@ Result<std::string> BlobFetcher::Get(const Digest& digest, uint64_t size_max) {
   if (auto cached = cache_.Get(digest)) {
     if (cached->size() <= size_max) return std::move(*cached);
   }
-  auto bytes = Download(digest, std::min(size_max, kSceneFileSizeMax));
+  auto bytes = DownloadToMemory(digest, std::min(size_max, kSceneFileSizeMax));
   if (!bytes) return bytes;
   if (Sha256(*bytes) != digest) return Failed("a file came damaged from the coordinator");
   if (auto kept = cache_.Put(digest, *bytes); !kept)
-    spdlog::warn("cache reason=\"{}\"", kept.error().message);
+    spdlog::warn("cache_failed reason=\"{}\"", kept.error().message);
   return bytes;
 }
 
-Result<std::string> BlobFetcher::Download(const Digest& digest, uint64_t size_max) {
-  const auto stub = proto::Blobs::NewStub(channel_);
-  Backoff backoff(seed_);
+Result<std::string> BlobFetcher::DownloadToMemory(const Digest& digest, uint64_t size_max) {
   std::string bytes;
+  const auto add = [&](std::string_view piece) -> Result<void> {
+    bytes += piece;
+    return {};
+  };
+  const auto done = Download(digest, size_max, {[&] { return uint64_t{bytes.size()}; }, add});
+  if (!done) return done.error();
+  return bytes;
+}
+
+Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, const Sink& sink) {
+  const auto stub = proto::Blobs::NewStub(channel_);
+  const std::string what = fmt::format("fetch file {}", digest.Hex());
+  Backoff backoff(seed_);
   auto heard = std::chrono::steady_clock::now();
   while (true) {
-    const size_t before = bytes.size();
+    const uint64_t before = sink.size();
     grpc::ClientContext context;
     const std::stop_callback on_stop(stop_, [&context] { context.TryCancel(); });
-    const grpc::Status status = Receive(*stub, context, digest, size_max, bytes);
-    if (status.ok()) return bytes;
+    proto::DownloadRequest request;
+    request.set_digest(WriteDigest(digest));
+    request.set_offset(before);
+    const auto reader = stub->Download(&context, request);
+    proto::DownloadChunk chunk;
+    uint64_t size = 0;
+    Result<void> added;
+    for (bool first = true; added && reader->Read(&chunk); first = false) {
+      if (first) size = chunk.size();
+      const bool fits = size <= size_max && chunk.data().size() <= size - sink.size();
+      added = fits ? sink.add(chunk.data()) : Failed(fmt::format("{}: it is larger than was said", what));
+      on_bytes_(chunk.data().size());
+    }
+    if (!added) context.TryCancel();
+    grpc::Status status = reader->Finish();
+    if (!added) return added;
+    if (status.ok() && sink.size() == size) return {};
+    if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "it was cut short"};
     const auto now = std::chrono::steady_clock::now();
-    if (bytes.size() > before) {
+    if (sink.size() > before) {
       heard = now;
       backoff.Reset();
     }
     const bool again = IsTransient(status) && now - heard < kDownloadPatience;
-    if (!again || !Pause(stop_, backoff.Next()))
-      return ToError(status, fmt::format("fetch file {}", digest.Hex()));
+    if (!again || !Pause(stop_, backoff.Next())) return ToError(status, what);
   }
+}
+
+Result<uint64_t> BlobFetcher::FetchFile(const PackageFile& file) {
+  const auto begun = std::chrono::steady_clock::now();
+  while (!cache_.Has(file.digest, file.size)) {
+    auto incoming = cache_.Begin(file.digest, file.size);
+    if (!incoming) return incoming.error();
+    if (*incoming == nullptr) {  // it comes without us; or not, then Get has it come
+      if (std::chrono::steady_clock::now() - begun > kDownloadPatience || !Pause(stop_, kLookAgain)) return 0;
+      continue;
+    }
+    BlobCache::Incoming& part = **incoming;
+    const uint64_t before = part.size();
+    const auto add = [&](std::string_view piece) { return part.Add(piece); };
+    const auto done = Download(file.digest, file.size, {[&] { return part.size(); }, add});
+    if (!done) return done.error();
+    if (auto kept = part.Finish(); !kept) return kept.error();
+    return file.size - before;
+  }
+  return 0;
+}
+
+Result<uint64_t> BlobFetcher::FetchPackage(const Digest& digest) {
+  const auto manifest = Get(digest, kManifestBytesMax);
+  if (!manifest) return manifest.error();
+  const auto package = DecodeScenePackage(*manifest);
+  if (!package) return package.error();
+  std::set<PackageFile> files;
+  uint64_t total = 0;
+  for (const auto& [path, file] : package->files) {
+    if (file.size <= kSceneFileSizeMax && files.insert(file).second) total += file.size;
+  }
+  if (total > cache_.bytes_max()) return 0;  // the first would go for the last
+  const std::vector<PackageFile> queue(files.begin(), files.end());
+  std::atomic<size_t> taken{0};
+  std::atomic<uint64_t> fetched{0};
+  std::mutex mutex;
+  std::optional<Error> error;
+  const auto fetch_next = [&] {
+    for (size_t next = taken++; next < queue.size() && !stop_.stop_requested(); next = taken++) {
+      const auto done = FetchFile(queue[next]);
+      if (done) {
+        fetched += *done;
+        continue;
+      }
+      const std::lock_guard lock(mutex);
+      error = done.error();
+      taken = queue.size();
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (size_t i = 1; i < std::min(kDownloadsAtOnce, queue.size()); ++i) threads.emplace_back(fetch_next);
+  fetch_next();
+  threads.clear();  // waits for all
+  if (error) return *error;
+  return fetched.load();
 }
 
 }  // namespace tessera

@@ -27,8 +27,9 @@ void OnSignal(std::stop_source& stop, int count) {
   stop.request_stop();
 }
 
-void SetUpLog() {
+void SetUpLog(const std::string& level) {
   spdlog::set_default_logger(spdlog::stderr_logger_mt("worker"));
+  spdlog::set_level(spdlog::level::from_str(level));
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
 }
 
@@ -41,8 +42,7 @@ int Run(const std::vector<std::string>& arguments, std::stop_token stop) {
   }
   const WorkerOptions& options = parsed->options;
   if (auto prepared = BlobCache::Prepare(options.cache_dir); !prepared) return Report(prepared.error());
-  SetUpLog();
-  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  SetUpLog(options.log_level);
   Worker worker(options);
   const auto ended = worker.Run(stop);
   const int code = ended ? 0 : Report(ended.error());

@@ -47,7 +47,7 @@ void LogVerdicts(const proto::ResultsAnswer& answer, const std::vector<FinishedU
     if (answer.verdicts(i) != proto::ResultsAnswer::REFUSED) continue;
     const std::string words = reason < answer.reasons_size() ? ReadReason(answer.reasons(reason)) : "";
     ++reason;
-    spdlog::error("refused unit=\"{}\" reason=\"{}\"", unit.Text(), words);
+    spdlog::error("result_refused unit=\"{}\" reason=\"{}\"", unit.Text(), words);
   }
 }
 
@@ -133,7 +133,7 @@ void Returner::Run(std::stop_token stop) {
     batch_bytes = 0;  // one at a time: the batch may have been too large, or one of it bad
     if (status.error_code() == grpc::StatusCode::INVALID_ARGUMENT &&
         (results == nullptr || results->size() == 1)) {
-      spdlog::error("unreturnable reason=\"{}\"", status.error_message());
+      spdlog::error("result_unreturnable reason=\"{}\"", status.error_message());
       if (results != nullptr) {
         bench_.ResultsAnswered(*results);  // the lease lapses
       } else {

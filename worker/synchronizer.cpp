@@ -41,10 +41,13 @@ struct Synchronizer::Call {
 };
 
 Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState self, Workbench& bench,
+                           ActivityMeter& meter, Prefetcher& prefetcher,
                            std::function<void(Error)> on_refusal)
     : channel_(std::move(channel)),
       self_(std::move(self)),
       bench_(bench),
+      meter_(meter),
+      prefetcher_(prefetcher),
       on_refusal_(std::move(on_refusal)),
       backoff_(Number(self_.worker)),
       next_call_(Clock::now()),
@@ -70,6 +73,7 @@ void Synchronizer::Start() {
   WorkerState state = self_;
   state.sequence = call->sequence = ++self_.sequence;
   bench_.FillState(state);
+  meter_.Fill(state, Clock::now());
   call->returned = state.returned_leases;
   Write(state, call->request);
   SetDeadline(call->context, state.wait + kAnswerPatience);
@@ -133,6 +137,7 @@ void Synchronizer::HandleDirective(const Call& call) {
     spdlog::warn("notice text=\"{}\"", notice_);
   }
   next_call_ = Clock::now() + std::min(directive->call_again, kCallAgainMax);
+  if (!directive->prefetch.empty()) prefetcher_.Wish(directive->prefetch);
   bench_.Apply(*directive);
 }
 
@@ -140,6 +145,7 @@ void Synchronizer::SayGoodbye(std::chrono::milliseconds patience) {
   WorkerState state = self_;
   state.sequence = ++self_.sequence;
   bench_.FillState(state);
+  meter_.Fill(state, Clock::now());
   state.draining = true;
   state.leaving = true;
   state.wait = {};

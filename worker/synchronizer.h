@@ -14,6 +14,8 @@
 
 #include "terms/terms.h"
 #include "util/result.h"
+#include "worker/activity_meter.h"
+#include "worker/prefetcher.h"
 #include "worker/workbench.h"
 #include "worker_core/backoff.h"
 
@@ -30,7 +32,7 @@ class Synchronizer {
   // `self` holds what never changes: worker, name, slots, versions. `on_refusal` is called when the
   // coordinator does not admit this worker: there is no use in going on.
   Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState self, Workbench& bench,
-               std::function<void(Error)> on_refusal);
+               ActivityMeter& meter, Prefetcher& prefetcher, std::function<void(Error)> on_refusal);
   ~Synchronizer();
   Synchronizer(const Synchronizer&) = delete;
   Synchronizer& operator=(const Synchronizer&) = delete;
@@ -52,6 +54,8 @@ class Synchronizer {
   std::shared_ptr<grpc::Channel> channel_;
   WorkerState self_;
   Workbench& bench_;
+  ActivityMeter& meter_;
+  Prefetcher& prefetcher_;
   const std::function<void(Error)> on_refusal_;
   Backoff backoff_;
   std::chrono::steady_clock::time_point next_call_;   // unless there is news

@@ -96,11 +96,15 @@ Worker::Worker(const WorkerOptions& options)
       bulk_channel_(OpenChannel(options.coordinator)),
       self_(Introduce(options)),
       threads_(options.threads),
+      meter_(threads_, Clock::now()),
       cache_(options.cache_dir, options.cache_bytes),
-      fetcher_(bulk_channel_, cache_, closing_.get_token(), Number(self_.worker) + 2),
+      fetcher_(bulk_channel_, cache_, closing_.get_token(), Number(self_.worker) + 2,
+               [this](uint64_t bytes) { meter_.Fetched(bytes); }),
+      prefetcher_(fetcher_),
       assets_(std::make_shared<SharedCache>(kAssetBytesMax)),
       bench_([this] { synchronizer_.Ring(); }),
-      synchronizer_(states_channel_, self_, bench_, [this](Error why) { OnRefusal(std::move(why)); }),
+      synchronizer_(states_channel_, self_, bench_, meter_, prefetcher_,
+                    [this](Error why) { OnRefusal(std::move(why)); }),
       returner_(bulk_channel_, self_.worker, bench_, [this](Error why) { OnRefusal(std::move(why)); }) {}
 
 Worker::~Worker() {
@@ -119,10 +123,12 @@ void Worker::OnRefusal(Error why) {
 }
 
 Result<void> Worker::Run(std::stop_token stop) {
-  spdlog::info("start worker={:016x} name=\"{}\" slots={}", Number(self_.worker), self_.name, threads_);
+  spdlog::info("worker_started worker={:016x} name=\"{}\" slots={}", Number(self_.worker), self_.name,
+               threads_);
   loader_ = std::thread([this] { LoadScenes(); });
   crew_.emplace_back([this] { synchronizer_.Run(closing_.get_token()); });
   crew_.emplace_back([this] { returner_.Run(closing_.get_token()); });
+  crew_.emplace_back([this] { prefetcher_.Run(closing_.get_token()); });
   for (int i = 0; i < threads_; ++i) crew_.emplace_back([this] { Render(); });
   AwaitEither(stop, refused_.get_token());
   if (!refused_.stop_requested()) Drain();
@@ -146,21 +152,34 @@ bool Worker::IsLoading() {
 }
 
 void Worker::Drain() {
-  spdlog::info("drain");
+  spdlog::info("draining");
   bench_.Drain();
   if (bench_.AwaitIdle(kFinishPatience)) return;
   bench_.StopRendering();
-  if (!bench_.AwaitIdle(kReturnPatience)) spdlog::warn("drain reason=\"not everything could be returned\"");
+  if (!bench_.AwaitIdle(kReturnPatience))
+    spdlog::warn("drain_failed reason=\"not everything could be returned\"");
 }
 
 void Worker::Render() {
   while (const auto task = bench_.AwaitUnit(closing_.get_token())) {
+    meter_.SlotBegins(Clock::now());
     try {
       RenderUnit(*task, bench_);
     } catch (const std::exception& e) {  // out of memory
       bench_.UnitFailed(task->lease, fmt::format("{}: {}", task->lease.unit.Text(), e.what()));
     }
+    meter_.SlotEnds(Clock::now());
   }
+}
+
+// What is not here afterwards is fetched when the scene calls it.
+void Worker::FetchFiles(const SceneOrder& order) {
+  if (!order.needs_all) return;
+  meter_.LoaderDoes(ActivityMeter::Loader::kFetching, Clock::now());
+  synchronizer_.Ring();
+  const auto fetched = fetcher_.FetchPackage(order.package);
+  if (fetched || closing_.stop_requested()) return;
+  spdlog::warn("fetch_failed package={} reason=\"{}\"", order.package.Hex(), fetched.error().message);
 }
 
 void Worker::LoadScenes() {
@@ -170,19 +189,25 @@ void Worker::LoadScenes() {
   while (const auto order = bench_.AwaitSceneOrder(closing_.get_token())) {
     const auto start = Clock::now();
     try {
+      FetchFiles(*order);
+      if (closing_.stop_requested()) break;
+      meter_.LoaderDoes(ActivityMeter::Loader::kLoading, Clock::now());
+      synchronizer_.Ring();
       auto scene = LoadOrderedScene(*order, fetch, assets_);
+      meter_.LoaderDoes(ActivityMeter::Loader::kIdle, Clock::now());
       if (closing_.stop_requested()) break;
       if (!scene) {
-        spdlog::warn("scene key={} reason=\"{}\"", order->key.Hex(), scene.error().message);
+        spdlog::warn("scene_failed scene={} reason=\"{}\"", order->key.Hex(), scene.error().message);
         bench_.SceneFailed(order->key, scene.error().message);
         continue;
       }
       bench_.SceneLoaded(order->key, std::move(*scene));
     } catch (const std::exception& e) {  // out of memory
+      meter_.LoaderDoes(ActivityMeter::Loader::kIdle, Clock::now());
       bench_.SceneFailed(order->key, fmt::format("{}: {}", order->scene_file, e.what()));
       continue;
     }
-    spdlog::info("scene key={} load_s={:.3f}", order->key.Hex(),
+    spdlog::info("scene_loaded scene={} load_s={:.3f}", order->key.Hex(),
                  std::chrono::duration<double>(Clock::now() - start).count());
   }
   const std::lock_guard lock(mutex_);

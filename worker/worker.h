@@ -11,16 +11,19 @@
 
 #include "util/result.h"
 #include "util/shared_cache.h"
+#include "worker/activity_meter.h"
 #include "worker/blob_cache.h"
 #include "worker/blob_fetcher.h"
 #include "worker/options.h"
+#include "worker/prefetcher.h"
 #include "worker/returner.h"
 #include "worker/synchronizer.h"
 #include "worker/workbench.h"
 
 namespace tessera {
 
-// `threads` threads render, one loads scenes, one exchanges states, one returns results.
+// `threads` threads render, one loads scenes, one fetches files ahead, one exchanges
+// states, one returns results.
 class Worker {
  public:
   explicit Worker(const WorkerOptions& options);
@@ -37,6 +40,7 @@ class Worker {
  private:
   void Render();
   void LoadScenes();
+  void FetchFiles(const SceneOrder& order);
   void OnRefusal(Error why);
   void Drain();
 
@@ -44,9 +48,11 @@ class Worker {
   std::shared_ptr<grpc::Channel> states_channel_, bulk_channel_;
   WorkerState self_;
   int threads_;
+  ActivityMeter meter_;
   BlobCache cache_;
   BlobFetcher fetcher_;
   std::shared_ptr<SharedCache> assets_;  // what scenes share; scenes hold parts of it
+  Prefetcher prefetcher_;
   Workbench bench_;
   Synchronizer synchronizer_;
   Returner returner_;

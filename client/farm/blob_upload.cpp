@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cerrno>
-#include <cstring>
+#include <map>
+#include <thread>
+#include <vector>
 
 #include "farm/coordinator_connection.h"
 #include "wire/convert.h"
@@ -23,8 +27,10 @@ struct Source {
 // Gives the source piece by piece.
 class SourceReader {
  public:
-  explicit SourceReader(const Source& source)
-      : source_(source), fd_(source.path.empty() ? -1 : ::open(source.path.c_str(), O_RDONLY | O_CLOEXEC)) {}
+  SourceReader(const Source& source, uint64_t offset)
+      : source_(source),
+        offset_(offset),
+        fd_(source.path.empty() ? -1 : ::open(source.path.c_str(), O_RDONLY | O_CLOEXEC)) {}
   ~SourceReader() {
     if (fd_ >= 0) ::close(fd_);
   }
@@ -51,64 +57,148 @@ class SourceReader {
 
  private:
   const Source& source_;
+  uint64_t offset_;
   int fd_;
-  uint64_t offset_ = 0;
 };
 
-grpc::Status SendBlob(proto::Blobs::Stub& stub, grpc::ClientContext* context, const Source& source) {
-  SourceReader reader(source);
+// Sends what follows `offset`; adds what was sent to `bytes_sent`.
+grpc::Status SendBlob(proto::Blobs::Stub& stub, grpc::ClientContext* context, const Source& source,
+                      uint64_t offset, std::atomic<uint64_t>& bytes_sent) {
+  SourceReader reader(source, offset);
   proto::UploadAnswer answer;
   const auto writer = stub.Upload(context, &answer);
   proto::UploadChunk chunk;
   chunk.set_digest(WriteDigest(source.digest));
   chunk.set_size(source.size);
+  chunk.set_offset(offset);
+  bool is_first = true;
   do {
     if (!reader.Next(*chunk.mutable_data())) {
       context->TryCancel();
       writer->Finish();
       return {grpc::StatusCode::FAILED_PRECONDITION, fmt::format("{} cannot be read any more", source.path)};
     }
-    const bool is_last = chunk.data().empty() && source.size > 0;
+    const bool is_last = chunk.data().empty() && !is_first;
     if (is_last || !writer->Write(chunk))
       break;  // a refused write: the coordinator has it already, or an error
+    bytes_sent += chunk.data().size();
+    is_first = false;
     chunk.clear_digest();
     chunk.clear_size();
+    chunk.clear_offset();
   } while (!chunk.data().empty());
   writer->WritesDone();
   return writer->Finish();
 }
 
+// What the coordinator lacks, and how many bytes of each it has.
+using Missing = std::map<std::string, uint64_t>;
+
+// Sends blobs over several streams at the same time, so that neither small files wait for each other's
+// answers nor one large file for all others.
+class Uploader {
+ public:
+  Uploader(proto::Blobs::Stub& stub, std::stop_token stop) : stub_(stub), stop_(std::move(stop)) {}
+
+  Result<Missing> FindMissing(const std::vector<std::string>& digests) {
+    proto::FindMissingRequest request;
+    for (const std::string& digest : digests) request.add_digests(digest);
+    proto::FindMissingAnswer answer;
+    auto asked = WithRetries(stop_, "ask for missing files", [&] {
+      CallContext context(stop_, kCallPatience);
+      return stub_.FindMissing(context.get(), request, &answer);
+    });
+    if (!asked) return asked.error();
+    Missing missing;
+    for (int i = 0; i < answer.missing_size(); ++i)
+      missing[answer.missing(i)] = i < answer.held_size() ? answer.held(i) : 0;
+    return missing;
+  }
+  // All of them, or the first error.
+  Result<void> Send(std::vector<std::pair<const Source*, uint64_t>> queue) {
+    queue_ = std::move(queue);
+    const std::stop_callback on_stop(stop_, [this] { broken_.request_stop(); });
+    std::vector<std::thread> threads;
+    for (size_t i = 0; i < std::min(kUploadsAtOnce, queue_.size()); ++i)
+      threads.emplace_back([this] { SendNext(); });
+    for (std::thread& thread : threads) thread.join();
+    if (error_) return *error_;
+    return {};
+  }
+  uint64_t bytes_sent() const { return bytes_sent_; }
+
+ private:
+  static constexpr size_t kUploadsAtOnce = 4;
+
+  void SendNext() {
+    for (size_t next = taken_++; next < queue_.size() && !broken_.stop_requested(); next = taken_++) {
+      const auto sent = SendOne(*queue_[next].first, queue_[next].second);
+      if (sent) continue;
+      const std::lock_guard lock(mutex_);
+      if (!error_) error_ = sent.error();
+      broken_.request_stop();
+    }
+  }
+  // An upload that breaks goes on where it stopped, for as long as something gets through.
+  Result<void> SendOne(const Source& source, uint64_t held) {
+    const std::string what = fmt::format("send {}", source.path.empty() ? "the list of files" : source.path);
+    std::chrono::milliseconds pause = kRetryFirst;
+    for (int attempts = 1;; ++attempts) {
+      CallContext context(broken_.get_token());
+      const grpc::Status status =
+          SendBlob(stub_, context.get(), source, std::min(held, source.size), bytes_sent_);
+      if (status.ok()) return {};
+      const bool again = status.error_code() == grpc::StatusCode::UNAVAILABLE && attempts < kAttemptsMax;
+      if (!again || !Pause(broken_.get_token(), pause)) return ToError(status, what);
+      const auto missing = FindMissing({WriteDigest(source.digest)});
+      if (!missing) return missing.error();
+      if (missing->empty()) return {};
+      pause = std::min(pause * 2, kRetryMax);
+      if (missing->begin()->second > held) {
+        attempts = 0;
+        pause = kRetryFirst;
+      }
+      held = missing->begin()->second;
+    }
+  }
+
+  proto::Blobs::Stub& stub_;
+  std::stop_token stop_;
+  std::stop_source broken_;  // ends the other streams when one fails
+  std::vector<std::pair<const Source*, uint64_t>> queue_;
+  std::atomic<size_t> taken_{0};
+  std::atomic<uint64_t> bytes_sent_{0};
+  std::mutex mutex_;
+  std::optional<Error> error_;  // guarded by mutex_
+};
+
 }  // namespace
 
-Result<void> CoordinatorClient::Upload(const PackedScene& scene) {
+Result<UploadReport> CoordinatorClient::Upload(const PackedScene& scene) {
   std::map<std::string, Source> sources;  // by digest as it travels
   for (const auto& [path, file] : scene.package.files) {
     sources[WriteDigest(file.digest)] = {file.digest, file.size, scene.disk_paths.at(file.digest), {}};
   }
+  UploadReport report;
+  report.files_total = sources.size();
   sources[WriteDigest(scene.digest)] = {scene.digest, scene.manifest.size(), {}, scene.manifest};
-  const std::stop_token stop = connection_->stop;
+  Uploader uploader(*connection_->blobs, connection_->stop);
+  std::vector<std::pair<const Source*, uint64_t>> queue;
   for (auto it = sources.begin(); it != sources.end();) {
-    proto::FindMissingRequest request;
-    for (; it != sources.end() && request.digests_size() < kDigestsPerCallMax; ++it)
-      request.add_digests(it->first);
-    proto::FindMissingAnswer answer;
-    auto asked = WithRetries(stop, "ask for missing files", [&] {
-      CallContext context(stop, kCallPatience);
-      return connection_->blobs->FindMissing(context.get(), request, &answer);
-    });
-    if (!asked) return asked;
-    for (const std::string& digest : answer.missing()) {
+    std::vector<std::string> digests;
+    for (; it != sources.end() && digests.size() < kDigestsPerCallMax; ++it) digests.push_back(it->first);
+    const auto missing = uploader.FindMissing(digests);
+    if (!missing) return missing.error();
+    for (const auto& [digest, held] : *missing) {
       const auto source = sources.find(digest);
       if (source == sources.end()) return Failed("the coordinator asks for a file that is not of this scene");
-      const std::string& path = source->second.path;
-      auto sent = WithRetries(stop, fmt::format("send {}", path.empty() ? "the list of files" : path), [&] {
-        CallContext context(stop);
-        return SendBlob(*connection_->blobs, context.get(), source->second);
-      });
-      if (!sent) return sent;
+      queue.emplace_back(&source->second, held);
+      report.files_sent += source->second.path.empty() ? 0 : 1;
     }
   }
-  return {};
+  if (auto sent = uploader.Send(std::move(queue)); !sent) return sent.error();
+  report.bytes_sent = uploader.bytes_sent();
+  return report;
 }
 
 }  // namespace tessera

@@ -17,6 +17,12 @@ class Channel;
 
 namespace tessera {
 
+struct UploadReport {
+  size_t files_total = 0;  // different ones
+  size_t files_sent = 0;
+  uint64_t bytes_sent = 0;  // with the list of files, and with what had to be sent again
+};
+
 // Every call waits for its answer and tries again, with bounded patience, while the coordinator is away. A
 // request to stop ends any of them with kInterrupted. Used by one thread at a time.
 class CoordinatorClient {
@@ -30,8 +36,8 @@ class CoordinatorClient {
   CoordinatorClient(const CoordinatorClient&) = delete;
   CoordinatorClient& operator=(const CoordinatorClient&) = delete;
 
-  // Sends the files of the scene that the coordinator lacks.
-  Result<void> Upload(const PackedScene& scene);
+  // Sends the files of the scene that the coordinator lacks, several at the same time.
+  Result<UploadReport> Upload(const PackedScene& scene);
   Result<JobId> Submit(const PackedScene& scene, const std::string& name, int priority);
   Result<JobStatus> Status(JobId job);
   // Calls `report` with every change until the job has ended, and answers its last status.

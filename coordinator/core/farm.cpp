@@ -110,7 +110,10 @@ void Farm::ReturnResults(Instant now, CallId call, WorkerId worker, std::vector<
   PendingResults pending{call, worker, {}, {}};
   for (ReturnedUnit& unit : units) {
     std::string reason;
+    const uint64_t samples =
+        unit.tile ? static_cast<uint64_t>(unit.tile->bounds.area()) * unit.tile->range.size : 0;
     pending.verdicts.push_back(Accept(now, worker, unit, reason));
+    CountResult(unit.unit.job, pending.verdicts.back(), samples, unit.render_seconds);
     if (pending.verdicts.back() == Verdict::kRefused) pending.reasons.push_back(std::move(reason));
   }
   pending_results_.push_back(std::move(pending));
@@ -138,7 +141,9 @@ Verdict Farm::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::
   }
   if (!scheduler_.Finish(now, worker, returned.lease, unit, returned.render_seconds))
     return Verdict::kDuplicate;
+  const uint64_t before = job->samples_done;
   Merge(*job, unit, std::move(*returned.tile));
+  scheduler_.CountAccepted(worker, job->samples_done - before, returned.render_seconds);
   return Verdict::kAccepted;
 }
 
@@ -225,6 +230,7 @@ void Farm::Advance(Instant now) {
     if (JobEntry* const job = FindJob(each.job)) EndJob(now, *job, JobState::kFailed, each.reason);
   }
   if (!condemned.empty()) scheduler_.Advance(now);  // their workers are free
+  CountGivenUp();
   MeasureProgress(now);
   ForgetEnded();
   // Results first: their answers carry what is new for a busy worker, and its waiting call need not be woken.

@@ -123,6 +123,8 @@ class Farm {
   std::vector<WorkerStatus> Workers(Instant now) const { return scheduler_.Workers(now); }
   // The job's frames in order; empty if there is no such job.
   std::vector<FrameStatus> Frames(JobId job) const;
+  // Scene packages of all open jobs.
+  std::vector<Digest> PackagesInUse() const;
   // The frame's file, if it is written.
   std::optional<Digest> FinishedFile(JobId job, uint32_t frame) const;
   // What is there of a frame that is being rendered; nothing if it is complete, its job has ended or there is
@@ -147,11 +149,20 @@ class Farm {
   FarmOutput TakeOutput();
 
   const Scheduler& scheduler() const { return scheduler_; }
+  // What was counted since the start. The shell adds to the coordinator's own times.
+  FarmCounters& counters() { return scheduler_.counters(); }
+  const FarmCounters& counters() const { return scheduler_.counters(); }
 
  private:
   struct Progress {
     Instant at{};
     uint64_t samples = 0;
+  };
+  // The moments that cut the time of a job into parts, as the counters stood then.
+  struct JobClock {
+    FarmCounters begun, tail, rendered, ended;
+    Scheduler::Phase phase = Scheduler::Phase::kOpen;
+    double render_s = 0, waste_s = 0;  // of slots, on this job
   };
   struct JobEntry {
     JobId id{};
@@ -168,6 +179,7 @@ class Farm {
     std::set<uint32_t> writing;          // complete, not written
     std::map<uint32_t, uint32_t> kept;   // not begun: samples per pixel that are in the spool alone
     std::set<uint32_t> loading;          // begun, those samples are on their way from the spool
+    JobClock clock;
   };
   struct Parked {
     CallId call{};
@@ -203,6 +215,11 @@ class Farm {
   void CompleteFrame(JobEntry& job, uint32_t frame);
   void DropSums(const JobEntry& job);
   JobStatus StatusOf(Instant now, const JobEntry& job) const;
+  // farm_report.cpp: where the time went
+  JobTimes TimesOf(const JobEntry& job) const;
+  void CountResult(JobId job, Verdict verdict, uint64_t pixel_samples, double render_seconds);
+  void CountGivenUp();
+  void MeasurePhase(JobEntry& job);
   void MeasureProgress(Instant now);
   void AnswerParked(Instant now);
   void Answer(Instant now, WorkerId worker);

@@ -90,6 +90,8 @@ Result<JobStatus> Farm::Extend(Instant now, JobId id, uint32_t samples_per_pixel
     ExtendFrames(*job, ExtendedSpec(*job->spec, samples_per_pixel));
     if (HasEnded(job->state)) {
       job->began = now - (job->ended - job->began);
+      job->clock = {};  // what was rendered before is in the report before
+      job->clock.begun = counters();
       job->state = JobState::kWaiting;
       open_jobs_.insert(id);
       scheduler_.AddJob(id, job->submitted, {}, job->spec, job->kept);

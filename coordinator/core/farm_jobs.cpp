@@ -29,6 +29,7 @@ Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec) {
   const JobId id{job_next_};
   JobEntry& job = AddJob(id, spec);
   job.began = now;
+  job.clock.begun = counters();
   scheduler_.AddJob(id, spec, {});
   output_.facts.emplace_back(JobSubmitted{id, spec});
   output_.log.push_back(fmt::format("job_submitted job={} name=\"{}\" priority={} frames={} samples={}",
@@ -43,6 +44,7 @@ void Farm::EndJob(Instant now, JobEntry& job, JobState state, const std::string&
   job.state = state;
   job.reason = reason;
   job.ended = now;
+  job.clock.ended = counters();
   job.mergers.clear();
   job.loading.clear();
   job.kept.clear();
@@ -97,6 +99,12 @@ std::vector<JobStatus> Farm::Jobs(Instant now) const {
   return all;
 }
 
+std::vector<Digest> Farm::PackagesInUse() const {
+  std::set<Digest> packages;
+  for (const JobId id : open_jobs_) packages.insert(jobs_.at(id).spec->package);
+  return {packages.begin(), packages.end()};
+}
+
 JobStatus Farm::StatusOf(Instant now, const JobEntry& job) const {
   JobStatus status;
   status.job = job.id;
@@ -110,6 +118,7 @@ JobStatus Farm::StatusOf(Instant now, const JobEntry& job) const {
   const bool ended = HasEnded(job.state);
   const Instant elapsed = (ended ? job.ended : now) - job.began;
   status.elapsed = ToMilliseconds(elapsed);
+  status.times = TimesOf(job);
   if (ended) {
     status.state = job.state;
     if (elapsed.count() > 0)
@@ -135,6 +144,7 @@ JobStatus Farm::StatusOf(Instant now, const JobEntry& job) const {
 void Farm::MeasureProgress(Instant now) {
   for (const JobId id : open_jobs_) {
     JobEntry& job = jobs_.at(id);
+    MeasurePhase(job);
     // The clock of the rate starts with the first samples: waiting and loading are not rendering.
     if (job.samples_done == 0 && job.progress.empty()) continue;
     if (!job.progress.empty() && now - job.progress.back().at < kProgressInterval) continue;

@@ -91,6 +91,7 @@ void Farm::Begin(Instant now) {
 
 void Farm::ResumeJob(Instant now, JobEntry& job) {
   job.began = now;
+  job.clock.begun = counters();
   std::set<uint32_t> finished;
   for (const auto& [frame, file] : job.files) finished.insert(frame);
   scheduler_.AddJob(job.id, job.submitted, finished, job.spec, job.kept);

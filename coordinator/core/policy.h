@@ -41,6 +41,9 @@ constexpr uint32_t kFramesActiveMax = 16;
 // How much of a new measurement of the time that a scene takes to load counts: the first loads fetch files,
 // too.
 constexpr double kLoadGain = 0.3;
+// Scenes that a worker fetches the files of while it renders others: the next jobs in the order of priority.
+constexpr size_t kScenesAheadMax = 2;
+constexpr Instant kPrefetchInterval = seconds(1);  // jobs are longer than that, or need no prefetch
 
 // ---- Leases ----
 // A worker that is heard of every 2 s and misses this long is hung or cut off; a loaded machine may miss

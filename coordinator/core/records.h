@@ -14,6 +14,8 @@
 #include "core/failure_book.h"
 #include "core/frame_work.h"
 #include "core/instant.h"
+#include "core/occupancy.h"
+#include "core/worker_pace.h"
 #include "terms/terms.h"
 
 namespace tessera {
@@ -45,10 +47,16 @@ struct WorkerRecord {
   double speed_counted = 0;  // of all slots, in the sum of all workers
   int slots_counted = 0;
 
+  SlotUse use;      // as it is counted in the farm's occupancy
+  WorkerPace pace;  // of the last minute
+
   std::map<Digest, bool> scenes;            // listed by the last state; whether ready
+  bool fetching = false;                    // one of those that are not ready, its files
   std::vector<SceneOrder> wanted;           // to be loaded
   bool wanted_told = true;                  // `wanted` has been put into some answer
   std::map<Digest, Instant> loading_since;  // when it was told first
+  std::vector<Digest> prefetch;             // packages whose files are to be fetched meanwhile
+  bool prefetch_told = true;                // the same of these
 
   std::set<LeaseId> leases;  // in the order granted
   LeaseId begun{};           // those up to here have begun or are next, as far as one can guess
@@ -65,6 +73,9 @@ struct WorkerRecord {
 
   bool quarantined() const { return !quarantine.empty(); }
   bool MayWork() const { return live && !draining && !quarantined(); }
+  bool IsLoading() const {
+    return std::any_of(scenes.begin(), scenes.end(), [](const auto& scene) { return !scene.second; });
+  }
   bool HasReady(const Digest& scene) const {
     const auto found = scenes.find(scene);
     return found != scenes.end() && found->second;
@@ -78,9 +89,13 @@ struct WorkerRecord {
 struct FrameRecord {
   // The scene is the one submitted; the frame may have more samples by now, `samples_done` of them done.
   FrameRecord(const JobSpec& submitted, const FrameOrder& order, const FrameSpec& frame,
-              uint32_t samples_done)
-      : scene{SceneKey(submitted.package, order.scene_file, order.options), submitted.package,
-              order.scene_file, order.options, order.spec},
+              uint32_t samples_done, bool has_one_scene)
+      : scene{SceneKey(submitted.package, order.scene_file, order.options),
+              submitted.package,
+              order.scene_file,
+              order.options,
+              order.spec,
+              has_one_scene},
         work(frame, samples_done) {}
 
   SceneOrder scene;
@@ -94,6 +109,7 @@ struct JobRecord {
   std::shared_ptr<const JobSpec> submitted;
   std::shared_ptr<const JobSpec> spec;  // as submitted, or extended since
   int priority = 0;
+  bool has_one_scene = true;               // all frames are of the same file
   std::map<uint32_t, FrameRecord> frames;  // those active: begun and not complete
   std::set<uint32_t> frames_ahead;         // not begun
   std::map<uint32_t, uint32_t> kept;       // samples per pixel that frames ahead have already
@@ -107,7 +123,8 @@ struct JobRecord {
     const auto done = kept.extract(frame);
     const uint32_t samples_done = done.empty() ? 0 : done.mapped();
     return frames
-        .try_emplace(frame, *submitted, submitted->frames[frame], spec->frames[frame].spec, samples_done)
+        .try_emplace(frame, *submitted, submitted->frames[frame], spec->frames[frame].spec, samples_done,
+                     has_one_scene)
         .first->second;
   }
   bool HasOpen() const {

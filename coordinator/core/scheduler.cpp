@@ -42,6 +42,7 @@ void Scheduler::AddJob(JobId id, std::shared_ptr<const JobSpec> spec,
   job.priority = spec->priority;
   for (uint32_t f = 0; f < spec->frames.size(); ++f) {
     if (!finished_frames.contains(f)) job.frames_ahead.insert(f);
+    job.has_one_scene &= spec->frames[f].scene_file == spec->frames[0].scene_file;
   }
   job.spec = extended != nullptr ? std::move(extended) : spec;
   job.submitted = std::move(spec);
@@ -84,6 +85,7 @@ void Scheduler::RemoveJob(JobId id) {
     }
   }
   for (const LeaseId lease : void_leases) {
+    CountGivenUp(leases_.at(lease));
     Drop(workers_.at(leases_.at(lease).worker), lease);
     Forget(lease);
   }
@@ -168,6 +170,8 @@ void Scheduler::DropMoot(const WorkUnit& unit, FrameRecord& frame) {
     if (range.Overlaps(unit.range) && frame.work.IsDone({unit.tile, range})) moot.push_back(lease);
   }
   for (const LeaseId lease : moot) {
+    ++counters_.leases_moot;
+    CountGivenUp(leases_.at(lease));
     Drop(workers_.at(leases_.at(lease).worker), lease);
     Forget(lease);
   }
@@ -202,6 +206,7 @@ void Scheduler::FailUnit(Instant now, WorkerId worker_id, LeaseId lease, const W
   const TileSamples samples{unit.tile, unit.range};
   if (frame.work.IsDone(samples)) return;
   ++worker->units_failed;
+  ++counters_.units_failed;
   Log(fmt::format("unit_failed worker={:016x} name=\"{}\" unit=\"{}\" reason=\"{}\"", Number(worker_id),
                   worker->name, unit.Text(), words));
   frame.failures.Record({samples, worker_id, worker->name + ": " + words, now});

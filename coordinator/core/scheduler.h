@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "core/counters.h"
 #include "core/instant.h"
+#include "core/occupancy.h"
 #include "core/policy.h"
 #include "core/records.h"
 #include "terms/terms.h"
@@ -66,6 +68,8 @@ class Scheduler {
   // Whether all samples of the frame are done; true for a frame that is not begun only if it was finished
   // before.
   bool IsComplete(JobId job, uint32_t frame) const;
+  // Results of the worker brought so many pixel samples that are new.
+  void CountAccepted(WorkerId worker, uint64_t pixel_samples, double render_seconds);
   // The worker could not do the unit.
   void FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& words);
   // The worker could not load the scene: as if it had failed all of its units, whatever job they are of.
@@ -97,6 +101,22 @@ class Scheduler {
   bool IsFull(WorkerId worker) const { return workers_.size() >= kWorkersMax && !workers_.contains(worker); }
   uint32_t WorkersOf(JobId job) const;
   size_t lease_count() const { return leases_.size(); }
+  const SlotUse& slot_use() const { return occupancy_.now(); }
+  enum class Phase {
+    kOpen,     // there are units to hand out
+    kTail,     // all are in some worker's hands
+    kRendered  // all are done
+  };
+  Phase PhaseOf(JobId job) const;
+  // Of slots, seconds: on units of a job that were given up, since last asked.
+  struct GivenUp {
+    JobId job{};
+    double seconds = 0;
+  };
+  std::vector<GivenUp> TakeGivenUp();
+  // Counts what happens here; the farm and the shell count the rest in the same numbers.
+  FarmCounters& counters() { return counters_; }
+  const FarmCounters& counters() const { return counters_; }
   // What happened, one "event key=value ..." each, since last asked.
   std::vector<std::string> TakeLog();
 
@@ -128,9 +148,13 @@ class Scheduler {
   void CountSpeed(WorkerRecord& worker);
   void Drop(WorkerRecord& worker, LeaseId lease);
 
+  // scheduler_counting.cpp: what it comes to
+  void CountSlots(WorkerRecord& worker);
+  void CountGivenUp(const LeaseRecord& record);
+
   // scheduler_dispatch.cpp: who gets what
   bool HasRoom(const WorkerRecord& worker) const;
-  void UpdateHunger(const WorkerRecord& worker);
+  void UpdateHunger(WorkerRecord& worker);
   void ForgetHunger(const WorkerRecord& worker);
   void AnnounceWork() { hungry_.merge(starved_); }
   double QueueSeconds(const WorkerRecord& worker) const;
@@ -153,9 +177,13 @@ class Scheduler {
   void Activate(JobRecord& job);
   Choice FrameToLoad(Instant now, JobRecord& job, const WorkerRecord& worker);
   bool MayRender(const FrameRecord& frame, const WorkerRecord& worker) const;
-  void Prefetch(Instant now, WorkerRecord& worker, const Choice& current);
   void CountCrews(Instant now);
   void MeasureLoading(Instant now, WorkerRecord& worker, const Digest& scene);
+
+  // scheduler_prefetch.cpp: what they get ready while they render
+  void LoadNextFrame(Instant now, WorkerRecord& worker, const Choice& current);
+  std::vector<Digest> PackagesAhead() const;
+  void FetchNextJobs(Instant now);
 
   // scheduler_tail.cpp: what idle workers take from slower ones
   void RelieveTail(Instant now);
@@ -180,7 +208,10 @@ class Scheduler {
   std::set<WorkerId> news_;     // see news()
   double total_speed_ = 0;      // slots times speed of the workers that may work
   int total_slots_ = 0;
-  Instant tail_due_{}, expiry_due_{}, crews_due_{};
+  FarmCounters counters_;
+  Occupancy occupancy_;
+  std::vector<GivenUp> given_up_;
+  Instant tail_due_{}, expiry_due_{}, crews_due_{}, prefetch_due_{};
   std::map<Digest, size_t> crews_;  // of scenes: workers that have them or load them, as last counted
   std::vector<CondemnedJob> condemned_;
   std::vector<std::string> log_;

@@ -13,6 +13,8 @@ void Scheduler::Advance(Instant now) {
   Expire(now);
   Dispatch(now);
   RelieveTail(now);
+  FetchNextJobs(now);
+  occupancy_.Advance(now, counters_);
 }
 
 double Scheduler::QueueSeconds(const WorkerRecord& worker) const {
@@ -25,7 +27,8 @@ bool Scheduler::HasRoom(const WorkerRecord& worker) const {
   return held < worker.slots * kUnitsPerSlotMax && QueueSeconds(worker) < worker.slots * kPrefetchDuration_s;
 }
 
-void Scheduler::UpdateHunger(const WorkerRecord& worker) {
+void Scheduler::UpdateHunger(WorkerRecord& worker) {
+  CountSlots(worker);
   if (!worker.MayWork() || !HasRoom(worker)) {
     ForgetHunger(worker);
   } else if (!starved_.contains(worker.id)) {
@@ -62,7 +65,7 @@ bool Scheduler::GrantOne(Instant now, WorkerRecord& worker) {
   TESSERA_CHECK(samples.has_value());
   const WorkUnit unit{choice.job->id, choice.frame_index, samples->tile, samples->range};
   Grant(now, worker, *choice.job, *choice.frame, unit, NextLease());
-  Prefetch(now, worker, choice);
+  LoadNextFrame(now, worker, choice);
   return true;
 }
 
@@ -159,6 +162,7 @@ LeaseRecord& Scheduler::Grant(Instant now, WorkerRecord& worker, JobRecord& job,
   worker.leases.insert(id);
   worker.unannounced.push_back(id);
   news_.insert(worker.id);
+  ++counters_.leases_granted;
   frame.leases[unit.tile][id] = unit.range;
   ++job.leases;
   ++job.holders[worker.id];
@@ -191,6 +195,8 @@ void Scheduler::Forget(LeaseId id) {
 // The lease ends and its unit is open again.
 void Scheduler::Return(LeaseId id) {
   const WorkUnit unit = leases_.at(id).lease.unit;
+  ++counters_.leases_retried;
+  CountGivenUp(leases_.at(id));
   Forget(id);
   FrameRecord& frame = jobs_.at(unit.job).frames.at(unit.frame);
   std::vector<SampleRange> held;

@@ -54,23 +54,6 @@ bool Scheduler::MayRender(const FrameRecord& frame, const WorkerRecord& worker) 
   return frame.work.HasOpen([&](uint32_t tile) { return frame.failures.May(worker.id, tile); });
 }
 
-// While a worker works at a frame it loads the next one, unless it is loading something or has another to go
-// on with.
-void Scheduler::Prefetch(Instant now, WorkerRecord& worker, const Choice& current) {
-  JobRecord& job = *current.job;
-  if (job.frames.size() < 2) return;
-  for (const auto& [scene, is_ready] : worker.scenes) {
-    if (!is_ready) return;
-  }
-  for (const SceneOrder& scene : worker.wanted) {
-    if (!worker.scenes.contains(scene.key)) return;  // told, or about to be
-  }
-  for (const auto& [index, frame] : job.frames) {
-    if (index != current.frame_index && frame.work.HasOpen() && worker.HasReady(frame.scene.key)) return;
-  }
-  if (const Choice next = FrameToLoad(now, job, worker); next.frame != nullptr) Want(worker, next);
-}
-
 // How many workers have each scene or are loading it.
 void Scheduler::CountCrews(Instant now) {
   if (now < crews_due_) return;

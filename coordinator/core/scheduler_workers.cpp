@@ -44,7 +44,12 @@ void Scheduler::Synchronize(Instant now, const WorkerState& state) {
     MeasureLoading(now, worker, scene.key);
   }
   worker.scenes.clear();
-  for (const HeldScene& scene : state.scenes) worker.scenes[scene.key] = scene.ready;
+  worker.fetching = false;
+  for (const HeldScene& scene : state.scenes) {
+    worker.scenes[scene.key] = scene.ready;
+    worker.fetching |= scene.fetching;
+  }
+  worker.pace.Hear(now, state.activity);
   for (const LeaseId lease : state.returned_leases) {
     const auto held = leases_.find(lease);
     if (held != leases_.end() && held->second.worker == worker.id) Return(lease);
@@ -109,6 +114,9 @@ void Scheduler::Disconnect(Instant now, WorkerId worker_id) {
   worker->scenes.clear();
   worker->wanted.clear();
   worker->loading_since.clear();
+  worker->prefetch.clear();
+  worker->prefetch_told = true;
+  ++counters_.workers_lost;
   Log(fmt::format("worker_lost worker={:016x} name=\"{}\" leases={}", Number(worker_id), worker->name,
                   worker->leases.size()));
   for (const LeaseId lease : std::vector<LeaseId>(worker->leases.begin(), worker->leases.end()))
@@ -133,6 +141,7 @@ void Scheduler::Expire(Instant now) {
   }
   for (const LeaseId id : expired) {
     LeaseRecord& record = leases_.at(id);
+    ++counters_.leases_expired;
     Log(fmt::format("lease_expired lease={} worker={:016x} unit=\"{}\"", Number(id), Number(record.worker),
                     record.lease.unit.Text()));
     Drop(workers_.at(record.worker), id);
@@ -175,7 +184,8 @@ bool Scheduler::HasNews(WorkerId id) const {
   const auto found = workers_.find(id);
   if (found == workers_.end()) return false;
   const WorkerRecord& worker = found->second;
-  return !worker.unannounced.empty() || !worker.drops.empty() || !worker.notice_told || !worker.wanted_told;
+  return !worker.unannounced.empty() || !worker.drops.empty() || !worker.notice_told || !worker.wanted_told ||
+         !worker.prefetch_told;
 }
 
 Scheduler::Grants Scheduler::TakeGrants(Instant now, WorkerId id) {
@@ -195,7 +205,7 @@ Scheduler::Grants Scheduler::TakeGrants(Instant now, WorkerId id) {
     grants.leases.push_back(record.lease);
   }
   grants.drop = std::exchange(worker->drops, {});
-  if (worker->wanted_told && worker->notice_told) news_.erase(id);
+  if (worker->wanted_told && worker->notice_told && worker->prefetch_told) news_.erase(id);
   return grants;
 }
 
@@ -212,6 +222,8 @@ WorkerDirective Scheduler::TakeDirective(Instant now, WorkerId id) {
     worker->loading_since.try_emplace(scene.key, now);
   }
   worker->wanted_told = true;
+  if (!worker->prefetch_told) directive.prefetch = worker->prefetch;
+  worker->prefetch_told = true;
   directive.notice = worker->quarantine;
   worker->notice_told = true;
   news_.erase(id);
@@ -236,6 +248,10 @@ std::vector<WorkerStatus> Scheduler::Workers(Instant now) const {
     status.draining = worker.draining;
     status.quarantined = worker.quarantined();
     status.reason = worker.quarantine;
+    status.utilisation = worker.pace.Utilisation(worker.slots);
+    status.samples_per_second = worker.pace.SamplesPerSecond(now);
+    status.fetching = worker.fetching;
+    status.loading = worker.IsLoading();
     all.push_back(std::move(status));
   }
   return all;

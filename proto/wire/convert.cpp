@@ -156,7 +156,8 @@ Result<SceneOrder> ReadSceneOrder(const proto::SceneOrder& message) {
   if (message.options().size() > kOptionsBytesMax) return BadField("options", "are too long");
   auto frame = ReadFrameSpec(message.frame());
   if (!frame) return frame.error();
-  SceneOrder order{*key, *package, message.scene_file(), message.options(), std::move(*frame)};
+  SceneOrder order{
+      *key, *package, message.scene_file(), message.options(), std::move(*frame), message.needs_all()};
   if (order.key != SceneKey(order.package, order.scene_file, order.options))
     return BadField("scene", "is not its key");
   return order;
@@ -168,6 +169,7 @@ void Write(const SceneOrder& value, proto::SceneOrder& message) {
   message.set_scene_file(value.scene_file);
   message.set_options(value.options);
   Write(value.frame, *message.mutable_frame());
+  message.set_needs_all(value.needs_all);
 }
 
 }  // namespace tessera

@@ -26,6 +26,38 @@ double ReadMeasure(double value) {
   return value >= 0 && value < 1e300 ? value : 0;
 }
 
+JobTimes ReadTimes(const proto::JobTimes& message) {
+  JobTimes times;
+  times.render_s = ReadMeasure(message.render_s());
+  times.waste_s = ReadMeasure(message.waste_s());
+  times.other_s = ReadMeasure(message.other_s());
+  times.fetch_s = ReadMeasure(message.fetch_s());
+  times.load_s = ReadMeasure(message.load_s());
+  times.idle_s = ReadMeasure(message.idle_s());
+  times.tail_s = ReadMeasure(message.tail_s());
+  times.writing_s = ReadMeasure(message.writing_s());
+  times.overhead_s = ReadMeasure(message.overhead_s());
+  times.merge_s = ReadMeasure(message.merge_s());
+  times.journal_s = ReadMeasure(message.journal_s());
+  times.picture_s = ReadMeasure(message.picture_s());
+  return times;
+}
+
+void Write(const JobTimes& value, proto::JobTimes& message) {
+  message.set_render_s(value.render_s);
+  message.set_waste_s(value.waste_s);
+  message.set_other_s(value.other_s);
+  message.set_fetch_s(value.fetch_s);
+  message.set_load_s(value.load_s);
+  message.set_idle_s(value.idle_s);
+  message.set_tail_s(value.tail_s);
+  message.set_writing_s(value.writing_s);
+  message.set_overhead_s(value.overhead_s);
+  message.set_merge_s(value.merge_s);
+  message.set_journal_s(value.journal_s);
+  message.set_picture_s(value.picture_s);
+}
+
 }  // namespace
 
 Result<JobSpec> ReadJobSpec(const proto::JobSpec& message) {
@@ -83,6 +115,7 @@ Result<JobStatus> ReadJobStatus(const proto::JobStatus& message) {
   status.left = left_ms < 0 ? std::chrono::milliseconds(-1) : ReadDuration(static_cast<uint64_t>(left_ms));
   status.frames_total = message.frames_total();
   status.frames_finished = message.frames_finished();
+  status.times = ReadTimes(message.times());
   return status;
 }
 
@@ -107,6 +140,7 @@ void Write(const JobStatus& value, proto::JobStatus& message) {
   message.set_left_ms(value.left.count());
   message.set_frames_total(value.frames_total);
   message.set_frames_finished(value.frames_finished);
+  Write(value.times, *message.mutable_times());
 }
 
 Result<std::vector<FrameStatus>> ReadFrameStatuses(const proto::FramesAnswer& message) {
@@ -146,6 +180,10 @@ Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message) {
   status.draining = message.draining();
   status.quarantined = message.quarantined();
   status.reason = ReadReason(message.reason());
+  status.utilisation = std::min(ReadMeasure(message.utilisation()), 1.0);
+  status.samples_per_second = ReadMeasure(message.samples_per_second());
+  status.fetching = message.fetching();
+  status.loading = message.loading();
   return status;
 }
 
@@ -162,6 +200,10 @@ void Write(const WorkerStatus& value, proto::WorkerStatus& message) {
   message.set_draining(value.draining);
   message.set_quarantined(value.quarantined);
   message.set_reason(value.reason);
+  message.set_utilisation(value.utilisation);
+  message.set_samples_per_second(value.samples_per_second);
+  message.set_fetching(value.fetching);
+  message.set_loading(value.loading);
 }
 
 }  // namespace tessera

@@ -29,6 +29,26 @@ proto::HeldLease::Stage WriteStage(LeaseStage stage) {
   TESSERA_CHECK(false);
 }
 
+proto::HeldScene::State WriteSceneState(const HeldScene& scene) {
+  if (scene.ready) return proto::HeldScene::READY;
+  return scene.fetching ? proto::HeldScene::FETCHING : proto::HeldScene::LOADING;
+}
+
+WorkerActivity ReadActivity(const proto::WorkerActivity& message) {
+  constexpr uint64_t kMost = uint64_t{1} << 52;  // beyond any process's life; keeps arithmetic exact
+  const auto read = [=](uint64_t value) { return std::min(value, kMost); };
+  return {read(message.busy_ms()), read(message.fetching_ms()), read(message.loading_ms()),
+          read(message.idle_ms()), read(message.bytes_fetched())};
+}
+
+void Write(const WorkerActivity& value, proto::WorkerActivity& message) {
+  message.set_busy_ms(value.busy_ms);
+  message.set_fetching_ms(value.fetching_ms);
+  message.set_loading_ms(value.loading_ms);
+  message.set_idle_ms(value.idle_ms);
+  message.set_bytes_fetched(value.bytes_fetched);
+}
+
 Result<void> CheckIdentity(const proto::WorkerState& message) {
   if (message.worker() == 0) return BadField("worker", "is missing");
   if (!IsText(message.name(), kNameBytesMax)) return BadField("name", "is not one line of text");
@@ -62,7 +82,8 @@ Result<WorkerState> ReadWorkerState(const proto::WorkerState& message) {
   for (const auto& scene : message.scenes()) {
     const auto key = ReadDigest(scene.scene(), "scene");
     if (!key) return key.error();
-    state.scenes.push_back({*key, scene.state() == proto::HeldScene::READY});
+    state.scenes.push_back(
+        {*key, scene.state() == proto::HeldScene::READY, scene.state() == proto::HeldScene::FETCHING});
   }
   for (const auto& lease : message.leases()) {
     const auto held = ReadHeldLease(lease);
@@ -73,6 +94,7 @@ Result<WorkerState> ReadWorkerState(const proto::WorkerState& message) {
   state.draining = message.draining();
   state.leaving = message.leaving();
   state.wait = std::min(std::chrono::milliseconds(message.wait_ms()), kSynchronizeWaitMax);
+  state.activity = ReadActivity(message.activity());
   return state;
 }
 
@@ -88,7 +110,7 @@ void Write(const WorkerState& value, proto::WorkerState& message) {
   for (const HeldScene& scene : value.scenes) {
     auto& written = *message.add_scenes();
     written.set_scene(WriteDigest(scene.key));
-    written.set_state(scene.ready ? proto::HeldScene::READY : proto::HeldScene::LOADING);
+    written.set_state(WriteSceneState(scene));
   }
   for (const HeldLease& lease : value.leases) {
     auto& written = *message.add_leases();
@@ -101,6 +123,7 @@ void Write(const WorkerState& value, proto::WorkerState& message) {
   message.set_draining(value.draining);
   message.set_leaving(value.leaving);
   message.set_wait_ms(static_cast<uint32_t>(value.wait.count()));
+  Write(value.activity, *message.mutable_activity());
 }
 
 Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& message) {
@@ -118,6 +141,12 @@ Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& messag
     directive.leases.push_back(*read);
   }
   for (const uint64_t lease : message.drop()) directive.drop.push_back(LeaseId{lease});
+  if (message.prefetch_size() > kScenesPerWorkerMax) return BadField("prefetch", "are too many");
+  for (const std::string& bytes : message.prefetch()) {
+    const auto package = ReadDigest(bytes, "prefetch");
+    if (!package) return package.error();
+    directive.prefetch.push_back(*package);
+  }
   directive.call_again = std::chrono::milliseconds(message.call_again_ms());
   directive.notice = ReadReason(message.notice());
   return directive;
@@ -127,6 +156,7 @@ void Write(const WorkerDirective& value, proto::WorkerDirective& message) {
   for (const SceneOrder& scene : value.scenes) Write(scene, *message.add_scenes());
   for (const Lease& lease : value.leases) Write(lease, *message.add_leases());
   for (const LeaseId lease : value.drop) message.add_drop(Number(lease));
+  for (const Digest& package : value.prefetch) message.add_prefetch(WriteDigest(package));
   message.set_call_again_ms(static_cast<uint32_t>(value.call_again.count()));
   message.set_notice(value.notice);
 }

@@ -3,6 +3,7 @@
 
 #include "client/progress_line.h"
 #include "client/status_text.h"
+#include "client/times_text.h"
 
 namespace tessera {
 namespace {
@@ -21,11 +22,21 @@ TEST(Progress, IsToldInFiguresThatPeopleRead) {
   EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("time left not known yet  (disk full)"));
 }
 
-TEST(Progress, CountsTheFramesOfASequence) {
-  Progress progress{50, 100, 950, 1, 2, 2, "", {}};
-  EXPECT_EQ(ProgressText(progress, "worker").find("frames"), std::string::npos);
-  progress.frames = {3, 24};
-  EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("2.0 s elapsed  3 of 24 frames  2.0 s left"));
+Progress progress{50, 100, 950, 1, 2, 2, "", {}, ""};
+EXPECT_EQ(ProgressText(progress, "worker").find("frames"), std::string::npos);
+progress.frames = {3, 24};
+EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("2.0 s elapsed  3 of 24 frames  2.0 s left"));
+}
+
+TEST(Times, TheLargestPartsComeFirstAndSmallOnesAreLeftOutOfALine) {
+  JobTimes times;
+  times.load_s = 20;
+  times.render_s = 79.6;
+  times.tail_s = 0.4;
+  EXPECT_EQ(TimesLine(times), "80 % rendering, 20 % building the scene");
+  EXPECT_THAT(TimesTable(times), HasSubstr("1 min 40 s of render slots"));
+  EXPECT_THAT(TimesTable(times), HasSubstr("   0.4 %         0.4 s  waiting for the last units\n"));
+  EXPECT_EQ(TimesLine({}), "") << "a farm without slots has no shares";
 }
 
 TEST(Progress, DurationsGrowIntoMinutesAndHours) {

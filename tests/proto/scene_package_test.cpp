@@ -62,6 +62,31 @@ TEST(ScenePackage, RefusesManifestsItWouldNotWrite) {
   }
 }
 
+TEST(ScenePackage, WhateverAManifestHoldsNoPathLeavesThePackage) {
+  // Pieces of paths that mean something, put together at random; the same every time.
+  const std::string pieces[] = {"/",  "..", ".",  "a",   "\\", "%2e", std::string(1, '\0'),
+                                "\n", " ",  "b/", "../", "~"};
+  uint64_t state = 1;
+  int accepted = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    std::string path;
+    for (int length = static_cast<int>(state >> 60); length >= 0; --length) {
+      state = state * 6364136223846793005 + 1442695040888963407;
+      path += pieces[(state >> 33) % std::size(pieces)];
+    }
+    const auto decoded = DecodeScenePackage("tessera-package 1\n" + kDigest + " 1 " + path + "\n");
+    if (!decoded) continue;
+    ++accepted;
+    ASSERT_EQ(decoded->files.size(), 1u);
+    const std::string& kept = decoded->files.begin()->first;
+    ASSERT_TRUE(IsPackagePath(kept)) << kept;
+    ASSERT_NE(kept.front(), '/');
+    ASSERT_EQ(("/" + kept + "/").find("/../"), std::string::npos) << kept;
+    ASSERT_EQ(kept.find('\0'), std::string::npos);
+  }
+  EXPECT_GT(accepted, 100) << "the test must meet good paths too";
+}
+
 TEST(SceneKey, TellsApartWhateverDiffers) {
   const Digest a = Sha256("a"), b = Sha256("b");
   const Digest key = SceneKey(a, "file", "options");

@@ -105,5 +105,35 @@ TEST_F(BlobCacheTest, AFolderThatCannotBeMadeIsRefused) {
   EXPECT_FALSE(BlobCache::Prepare("/proc/nothing"));
 }
 
+TEST_F(BlobCacheTest, ADownloadGoesOnWhereAFormerProcessStopped) {
+  const std::string bytes(5000, 'x');
+  {
+    BlobCache cache(folder(), kPlenty);
+    const auto incoming = cache.Begin(Sha256(bytes), bytes.size());
+    ASSERT_TRUE((*incoming)->Add(bytes.substr(0, 3000)));
+    EXPECT_FALSE(cache.Has(Sha256(bytes), bytes.size()));
+  }
+  BlobCache cache(folder(), kPlenty);
+  {
+    const auto incoming = cache.Begin(Sha256(bytes), bytes.size());
+    EXPECT_EQ((*incoming)->size(), 3000u);
+    EXPECT_EQ(*cache.Begin(Sha256(bytes), bytes.size()), nullptr) << "one fetches, the others wait";
+    ASSERT_TRUE((*incoming)->Add(bytes.substr(3000)));
+    ASSERT_TRUE((*incoming)->Finish());
+  }
+  EXPECT_TRUE(cache.Has(Sha256(bytes), bytes.size()));
+  EXPECT_EQ(cache.Get(Sha256(bytes)), bytes);
+  EXPECT_EQ(BytesOnDisk(), bytes.size());
+}
+
+TEST_F(BlobCacheTest, ADownloadWithOtherBytesLeavesNothing) {
+  BlobCache cache(folder(), kPlenty);
+  const auto incoming = cache.Begin(Sha256("abc"), 3);
+  ASSERT_TRUE((*incoming)->Add("abd"));
+  EXPECT_FALSE((*incoming)->Finish());
+  EXPECT_FALSE(cache.Has(Sha256("abc"), 3));
+  EXPECT_EQ(BytesOnDisk(), 0u);
+}
+
 }  // namespace
 }  // namespace tessera

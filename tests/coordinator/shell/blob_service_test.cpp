@@ -24,6 +24,34 @@ TEST_F(Services, BlobsAreKeptOnlyIfTheyAreWhatTheyClaim) {
   EXPECT_EQ(answer.missing_size(), 0);
 }
 
+TEST_F(Services, AnUploadThatWasCutShortGoesOnWhereItStopped) {
+  const std::string bytes(3'000'000, 'x');
+  EXPECT_EQ(Upload(bytes.substr(0, 2'000'000), Sha256(bytes), bytes.size()).error_code(),
+            StatusCode::DATA_LOSS);
+  proto::FindMissingRequest request;
+  request.add_digests(WriteDigest(Sha256(bytes)));
+  proto::FindMissingAnswer answer;
+  ASSERT_TRUE(Call(*blobs, &proto::Blobs::Stub::FindMissing, request, answer).ok());
+  ASSERT_EQ(answer.held_size(), 1);
+  EXPECT_EQ(answer.held(0), 2'000'000u);
+  const auto send_rest = [&](uint64_t offset) {
+    grpc::ClientContext context;
+    proto::UploadAnswer uploaded;
+    const auto writer = blobs->Upload(&context, &uploaded);
+    proto::UploadChunk chunk;
+    chunk.set_digest(WriteDigest(Sha256(bytes)));
+    chunk.set_size(bytes.size());
+    chunk.set_offset(offset);
+    chunk.set_data(bytes.substr(offset, 1'000'000));
+    writer->Write(chunk);
+    writer->WritesDone();
+    return writer->Finish();
+  };
+  EXPECT_EQ(send_rest(2'500'000).error_code(), StatusCode::UNAVAILABLE) << "so much is not there";
+  EXPECT_TRUE(send_rest(2'000'000).ok());
+  EXPECT_TRUE(coordinator->blobs.Has(Sha256(bytes)));
+}
+
 TEST_F(Services, BlobsAreDownloadedFromAnyOffset) {
   std::string bytes(3'000'000, '\0');
   for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 7 % 251);

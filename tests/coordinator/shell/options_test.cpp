@@ -32,6 +32,16 @@ TEST(CoordinatorOptions, OpenAddressesNeedInsecure) {
   EXPECT_TRUE(Parse({"--listen", "0.0.0.0:80", "--data-dir", "/d", "--insecure"}));
 }
 
+TEST(CoordinatorOptions, TheWebPageKeepsToThisMachineToo) {
+  const auto options = Parse({"--listen", "unix:/s", "--data-dir", "/d", "--http", "127.0.0.1:8080"});
+  ASSERT_TRUE(options) << options.error().message;
+  EXPECT_EQ((*options)->http->Text(), "127.0.0.1:8080");
+  const auto open = Parse({"--listen", "unix:/s", "--data-dir", "/d", "--http", "0.0.0.0:8080"});
+  ASSERT_FALSE(open);
+  EXPECT_THAT(open.error().message, HasSubstr("--http 0.0.0.0:8080"));
+  EXPECT_FALSE(Parse({"--listen", "unix:/s", "--data-dir", "/d", "--http", "unix:/web"}));
+}
+
 TEST(CoordinatorOptions, BadUsageIsRefused) {
   const std::vector<std::string> table[] = {
       {},

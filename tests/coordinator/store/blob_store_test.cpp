@@ -72,10 +72,10 @@ TEST(BlobStore, WrongBytesAreRefusedAndLeaveNothing) {
   EXPECT_FALSE(store->Begin(digest, kBlobBytesMax + 1));
 }
 
-TEST(BlobStore, UnfinishedUploadsOfAFormerProcessAreRemoved) {
+TEST(BlobStore, UnfinishedUploadsThatNobodyCanGoOnWithAreRemoved) {
   const TemporaryDir directory;
   ASSERT_TRUE(BlobStore::Open(directory / "blobs"));
-  std::ofstream(directory / "blobs/incoming/left") << "x";
+  std::ofstream(directory / "blobs/incoming/left.a1b2c3") << "x";
   ASSERT_TRUE(BlobStore::Open(directory / "blobs"));
   EXPECT_EQ(FilesIn(directory.path()), 0);
 }

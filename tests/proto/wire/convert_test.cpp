@@ -262,10 +262,12 @@ TEST(Convert, RefusesHostileJobs) {
 
 TEST(Convert, ASceneOrderMustHaveItsOwnKey) {
   const Digest package = Sha256("p");
-  SceneOrder order{SceneKey(package, "a.pbrt", "o"), package, "a.pbrt", "o", GoodFrame()};
+  SceneOrder order{SceneKey(package, "a.pbrt", "o"), package, "a.pbrt", "o", GoodFrame(), true};
   proto::SceneOrder message;
   Write(order, message);
-  EXPECT_TRUE(ReadSceneOrder(message));
+  const auto read = ReadSceneOrder(message);
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(read->needs_all);
   message.set_options("other");
   EXPECT_FALSE(ReadSceneOrder(message));
 }

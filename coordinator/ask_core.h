@@ -1,0 +1,30 @@
+// A question to the core thread from a thread that may wait for the answer.
+#pragma once
+
+#include <chrono>
+#include <future>
+#include <memory>
+#include <optional>
+
+#include "coordinator/core_thread.h"
+
+namespace tessera {
+
+constexpr std::chrono::milliseconds kCorePatience{
+    2000};  // far above any batch; a disk that hangs takes longer
+
+// What `question` answers, on the core thread; nothing if that takes longer than kCorePatience. Not to be
+// called on the core thread.
+template <typename Question>
+auto AskCore(CoreThread& core, Question question)
+    -> std::optional<decltype(question(std::declval<CoreContext&>()))> {
+  using Answer = decltype(question(std::declval<CoreContext&>()));
+  // Shared: the core thread may answer when nobody waits any more.
+  const auto promise = std::make_shared<std::promise<Answer>>();
+  auto answer = promise->get_future();
+  core.Post([promise, question](CoreContext& context) { promise->set_value(question(context)); });
+  if (answer.wait_for(kCorePatience) != std::future_status::ready) return std::nullopt;
+  return answer.get();
+}
+
+}  // namespace tessera

@@ -1,0 +1,120 @@
+#include "store/blob_room.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "terms/scene_package.h"
+#include "util/file.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A client that was told that a blob is there submits its job within this time: it may have the rest of a
+// large scene to send.
+constexpr std::chrono::minutes kGrace{30};
+constexpr uint64_t kSlackDivisor = 20;  // made beyond what is needed, so that not every upload has to look
+
+// Removes a file that no upload writes to.
+bool RemoveIdle(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool removed = ::flock(file, LOCK_EX | LOCK_NB) == 0 && ::unlink(path.c_str()) == 0;
+  ::close(file);
+  return removed;
+}
+
+}  // namespace
+
+struct BlobRoom::File {
+  fs::path path;
+  uint64_t size = 0;
+  fs::file_time_type used;
+};
+
+BlobRoom::BlobRoom(std::string path, uint64_t bytes_max) : path_(std::move(path)), bytes_max_(bytes_max) {
+  for (const File& file : List()) bytes_ += file.size;
+}
+
+void BlobRoom::Protect(BlobStore::PackagesInUse in_use) {
+  const std::lock_guard lock(mutex_);
+  in_use_ = std::move(in_use);
+}
+
+uint64_t BlobRoom::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_;
+}
+
+void BlobRoom::Give(uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  bytes_ -= std::min(bytes_, bytes);
+}
+
+Result<void> BlobRoom::Take(uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (bytes_ + bytes > bytes_max_) {
+    if (auto made = MakeRoom(bytes); !made) return made;
+  }
+  bytes_ += bytes;
+  return {};
+}
+
+std::vector<BlobRoom::File> BlobRoom::List() const {
+  std::vector<File> files;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(path_, error), end; !error && it != end; it.increment(error)) {
+    std::error_code gone;  // removed or renamed under our eyes
+    if (!it->is_regular_file(gone)) continue;
+    const File file{it->path(), it->file_size(gone), it->last_write_time(gone)};
+    if (!gone) files.push_back(file);
+  }
+  return files;
+}
+
+std::optional<std::set<std::string>> BlobRoom::NamesInUse() const {
+  std::set<std::string> names;
+  if (!in_use_) return names;
+  const auto packages = in_use_();
+  if (!packages) return std::nullopt;
+  for (const Digest& digest : *packages) {
+    names.insert(digest.Hex());
+    const std::string hex = digest.Hex();
+    const auto manifest = ReadFile(fmt::format("{}/{}/{}", path_, hex.substr(0, 2), hex), kManifestBytesMax);
+    if (!manifest) continue;  // its job fails for want of it: nothing to protect
+    const auto package = DecodeScenePackage(*manifest);
+    if (!package) continue;
+    for (const auto& [path, file] : package->files) names.insert(file.digest.Hex());
+  }
+  return names;
+}
+
+Result<void> BlobRoom::MakeRoom(uint64_t bytes) {
+  const auto in_use = NamesInUse();
+  if (!in_use) return Error{ErrorKind::kInterrupted, "the coordinator is busy; try again"};
+  std::vector<File> files = List();
+  std::sort(files.begin(), files.end(), [](const File& a, const File& b) {
+    return a.used != b.used ? a.used < b.used : a.path < b.path;
+  });
+  const auto recent = fs::file_time_type::clock::now() - kGrace;
+  const uint64_t target = bytes_max_ - bytes_max_ / kSlackDivisor;
+  for (const File& file : files) {
+    if (file.used >= recent || bytes_ + bytes <= target) break;
+    if (in_use->contains(file.path.filename().string())) continue;
+    if (RemoveIdle(file.path)) bytes_ -= std::min(bytes_, file.size);
+  }
+  if (bytes_ + bytes <= bytes_max_) return {};
+  return Failed(
+      fmt::format("the coordinator keeps at most {} bytes of scene files (--blob-bytes), and open jobs "
+                  "and uploads of the last {} minutes need them: wait, or cancel jobs",
+                  bytes_max_, kGrace.count()));
+}
+
+}  // namespace tessera

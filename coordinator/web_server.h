@@ -1,0 +1,43 @@
+// The read-only web end of a coordinator: `/` for people, `/metrics` for Prometheus.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "coordinator/farm_view.h"
+#include "util/result.h"
+#include "wire/address.h"
+
+namespace httplib {
+class Server;
+}
+
+namespace tessera {
+
+// Has threads of its own, few of them, and waits for nobody long: whoever reads slowly holds up other
+// readers at worst, never the farm.
+class WebServer {
+ public:
+  // Asked for each answer, from any thread; nothing if the farm is too busy.
+  using Look = std::function<std::optional<FarmView>()>;
+  // An error that names the address if it cannot be listened on.
+  static Result<std::unique_ptr<WebServer>> Start(const Address& address, Look look);
+  ~WebServer();
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
+  // With the port that was chosen for port 0.
+  const Address& address() const { return address_; }
+
+ private:
+  WebServer(Address address, Look look);
+  void SetUp();
+
+  Address address_;
+  Look look_;
+  std::unique_ptr<httplib::Server> server_;
+  std::thread thread_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,152 @@
+// Uploads that go on where they stopped, and what goes when there is no room.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+
+#include "store/blob_store.h"
+#include "terms/scene_package.h"
+#include "tests/coordinator/store/temporary_dir.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr uint64_t kMega = uint64_t{1} << 20;
+
+std::string Bytes(char c, uint64_t size) {
+  return std::string(size, c);
+}
+
+// As if the blob had been used for the last time so long ago.
+void Age(const BlobStore& store, const Digest& digest, std::chrono::minutes age) {
+  std::filesystem::last_write_time(store.Path(digest), std::filesystem::file_time_type::clock::now() - age);
+}
+
+// Stops after `part` bytes.
+void SendPart(const BlobStore& store, const std::string& bytes, uint64_t part) {
+  auto upload = store.Begin(Sha256(bytes), bytes.size());
+  ASSERT_TRUE(upload);
+  ASSERT_TRUE((*upload)->Add(std::string_view(bytes).substr(0, part)));
+}
+
+TEST(BlobStore, AnUploadGoesOnWhereItStoppedAlsoAfterARestart) {
+  const TemporaryDir directory;
+  const std::string bytes = Bytes('a', 3 * kMega);
+  SendPart(*BlobStore::Open(directory / "blobs"), bytes, 2 * kMega);
+  const auto store = BlobStore::Open(directory / "blobs");
+  EXPECT_EQ(store->Unfinished(Sha256(bytes)), 2 * kMega);
+  EXPECT_EQ(store->bytes(), 2 * kMega);
+  {
+    auto upload = store->Begin(Sha256(bytes), bytes.size(), 2 * kMega);
+    ASSERT_TRUE(upload) << upload.error().message;
+    ASSERT_TRUE((*upload)->Add(std::string_view(bytes).substr(2 * kMega)));
+    ASSERT_TRUE((*upload)->Finish());
+  }
+  EXPECT_EQ(*store->Read(Sha256(bytes), bytes.size()), bytes);
+  EXPECT_EQ(store->bytes(), bytes.size());
+  EXPECT_EQ(store->Unfinished(Sha256(bytes)), 0u);
+}
+
+TEST(BlobStore, ADamagedBeginningIsThrownAwayAndSentAgain) {
+  const TemporaryDir directory;
+  const auto store = BlobStore::Open(directory / "blobs");
+  const std::string bytes = Bytes('a', 3 * kMega);
+  SendPart(*store, bytes, 2 * kMega);
+  std::ofstream(directory / ("blobs/incoming/" + Sha256(bytes).Hex())) << Bytes('b', 2 * kMega);
+  {
+    auto upload = store->Begin(Sha256(bytes), bytes.size(), 2 * kMega);
+    ASSERT_TRUE((*upload)->Add(std::string_view(bytes).substr(2 * kMega)));
+    const auto finished = (*upload)->Finish();
+    ASSERT_FALSE(finished);
+    EXPECT_EQ(finished.error().kind, ErrorKind::kInterrupted) << "worth another attempt";
+  }
+  EXPECT_EQ(store->Unfinished(Sha256(bytes)), 0u);
+  EXPECT_EQ(store->bytes(), 0u);
+  EXPECT_TRUE(store->Write(Sha256(bytes), bytes));
+}
+
+TEST(BlobStore, TwoUploadsOfOneBlobDoNotMeet) {
+  const TemporaryDir directory;
+  const auto store = BlobStore::Open(directory / "blobs");
+  const std::string bytes = Bytes('a', 2 * kMega);
+  auto first = store->Begin(Sha256(bytes), bytes.size());
+  ASSERT_TRUE((*first)->Add(std::string_view(bytes).substr(0, kMega)));
+  EXPECT_FALSE(store->Begin(Sha256(bytes), bytes.size(), kMega)) << "it is the other's";
+  ASSERT_TRUE(store->Write(Sha256(bytes), bytes));
+  ASSERT_TRUE((*first)->Add(std::string_view(bytes).substr(kMega)));
+  ASSERT_TRUE((*first)->Finish());
+  EXPECT_EQ(*store->Read(Sha256(bytes), bytes.size()), bytes);
+  EXPECT_EQ(store->bytes(), bytes.size()) << "counted once";
+}
+
+TEST(BlobStore, AnOffsetBeyondWhatIsThereIsRefused) {
+  const TemporaryDir directory;
+  const auto store = BlobStore::Open(directory / "blobs");
+  EXPECT_EQ(store->Begin(Sha256("abc"), 3, 2).error().kind, ErrorKind::kInterrupted);
+  EXPECT_EQ(store->Begin(Sha256("abc"), 3, 4).error().kind, ErrorKind::kBadInput);
+  EXPECT_EQ(store->bytes(), 0u);
+}
+
+TEST(BlobStore, TheLongestUnusedGoFirstAndWhatJobsNeedStays) {
+  const TemporaryDir directory;
+  auto store = BlobStore::Open(directory / "blobs", 4 * kMega);
+  const std::string needed = Bytes('n', kMega), old = Bytes('o', kMega), young = Bytes('y', kMega);
+  ScenePackage package;
+  package.files["scene.pbrt"] = {Sha256(needed), needed.size()};
+  const std::string manifest = EncodeScenePackage(package);
+  for (const std::string& bytes : {needed, old, young, manifest})
+    ASSERT_TRUE(store->Write(Sha256(bytes), bytes));
+  Age(*store, Sha256(manifest), std::chrono::hours(9));
+  Age(*store, Sha256(needed), std::chrono::hours(8));
+  Age(*store, Sha256(old), std::chrono::hours(2));
+  Age(*store, Sha256(young), std::chrono::hours(1));
+  store->Protect([&] { return std::optional(std::vector<Digest>{Sha256(manifest)}); });
+  ASSERT_TRUE(store->Write(Sha256("x"), "x")) << "there is room";
+  EXPECT_TRUE(store->Has(Sha256(old)));
+  ASSERT_TRUE(store->Write(Sha256(Bytes('z', kMega)), Bytes('z', kMega)));
+  EXPECT_FALSE(store->Has(Sha256(old)));
+  EXPECT_TRUE(store->Has(Sha256(young)));
+  EXPECT_TRUE(store->Has(Sha256(needed)));
+  EXPECT_TRUE(store->Has(Sha256(manifest)));
+}
+
+TEST(BlobStore, AUseCountsAlsoAfterARestart) {
+  const TemporaryDir directory;
+  const std::string used = Bytes('u', kMega), unused = Bytes('n', kMega);
+  {
+    const auto store = BlobStore::Open(directory / "blobs", 3 * kMega);
+    ASSERT_TRUE(store->Write(Sha256(used), used));
+    ASSERT_TRUE(store->Write(Sha256(unused), unused));
+    Age(*store, Sha256(used), std::chrono::hours(3));
+    Age(*store, Sha256(unused), std::chrono::hours(2));
+    EXPECT_EQ(store->Use(Sha256(used)), used.size());
+  }
+  const auto store = BlobStore::Open(directory / "blobs", 3 * kMega);
+  ASSERT_TRUE(store->Write(Sha256(Bytes('z', kMega)), Bytes('z', kMega)));
+  EXPECT_TRUE(store->Has(Sha256(used)));
+  EXPECT_FALSE(store->Has(Sha256(unused)));
+}
+
+TEST(BlobStore, WithoutRoomAnUploadIsRefusedAndNothingThatIsNeededGoes) {
+  const TemporaryDir directory;
+  auto store = BlobStore::Open(directory / "blobs", 2 * kMega);
+  const std::string recent = Bytes('r', kMega), large = Bytes('l', 2 * kMega);
+  ASSERT_TRUE(store->Write(Sha256(recent), recent));
+  const auto refused = store->Begin(Sha256(large), large.size());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kFailed);
+  EXPECT_THAT(refused.error().message, HasSubstr("--blob-bytes"));
+  EXPECT_TRUE(store->Has(Sha256(recent))) << "a client may be about to submit it";
+  Age(*store, Sha256(recent), std::chrono::hours(1));
+  store->Protect([] { return std::optional<std::vector<Digest>>(); });
+  EXPECT_EQ(store->Begin(Sha256(large), large.size()).error().kind, ErrorKind::kInterrupted)
+      << "nobody knows what is needed";
+  EXPECT_TRUE(store->Has(Sha256(recent)));
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,40 @@
+#include "worker/prefetcher.h"
+
+#include <spdlog/spdlog.h>
+
+#include <exception>
+
+namespace tessera {
+
+void Prefetcher::Wish(std::vector<Digest> packages) {
+  {
+    const std::lock_guard lock(mutex_);
+    packages_ = std::move(packages);
+  }
+  wished_.notify_all();
+}
+
+void Prefetcher::Run(std::stop_token stop) {
+  while (true) {
+    Digest package;
+    {
+      std::unique_lock lock(mutex_);
+      if (!wished_.wait(lock, stop, [this] { return !packages_.empty(); })) return;
+      package = packages_.front();
+      packages_.erase(packages_.begin());
+    }
+    try {
+      const auto fetched = fetcher_.FetchPackage(package);
+      if (stop.stop_requested()) return;
+      if (fetched) {
+        spdlog::info("prefetched package={} bytes={}", package.Hex(), *fetched);
+      } else {
+        spdlog::warn("prefetch_failed package={} reason=\"{}\"", package.Hex(), fetched.error().message);
+      }
+    } catch (const std::exception& e) {  // out of memory
+      spdlog::warn("prefetch_failed package={} reason=\"{}\"", package.Hex(), e.what());
+    }
+  }
+}
+
+}  // namespace tessera
