@@ -74,7 +74,7 @@ Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, cons
     Result<void> added;
     for (bool first = true; added && reader->Read(&chunk); first = false) {
       if (first) size = chunk.size();
-      const bool fits = size <= size_max && chunk.data().size() <= size - sink.size();
+      const bool fits = size <= size_max && sink.size() <= size && chunk.data().size() <= size - sink.size();
       added = fits ? sink.add(chunk.data()) : Failed(fmt::format("{}: it is larger than was said", what));
       on_bytes_(chunk.data().size());
     }

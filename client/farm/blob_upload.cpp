@@ -186,7 +186,8 @@ Result<UploadReport> CoordinatorClient::Upload(const PackedScene& scene) {
   std::vector<std::pair<const Source*, uint64_t>> queue;
   for (auto it = sources.begin(); it != sources.end();) {
     std::vector<std::string> digests;
-    for (; it != sources.end() && digests.size() < kDigestsPerCallMax; ++it) digests.push_back(it->first);
+    for (; it != sources.end() && digests.size() < size_t{kDigestsPerCallMax}; ++it)
+      digests.push_back(it->first);
     const auto missing = uploader.FindMissing(digests);
     if (!missing) return missing.error();
     for (const auto& [digest, held] : *missing) {
