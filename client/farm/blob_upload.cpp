@@ -143,19 +143,21 @@ class Uploader {
   Result<void> SendOne(const Source& source, uint64_t held) {
     const std::string what = fmt::format("send {}", source.path.empty() ? "the list of files" : source.path);
     std::chrono::milliseconds pause = kRetryFirst;
-    for (int attempts = 1;; ++attempts) {
+    auto give_up = std::chrono::steady_clock::now() + kRetryPatience;
+    while (true) {
       CallContext context(broken_.get_token());
       const grpc::Status status =
           SendBlob(stub_, context.get(), source, std::min(held, source.size), bytes_sent_);
       if (status.ok()) return {};
-      const bool again = status.error_code() == grpc::StatusCode::UNAVAILABLE && attempts < kAttemptsMax;
-      if (!again || !Pause(broken_.get_token(), pause)) return ToError(status, what);
+      const bool too_late = std::chrono::steady_clock::now() > give_up;
+      if (!IsTransient(status) || too_late || !Pause(broken_.get_token(), pause))
+        return ToError(status, what);
       const auto missing = FindMissing({WriteDigest(source.digest)});
       if (!missing) return missing.error();
       if (missing->empty()) return {};
       pause = std::min(pause * 2, kRetryMax);
       if (missing->begin()->second > held) {
-        attempts = 0;
+        give_up = std::chrono::steady_clock::now() + kRetryPatience;
         pause = kRetryFirst;
       }
       held = missing->begin()->second;

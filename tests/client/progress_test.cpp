@@ -22,10 +22,11 @@ TEST(Progress, IsToldInFiguresThatPeopleRead) {
   EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("time left not known yet  (disk full)"));
 }
 
-Progress progress{50, 100, 950, 1, 2, 2, "", {}, ""};
-EXPECT_EQ(ProgressText(progress, "worker").find("frames"), std::string::npos);
-progress.frames = {3, 24};
-EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("2.0 s elapsed  3 of 24 frames  2.0 s left"));
+TEST(Progress, CountsTheFramesOfASequence) {
+  Progress progress{50, 100, 950, 1, 2, 2, "", {}};
+  EXPECT_EQ(ProgressText(progress, "worker").find("frames"), std::string::npos);
+  progress.frames = {3, 24};
+  EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("2.0 s elapsed  3 of 24 frames  2.0 s left"));
 }
 
 TEST(Times, TheLargestPartsComeFirstAndSmallOnesAreLeftOutOfALine) {

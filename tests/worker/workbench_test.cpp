@@ -17,7 +17,7 @@ using testing::ElementsAre;
 class WorkbenchTest : public testing::Test {
  protected:
   WorkbenchTest() : bench_([this] { ++news_; }), order_(MakeOrder(blobs_, kTinyScene)) {
-    bench_.Apply({{order_}, {}, {}, {}, {}});
+    bench_.Apply({{order_}, {}, {}, {}, {}, {}});
     const auto order = bench_.AwaitSceneOrder({});
     bench_.SceneLoaded(order->key, *LoadOrderedScene(*order, blobs_.Fetcher()));
   }
@@ -89,7 +89,7 @@ TEST_F(WorkbenchTest, ALeaseForASceneThatIsNotExpectedIsReturned) {
 
 TEST_F(WorkbenchTest, ASceneThatFailsReturnsItsLeasesAndIsReported) {
   const SceneOrder bad = MakeOrder(blobs_, "WorldBegin\nnonsense\n");
-  bench_.Apply({{order_, bad}, {}, {}, {}, {}});
+  bench_.Apply({{order_, bad}, {}, {}, {}, {}, {}});
   Lease lease = MakeLease(1);
   lease.scene = bad.key;
   bench_.AddLeases({lease}, {});

@@ -116,19 +116,13 @@ TEST(Convert, DirectiveSurvives) {
 }
 
 TEST(Convert, StatusSurvives) {
-  const JobStatus status{JobId{3},
-                         "name",
-                         4,
-                         JobState::kPaused,
-                         "no room",
-                         10,
-                         20,
-                         1.5,
-                         2,
-                         std::chrono::milliseconds(30),
-                         std::chrono::milliseconds(-1),
-                         5,
-                         1};
+  JobStatus status;
+  status.state = JobState::kPaused;
+  status.reason = "no room";
+  status.samples_total = 20;
+  status.elapsed = std::chrono::milliseconds(30);
+  status.left = std::chrono::milliseconds(-1);
+  status.frames_total = 5;
   proto::JobStatus message;
   Write(status, message);
   const auto read = ReadJobStatus(message);
