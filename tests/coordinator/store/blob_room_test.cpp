@@ -125,7 +125,7 @@ TEST(BlobStore, AUseCountsAlsoAfterARestart) {
     Age(*store, Sha256(unused), std::chrono::hours(2));
     EXPECT_EQ(store->Use(Sha256(used)), used.size());
   }
-  const auto store = BlobStore::Open(directory / "blobs", 3 * kMega);
+  const auto store = BlobStore::Open(directory / "blobs", 3 * kMega - 1);
   ASSERT_TRUE(store->Write(Sha256(Bytes('z', kMega)), Bytes('z', kMega)));
   EXPECT_TRUE(store->Has(Sha256(used)));
   EXPECT_FALSE(store->Has(Sha256(unused)));
