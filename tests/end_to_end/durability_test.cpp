@@ -83,17 +83,17 @@ TEST_F(Durability, AnExtendedPictureIsTheOneRenderedAtOnce) {
 
 TEST_F(Durability, ARunningJobIsExtendedWithoutLoadingItsSceneAgain) {
   const std::string scene = ExtendableScene();
-  const std::string oracle = Oracle(scene, {"--spp", "4096"});
+  const std::string oracle = Oracle(scene, {"--spp", "2048"});
   StartCoordinator();
   Process& worker = StartWorker("only");
-  const std::string job = Submit(scene, {"--spp", "2048"});
+  const std::string job = Submit(scene, {"--spp", "1024"});
   AwaitShare(job, 0.02);
-  ASSERT_EQ(Ask({"extend", job, "--spp", "4096"}).code, 0);
+  ASSERT_EQ(Ask({"extend", job, "--spp", "2048"}).code, 0);
   ASSERT_EQ(Ask({"watch", job}).code, 0);
   EXPECT_TRUE(Fetched(job) == oracle);
   const std::string log = worker.Errors();
-  ASSERT_NE(log.find("scene key="), std::string::npos) << log;
-  EXPECT_EQ(log.find("scene key="), log.rfind("scene key=")) << "loaded once";
+  ASSERT_NE(log.find("scene_loaded "), std::string::npos) << log;
+  EXPECT_EQ(log.find("scene_loaded "), log.rfind("scene_loaded ")) << "loaded once";
 }
 
 TEST_F(Durability, ASamplerThatCountsItsSamplesIsRefusedByName) {
