@@ -49,16 +49,16 @@ std::vector<Acknowledgement> ReadAcknowledgements(const std::string& log) {
   return all;
 }
 
-size_t CountRenderedAgain(std::vector<Acknowledgement> all) {
-  std::ranges::stable_sort(all, {}, &Acknowledgement::time);
+std::vector<Acknowledgement> RenderedAgain(std::vector<Acknowledgement> all) {
+  std::ranges::stable_sort(all, {}, [](const Acknowledgement& each) { return each.range.size; });
   std::map<std::tuple<uint64_t, uint32_t, uint32_t>, std::vector<SampleRange>> tiles;
-  size_t count = 0;
+  std::vector<Acknowledgement> again;
   for (const Acknowledgement& each : all) {
-    std::vector<SampleRange>& before = tiles[{each.job, each.frame, each.tile}];
-    if (IsCovered(each.range, before)) ++count;
-    if (std::ranges::find(before, each.range) == before.end()) before.push_back(each.range);
+    std::vector<SampleRange>& smaller = tiles[{each.job, each.frame, each.tile}];
+    if (IsCovered(each.range, smaller)) again.push_back(each);
+    if (std::ranges::find(smaller, each.range) == smaller.end()) smaller.push_back(each.range);
   }
-  return count;
+  return again;
 }
 
 }  // namespace tessera

@@ -16,15 +16,16 @@ struct Acknowledgement {
   uint64_t job = 0;
   uint32_t frame = 0, tile = 0;
   SampleRange range;
-  std::string time;  // of the worker's log; sorts by time
+  std::string time;  // of the worker's log
 };
 
 // Those that a worker's log (--log-level debug) tells of. A line that is cut off is none.
 std::vector<Acknowledgement> ReadAcknowledgements(const std::string& log);
 
-// How many of them name a result all of whose samples had been acknowledged before: the farm had lost what it
-// said it had. `all` in any order. Results whose acknowledgement a worker's death kept out of its log are not
-// seen.
-size_t CountRenderedAgain(std::vector<Acknowledgement> all);
+// Those whose samples are all in others: in whatever order they came, one of them brought nothing that had
+// not been acknowledged, so the farm had lost what it said it had. `all` in any order: the times are those at
+// which workers wrote, and one that was stopped writes late. Results whose acknowledgement a worker's death
+// kept out of its log are not seen.
+std::vector<Acknowledgement> RenderedAgain(std::vector<Acknowledgement> all);
 
 }  // namespace tessera

@@ -187,10 +187,12 @@ void Count(const ChaosFarm& farm, ChaosReport& report) {
     for (Acknowledgement& each : ReadAcknowledgements(log)) all.push_back(std::move(each));
   }
   report.acknowledged = all.size();
-  report.rendered_again = CountRenderedAgain(std::move(all));
-  if (report.rendered_again > 0) {
-    report.problems.push_back(
-        fmt::format("{} acknowledged results were rendered again", report.rendered_again));
+  const auto again = RenderedAgain(std::move(all));
+  report.rendered_again = again.size();
+  for (const Acknowledgement& each : again) {
+    report.problems.push_back(fmt::format(
+        "rendered again although acknowledged: job {} frame {} tile {} samples [{},{}), {}", each.job,
+        each.frame, each.tile, each.range.begin, each.range.begin + each.range.size, each.time));
   }
 }
 

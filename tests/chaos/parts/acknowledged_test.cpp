@@ -12,7 +12,7 @@ std::string Line(int second, const std::string& range, const std::string& verdic
 }
 
 size_t Count(const std::string& log) {
-  return CountRenderedAgain(ReadAcknowledgements(log));
+  return RenderedAgain(ReadAcknowledgements(log)).size();
 }
 
 TEST(Acknowledged, ReadsWhatWorkersLog) {
@@ -32,13 +32,17 @@ TEST(Acknowledged, ALineThatIsCutOffIsNone) {
 TEST(Acknowledged, WhatIsAcceptedTwiceWasLost) {
   EXPECT_EQ(Count(Line(1, "[0,4)") + Line(2, "[4,8)") + Line(3, "[0,4)")), 1u);
   EXPECT_EQ(Count(Line(1, "[0,4)") + Line(2, "[4,8)") + Line(3, "[0,8)")), 1u) << "in two parts";
-  EXPECT_EQ(Count(Line(1, "[0,8)") + Line(2, "[4,6)")), 1u) << "as part of a larger one";
+  EXPECT_EQ(Count(Line(1, "[0,8)") + Line(2, "[4,8)") + Line(3, "[0,4)")), 1u) << "its parts, all of them";
 }
 
 TEST(Acknowledged, ALargerResultMayBringMoreThanWasThere) {
   EXPECT_EQ(Count(Line(1, "[0,4)") + Line(2, "[0,8)")), 0u);
   EXPECT_EQ(Count(Line(1, "[0,4)") + Line(2, "[0,2)", "duplicate") + Line(3, "[6,8)") + Line(4, "[0,8)")),
             0u);
+}
+
+TEST(Acknowledged, WorkersThatWriteLateSwapTheOrder) {
+  EXPECT_EQ(Count(Line(1, "[0,8)") + Line(2, "[0,4)")), 0u);
 }
 
 }  // namespace

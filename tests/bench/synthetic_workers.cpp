@@ -1,0 +1,211 @@
+#include "tests/bench/synthetic_workers.h"
+
+#include <fmt/format.h>
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <mutex>
+
+#include "film/radiance_tile.h"
+#include "proto/work.grpc.pb.h"
+#include "wire/channel.h"
+#include "wire/convert.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::seconds kPatience{60};
+constexpr std::chrono::milliseconds kWait{1000};  // of a state in the coordinator
+constexpr size_t kResultsPerCall = 16;
+constexpr int kChannels = 4;  // of a picture without extras: R, G, B and the weight
+
+// Made-up sums, the same for every tile: what they are makes no difference to who merges them.
+RadianceTile MakeTile(const Lease& lease) {
+  RadianceTile tile;
+  tile.bounds = lease.bounds;
+  tile.range = lease.unit.range;
+  tile.channels = kChannels;
+  tile.sums.resize(static_cast<size_t>(lease.bounds.area()) * kChannels);
+  for (size_t i = 0; i < tile.sums.size(); ++i)
+    tile.sums[i] = static_cast<float>(lease.unit.range.size) * (0.1f + static_cast<float>(i % 97) * 0.01f);
+  return tile;
+}
+
+}  // namespace
+
+struct SyntheticWorkers::Shared {
+  std::atomic<uint64_t> results{0}, accepted{0}, bytes{0}, calls{0};
+  std::mutex mutex;  // of what follows
+  std::condition_variable idle;
+  bool closing = false;
+  int calls_open = 0;
+  std::string error;
+
+  // Whether another call may begin.
+  bool BeginCall() {
+    const std::lock_guard lock(mutex);
+    if (closing) return false;
+    ++calls_open;
+    return true;
+  }
+  void EndCall(const grpc::Status& status) {
+    const std::lock_guard lock(mutex);
+    if (!status.ok() && !closing && error.empty()) error = status.error_message();
+    --calls_open;
+    idle.notify_all();
+  }
+};
+
+// Its two conversations go on by themselves, each from the end of one call to the begin of the next, on
+// gRPC's threads.
+class SyntheticWorkers::One {
+ public:
+  One(Shared& shared, const Address& coordinator, int index, int slots, double unit_seconds)
+      : shared_(shared),
+        channel_(OpenChannel(coordinator)),
+        stub_(proto::Work::NewStub(channel_)),
+        unit_seconds_(unit_seconds) {
+    state_.worker = WorkerId{static_cast<uint64_t>(index) + 1};
+    state_.name = fmt::format("synthetic-{}", index);
+    state_.slots = slots;
+    state_.software_version = kSoftwareVersion;
+    state_.wait = kWait;
+  }
+
+  void Start() { Synchronize(); }
+
+ private:
+  struct StateCall {
+    grpc::ClientContext context;
+    proto::WorkerState request;
+    proto::WorkerDirective answer;
+  };
+  struct ResultsCall {
+    grpc::ClientContext context;
+    proto::ResultsRequest request;
+    proto::ResultsAnswer answer;
+  };
+
+  void Synchronize() {
+    if (!shared_.BeginCall()) return;
+    auto call = std::make_shared<StateCall>();
+    {
+      const std::lock_guard lock(mutex_);
+      ++state_.sequence;
+      state_.leases.clear();
+      for (const auto& [id, lease] : held_)
+        state_.leases.push_back({id, lease.unit, LeaseStage::kRunning, {}});
+      Write(state_, call->request);
+    }
+    SetDeadline(call->context, kWait + kPatience);
+    stub_->async()->Synchronize(&call->context, &call->request, &call->answer,
+                                [this, call](grpc::Status status) {
+                                  if (status.ok()) {
+                                    Apply(call->answer);
+                                    Return();
+                                    Synchronize();
+                                  }
+                                  shared_.EndCall(status);
+                                });
+  }
+
+  // Every scene is in memory at once.
+  void Apply(const proto::WorkerDirective& directive) {
+    const std::lock_guard lock(mutex_);
+    for (const proto::SceneOrder& message : directive.scenes()) {
+      const auto order = ReadSceneOrder(message);
+      if (order) state_.scenes = {{order->key, true}};
+    }
+    Take(directive.leases());
+  }
+
+  void Take(const google::protobuf::RepeatedPtrField<proto::Lease>& messages) {
+    for (const proto::Lease& message : messages) {
+      const auto lease = ReadLease(message);
+      if (lease && held_.emplace(lease->id, *lease).second) waiting_.push_back(*lease);
+    }
+  }
+
+  // Sends what is there, one call at a time.
+  void Return() {
+    auto call = std::make_shared<ResultsCall>();
+    std::vector<LeaseId> sent;
+    {
+      const std::lock_guard lock(mutex_);
+      if (is_returning_ || waiting_.empty()) return;
+      if (!shared_.BeginCall()) return;
+      is_returning_ = true;
+      call->request.set_worker(Number(state_.worker));
+      for (; !waiting_.empty() && sent.size() < kResultsPerCall; waiting_.pop_front()) {
+        AddResult(waiting_.front(), call->request);
+        sent.push_back(waiting_.front().id);
+      }
+    }
+    SetDeadline(call->context, kPatience);
+    stub_->async()->ReturnResults(&call->context, &call->request, &call->answer,
+                                  [this, call, sent = std::move(sent)](grpc::Status status) {
+                                    if (status.ok()) Answered(call->answer, sent);
+                                    shared_.EndCall(status);
+                                  });
+  }
+
+  void AddResult(const Lease& lease, proto::ResultsRequest& request) {
+    proto::UnitResult& result = *request.add_results();
+    result.set_lease(Number(lease.id));
+    Write(lease.unit, *result.mutable_unit());
+    result.set_tile(EncodeRadianceTile(MakeTile(lease)));
+    result.set_render_seconds(unit_seconds_ * lease.unit.range.size);
+    shared_.bytes += result.tile().size();
+  }
+
+  void Answered(const proto::ResultsAnswer& answer, const std::vector<LeaseId>& sent) {
+    {
+      const std::lock_guard lock(mutex_);
+      is_returning_ = false;
+      for (const LeaseId lease : sent) held_.erase(lease);
+      Take(answer.leases());
+    }
+    ++shared_.calls;
+    shared_.results += sent.size();
+    for (const int verdict : answer.verdicts())
+      shared_.accepted += verdict == proto::ResultsAnswer::ACCEPTED ? 1 : 0;
+    Return();
+  }
+
+  Shared& shared_;
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<proto::Work::Stub> stub_;
+  const double unit_seconds_;
+  std::mutex mutex_;  // of what follows
+  WorkerState state_;
+  std::map<LeaseId, Lease> held_;
+  std::deque<Lease> waiting_;
+  bool is_returning_ = false;
+};
+
+SyntheticWorkers::SyntheticWorkers(const Address& coordinator, int count, int slots, double unit_seconds)
+    : shared_(std::make_unique<Shared>()) {
+  for (int i = 0; i < count; ++i)
+    all_.push_back(std::make_unique<One>(*shared_, coordinator, i, slots, unit_seconds));
+  for (const auto& one : all_) one->Start();
+}
+
+SyntheticWorkers::~SyntheticWorkers() {
+  std::unique_lock lock(shared_->mutex);
+  shared_->closing = true;
+  shared_->idle.wait(lock, [this] { return shared_->calls_open == 0; });
+}
+
+LoadCounts SyntheticWorkers::counts() const {
+  return {shared_->results, shared_->accepted, shared_->bytes, shared_->calls};
+}
+
+std::string SyntheticWorkers::error() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->error;
+}
+
+}  // namespace tessera
