@@ -101,6 +101,12 @@ void AddRenderOptions(CLI::App& app, Options& options) {
   AddFutureFlags(app);
 }
 
+void AddVerify(CLI::App& app, Options& options) {
+  AddWord(
+      app, "--verify", "let two workers render this share of the picture, and compare them bit for bit", "P%",
+      [&options](const std::string& word) { options.verify_share = Take(ParsePercent("--verify", word)); });
+}
+
 void AddCoordinator(CLI::App& app, Options& options) {
   app.add_option("--coordinator", options.coordinator,
                  fmt::format("HOST:PORT or unix:PATH [default: $TESSERA_COORDINATOR or {}]",
@@ -119,6 +125,16 @@ void AddJob(CLI::App& app, Options& options) {
   app.add_option_function<std::string>(
          "JOB", [&options](const std::string& word) { options.job = Take(ParseUnsigned("JOB", word, 1)); },
          "number of the job, as submit printed it")
+      ->required();
+}
+
+void AddPriority(CLI::App& app, Options& options) {
+  app.add_option_function<std::string>(
+         "N",
+         [&options](const std::string& word) {
+           options.priority = static_cast<int>(Take(ParseInteger("N", word, -kPriorityMax, kPriorityMax)));
+         },
+         "the priority from now on: higher goes first")
       ->required();
 }
 
@@ -142,14 +158,6 @@ CLI::App& AddCommand(CLI::App& app, Options& options, const std::string& name, c
   return *command;
 }
 
-// So are the commands that DESIGN.md promises for later.
-void AddFutureCommands(CLI::App& app) {
-  for (const char* name : {"pause", "resume"}) {
-    CLI::App* command = app.add_subcommand(name)->group("")->allow_extras();
-    command->callback([name] { throw CLI::ValidationError(fmt::format("{} is not supported yet", name)); });
-  }
-}
-
 void AddLocalCommands(CLI::App& app, Options& options) {
   CLI::App& render = AddCommand(app, options, "render", "render a scene on a farm of processes on this box");
   AddScene(render, options);
@@ -158,6 +166,7 @@ void AddLocalCommands(CLI::App& app, Options& options) {
   AddInteger(render, "--threads", "render threads of each [default: all cores, shared]", 1, kWorkersMax,
              options.threads);
   render.add_flag("--in-process", options.in_process, "render in this process, without any farm");
+  AddVerify(render, options);
   AddRenderOptions(render, options);
 
   CLI::App& compare = AddCommand(app, options, "compare", "compare two EXR pictures");
@@ -172,6 +181,21 @@ void AddLocalCommands(CLI::App& app, Options& options) {
   AddRenderOptions(info, options);
 }
 
+void AddRequire(CLI::App& app, Options& options) {
+  app.add_option_function<std::vector<std::string>>(
+         "--require",
+         [&options](const std::vector<std::string>& words) {
+           for (const std::string& word : words)
+             options.required_tags.insert(Take(ParseTag("--require", word)));
+           if (options.required_tags.size() > kTagsMax) {
+             throw CLI::ValidationError(fmt::format("--require: more than {} tags", kTagsMax));
+           }
+         },
+         "only workers with this tag may work for the job; may be repeated")
+      ->type_name("TAG")
+      ->allow_extra_args(false);
+}
+
 void AddFarmCommands(CLI::App& app, Options& options) {
   CLI::App& submit = AddCommand(app, options, "submit", "hand a scene to a farm; prints the job's number");
   AddScene(submit, options);
@@ -179,20 +203,36 @@ void AddFarmCommands(CLI::App& app, Options& options) {
   submit.add_option("--name", options.name, "what the job is called [default: the scene's file name]");
   AddInteger(submit, "--priority", "higher goes first [default: 0]", -kPriorityMax, kPriorityMax,
              options.priority);
+  AddRequire(submit, options);
+  AddVerify(submit, options);
   submit.add_flag("--watch", options.watch, "follow the job until it ends");
   AddRenderOptions(submit, options);
 
   AddCoordinator(AddCommand(app, options, "jobs", "list the jobs of a farm"), options);
   AddCoordinator(AddCommand(app, options, "workers", "list the workers of a farm"), options);
+  const std::pair<const char*, const char*> worker_commands[] = {
+      {"drain", "give workers nothing new; they finish what they hold"},
+      {"release", "let workers work again after a drain or a quarantine"}};
+  for (const auto& [name, help] : worker_commands) {
+    CLI::App& command = AddCommand(app, options, name, help);
+    command
+        .add_option("WORKER", options.worker, "name of workers, or the number of one as workers lists them")
+        ->required();
+    AddCoordinator(command, options);
+  }
   const std::pair<const char*, const char*> job_commands[] = {
       {"status", "say how far a job is"},
       {"watch", "follow a job until it ends"},
       {"cancel", "stop a job"},
       {"extend", "give a job more samples"},
+      {"pause", "render no more of a job for now"},
+      {"resume", "go on with a job that was paused"},
+      {"priority", "let a job go before others"},
       {"fetch", "get the picture of a job, or those of a sequence"}};
   for (const auto& [name, help] : job_commands) {
     CLI::App& command = AddCommand(app, options, name, help);
     AddJob(command, options);
+    if (std::string_view(name) == "priority") AddPriority(command, options);
     AddCoordinator(command, options);
     if (std::string_view(name) == "extend") AddSamples(command, options.render)->required();
     if (std::string_view(name) != "fetch") continue;
@@ -219,7 +259,7 @@ std::string UnknownWord(const CLI::App& app) {
   std::vector<std::string> known;
   std::string what, word;
   for (const CLI::App* command : app.get_subcommands()) {
-    if (command->remaining().empty() || command->get_group().empty()) continue;  // hidden: not there yet
+    if (command->remaining().empty()) continue;
     word = command->remaining().front();
     known = KnownWords(*command);
     what = word.starts_with("-") ? command->get_name() + ": unknown flag"
@@ -271,7 +311,6 @@ Result<CommandLine> ParseCommandLine(const std::vector<std::string>& arguments) 
   app.set_version_flag("--version", std::string(kSoftwareVersion));
   AddLocalCommands(app, options);
   AddFarmCommands(app, options);
-  AddFutureCommands(app);
   return Parse(app, options, arguments);
 }
 

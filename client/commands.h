@@ -15,9 +15,14 @@ Result<int> RunStatus(const Options& options, Cancellation& cancellation);
 Result<int> RunWatch(const Options& options, Cancellation& cancellation);
 Result<int> RunCancel(const Options& options, Cancellation& cancellation);
 Result<int> RunExtend(const Options& options, Cancellation& cancellation);
+Result<int> RunPause(const Options& options, Cancellation& cancellation);
+Result<int> RunResume(const Options& options, Cancellation& cancellation);
+Result<int> RunPriority(const Options& options, Cancellation& cancellation);
 Result<int> RunFetch(const Options& options, Cancellation& cancellation);
 Result<int> RunJobs(const Options& options, Cancellation& cancellation);
 Result<int> RunWorkers(const Options& options, Cancellation& cancellation);
+Result<int> RunDrain(const Options& options, Cancellation& cancellation);
+Result<int> RunRelease(const Options& options, Cancellation& cancellation);
 Result<int> RunCompare(const Options& options, Cancellation& cancellation);
 Result<int> RunInfo(const Options& options, Cancellation& cancellation);
 

@@ -1,4 +1,4 @@
-// tessera status, watch, cancel, extend: commands about one job.
+// tessera status, watch, cancel, pause, resume, priority, extend: commands about one job.
 #include <fmt/format.h>
 
 #include "client/commands.h"
@@ -14,16 +14,23 @@ void Print(const Options& options, const JobStatus& status) {
   fmt::print("{}\n", options.json ? JobJson(status) : JobText(status));
 }
 
-}  // namespace
-
-Result<int> RunStatus(const Options& options, Cancellation& cancellation) {
+// Asks the coordinator one thing about the job and prints the status that it answers.
+template <typename Ask>
+Result<int> PrintAnswer(const Options& options, Cancellation& cancellation, Ask ask) {
   const auto client = ReachCoordinator(options, cancellation);
   if (!client) return client.error();
-  const auto status = (*client)->Status(JobId{options.job});
+  const auto status = ask(**client, JobId{options.job});
   if (!status) return status.error();
   Print(options, *status);
   if (!options.json) fmt::print("{}", TimesTable(status->times));
   return 0;
+}
+
+}  // namespace
+
+Result<int> RunStatus(const Options& options, Cancellation& cancellation) {
+  return PrintAnswer(options, cancellation,
+                     [](CoordinatorClient& client, JobId job) { return client.Status(job); });
 }
 
 Result<int> RunWatch(const Options& options, Cancellation& cancellation) {
@@ -37,21 +44,30 @@ Result<int> RunWatch(const Options& options, Cancellation& cancellation) {
 }
 
 Result<int> RunCancel(const Options& options, Cancellation& cancellation) {
-  const auto client = ReachCoordinator(options, cancellation);
-  if (!client) return client.error();
-  const auto status = (*client)->Cancel(JobId{options.job});
-  if (!status) return status.error();
-  Print(options, *status);
-  return 0;
+  return PrintAnswer(options, cancellation,
+                     [](CoordinatorClient& client, JobId job) { return client.Cancel(job); });
+}
+
+Result<int> RunPause(const Options& options, Cancellation& cancellation) {
+  return PrintAnswer(options, cancellation,
+                     [](CoordinatorClient& client, JobId job) { return client.Pause(job); });
+}
+
+Result<int> RunResume(const Options& options, Cancellation& cancellation) {
+  return PrintAnswer(options, cancellation,
+                     [](CoordinatorClient& client, JobId job) { return client.Resume(job); });
+}
+
+Result<int> RunPriority(const Options& options, Cancellation& cancellation) {
+  return PrintAnswer(options, cancellation, [&](CoordinatorClient& client, JobId job) {
+    return client.SetPriority(job, options.priority);
+  });
 }
 
 Result<int> RunExtend(const Options& options, Cancellation& cancellation) {
-  const auto client = ReachCoordinator(options, cancellation);
-  if (!client) return client.error();
-  const auto status = (*client)->Extend(JobId{options.job}, *options.render.samples_per_pixel);
-  if (!status) return status.error();
-  Print(options, *status);
-  return 0;
+  return PrintAnswer(options, cancellation, [&](CoordinatorClient& client, JobId job) {
+    return client.Extend(job, *options.render.samples_per_pixel);
+  });
 }
 
 }  // namespace tessera

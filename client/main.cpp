@@ -17,9 +17,10 @@ namespace {
 
 const std::map<std::string, Command>& Commands() {
   static const std::map<std::string, Command> kCommands{
-      {"render", RunRender}, {"submit", RunSubmit},   {"status", RunStatus}, {"watch", RunWatch},
-      {"cancel", RunCancel}, {"fetch", RunFetch},     {"jobs", RunJobs},     {"workers", RunWorkers},
-      {"info", RunInfo},     {"compare", RunCompare}, {"extend", RunExtend},
+      {"render", RunRender},     {"submit", RunSubmit},   {"status", RunStatus},   {"watch", RunWatch},
+      {"cancel", RunCancel},     {"fetch", RunFetch},     {"jobs", RunJobs},       {"workers", RunWorkers},
+      {"info", RunInfo},         {"compare", RunCompare}, {"pause", RunPause},     {"resume", RunResume},
+      {"priority", RunPriority}, {"drain", RunDrain},     {"release", RunRelease}, {"extend", RunExtend},
   };
   return kCommands;
 }

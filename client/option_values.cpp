@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "terms/terms.h"
 #include "util/text.h"
 
 namespace tessera {
@@ -84,6 +85,22 @@ Result<ExrType> ParseExrType(std::string_view word) {
   if (word == "half") return ExrType::kHalf;
   if (word == "float") return ExrType::kFloat;
   return BadInput(fmt::format("--exr-type: \"{}\" is neither half nor float", word));
+}
+
+Result<double> ParsePercent(std::string_view flag, std::string_view word) {
+  const std::string_view digits = word.ends_with('%') ? word.substr(0, word.size() - 1) : word;
+  double percent = 0;
+  if (!ParseWhole(digits, percent) || !(percent >= 0 && percent <= 100)) {
+    return BadInput(fmt::format("{}: \"{}\" is not a share from 0% to 100%", flag, word));
+  }
+  return percent / 100;
+}
+
+Result<std::string> ParseTag(std::string_view flag, std::string_view word) {
+  if (IsTag(word)) return std::string(word);
+  return BadInput(
+      fmt::format("{}: \"{}\" is not a word of letters, digits and . _ - + : of at most {} characters", flag,
+                  word, kTagBytesMax));
 }
 
 Result<std::string> ParseChoice(std::string_view flag, std::string_view word,

@@ -26,6 +26,10 @@ Result<std::pair<int, int>> ParseResolution(std::string_view word);
 Result<std::array<float, 4>> ParseCrop(std::string_view word);
 // "half" or "float".
 Result<ExrType> ParseExrType(std::string_view word);
+// "P%", 0 to 100, as a share of 1; the sign may be missing.
+Result<double> ParsePercent(std::string_view flag, std::string_view word);
+// A worker's tag.
+Result<std::string> ParseTag(std::string_view flag, std::string_view word);
 // One of `choices`.
 Result<std::string> ParseChoice(std::string_view flag, std::string_view word,
                                 std::span<const std::string_view> choices);

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "client/frame_range.h"
@@ -40,15 +41,20 @@ struct Options {
   int threads = 0;          // of each process; 0: share the cores between the processes
   bool in_process = false;  // no farm
 
+  // render, submit
+  double verify_share = 0;  // of the units, rendered by two workers who must agree
+
   // a farm's commands
   std::string coordinator;                                // HOST:PORT or unix:PATH
   std::chrono::milliseconds patience = kPatienceDefault;  // for a coordinator that does not answer
   std::string name;                                       // of the job; empty: the scene's
-  int priority = 0;                                       // higher goes first
+  int priority = 0;                                       // submit, priority: higher goes first
   bool watch = false;                                     // submit: follow the job until it ends
+  std::set<std::string> required_tags;                    // submit: of the workers that may work for the job
   bool preview = false;                                   // fetch: what is there will do
   std::optional<int> frame;                               // fetch: this one of a sequence
   uint64_t job = 0;
+  std::string worker;  // drain, release: the name of some, or the number of one
 
   // compare
   std::string picture_a, picture_b;

@@ -17,7 +17,7 @@ struct Progress {
   int workers = 0;
   double elapsed_s = 0;
   double left_s = -1;  // negative: not known yet
-  std::string remark;  // why nothing moves, or empty
+  std::string remark;  // why nothing moves and the like, or empty
   FrameCount frames;   // told if there are several
 };
 

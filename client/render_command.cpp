@@ -30,9 +30,10 @@ struct Crew {
   int threads;  // of each
 };
 
-// Without numbers from the user: one process with a thread for each core, since a scene is then loaded once.
+// Without numbers from the user: one process with a thread for each core, since a scene is then loaded once;
+// two if they are to check each other.
 Crew ChooseCrew(const Options& options) {
-  const int workers = options.workers > 0 ? options.workers : 1;
+  const int workers = options.workers > 0 ? options.workers : options.verify_share > 0 ? 2 : 1;
   const int threads = options.threads > 0 ? options.threads : std::max(1, UsableCores() / workers);
   return {workers, threads};
 }
@@ -94,7 +95,8 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const Options& options, cons
   const auto client = CoordinatorClient::Connect((*farm)->address(), options.patience, cancellation.token());
   if (!client) return client.error();
   if (auto sent = (*client)->Upload(job->packed); !sent) return sent.error();
-  const auto id = (*client)->Submit(job->packed, job->packed.frames[0].scene_file, 0);
+  const auto id =
+      (*client)->Submit(job->packed, {job->packed.frames[0].scene_file, 0, {}, options.verify_share});
   if (!id) return id.error();
   FrameFetcher fetcher(**client, *id, names);
   uint32_t finished = 0;
@@ -122,6 +124,9 @@ std::string DefaultOutput(const Options& options) {
 
 Result<int> RunRender(const Options& options, Cancellation& cancellation) {
   const auto start = Clock::now();
+  if (options.verify_share > 0 && (options.in_process || options.workers == 1)) {
+    return BadInput("--verify needs at least two workers to compare: --workers 2, or more");
+  }
   const bool is_sequence = options.frames.has_value();
   const PictureNames names(options.output.empty() ? DefaultOutput(options) : options.output, options.png,
                            is_sequence ? PictureNames::Numbers::kAlways : PictureNames::Numbers::kNone);

@@ -1,6 +1,7 @@
 #include "client/status_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 
@@ -45,6 +46,7 @@ nlohmann::ordered_json ToJson(const JobStatus& status) {
   json["priority"] = status.priority;
   json["state"] = JobStateName(status.state);
   json["reason"] = status.reason;
+  json["paused_by_user"] = status.paused_by_user;
   json["samples_done"] = status.samples_done;
   json["samples_total"] = status.samples_total;
   json["samples_per_second"] = status.samples_per_second;
@@ -55,6 +57,12 @@ nlohmann::ordered_json ToJson(const JobStatus& status) {
   json["frames_total"] = status.frames_total;
   json["frames_finished"] = status.frames_finished;
   json["times"] = ToJson(status.times);
+  if (status.verify_share > 0) {
+    json["verify_share"] = status.verify_share;
+    json["units_verified"] = status.units_verified;
+    json["units_disputed"] = status.units_disputed;
+    json["units_suspect"] = status.units_suspect;
+  }
   return json;
 }
 
@@ -74,6 +82,7 @@ nlohmann::ordered_json ToJson(const WorkerStatus& status) {
   json["reason"] = status.reason;
   json["utilisation"] = status.utilisation;
   json["samples_per_second"] = status.samples_per_second;
+  json["tags"] = status.tags;
   return json;
 }
 
@@ -85,8 +94,24 @@ std::string ListJson(const std::vector<Status>& list) {
 }
 
 std::string WorkerRemark(const WorkerStatus& status) {
-  if (status.quarantined) return "quarantined: " + status.reason;
-  return status.draining ? "draining" : "";
+  std::string remark;
+  const auto add = [&](const std::string& text) { remark += (remark.empty() ? "" : "  ") + text; };
+  if (!status.tags.empty()) add(fmt::format("[{}]", fmt::join(status.tags, " ")));
+  if (status.quarantined) add("quarantined: " + status.reason);
+  if (status.draining) add("draining");
+  return remark;
+}
+
+// What the comparing of workers has brought; empty if nothing is compared.
+std::string VerificationText(const JobStatus& status) {
+  if (status.verify_share <= 0) return {};
+  std::string text =
+      fmt::format("{} units verified, {} disputed", status.units_verified, status.units_disputed);
+  if (status.units_suspect > 0) {
+    text += fmt::format("; SUSPECT: {} unverified units of a worker that was found wrong are in the picture",
+                        status.units_suspect);
+  }
+  return text;
 }
 
 }  // namespace
@@ -101,6 +126,9 @@ Progress ProgressOf(const JobStatus& status) {
   progress.left_s = status.left.count() >= 0 ? Seconds(status.left) : -1;
   progress.remark = status.reason;
   progress.frames = {status.frames_finished, status.frames_total};
+  if (const std::string text = VerificationText(status); !text.empty()) {
+    progress.remark += (progress.remark.empty() ? "" : "; ") + text;
+  }
   return progress;
 }
 
@@ -124,15 +152,16 @@ std::string JobTable(const std::vector<JobStatus>& jobs) {
 
 std::string WorkerTable(const std::vector<WorkerStatus>& workers) {
   std::string table =
-      fmt::format("{:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5}  {:>5}  {:>12}  {:>9}  {}\n", "NAME", "SLOTS",
-                  "LEASES", "FINISHED", "FAILED", "SPEED", "BUSY", "SAMPLES/S", "SILENT", "VERSION");
+      fmt::format("{:<16}  {:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5}  {:>5}  {:>12}  {:>9}  {}\n", "WORKER",
+                  "NAME", "SLOTS", "LEASES", "FINISHED", "FAILED", "SPEED", "BUSY", "SAMPLES/S", "SILENT",
+                  "VERSION");
   for (const WorkerStatus& worker : workers) {
     const std::string remark = WorkerRemark(worker);
-    table += fmt::format("{:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5.2f}  {:>3.0f} %  {:>12.0f}  {:>9}  {}{}\n",
-                         worker.name, worker.slots, worker.leases, worker.units_finished, worker.units_failed,
-                         worker.speed, 100 * worker.utilisation, worker.samples_per_second,
-                         DurationText(Seconds(worker.silent)), worker.software_version,
-                         remark.empty() ? "" : "  " + remark);
+    table += fmt::format(
+        "{:016x}  {:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5.2f}  {:>3.0f} %  {:>12.0f}  {:>9}  {}{}\n",
+        Number(worker.worker), worker.name, worker.slots, worker.leases, worker.units_finished,
+        worker.units_failed, worker.speed, 100 * worker.utilisation, worker.samples_per_second,
+        DurationText(Seconds(worker.silent)), worker.software_version, remark.empty() ? "" : "  " + remark);
   }
   return table;
 }

@@ -22,7 +22,8 @@ Result<int> RunSubmit(const Options& options, Cancellation& cancellation) {
              BytesText(sent->bytes_sent));
   const std::string name =
       options.name.empty() ? std::filesystem::path(options.scene).stem().string() : options.name;
-  const auto id = (*client)->Submit(job->packed, name, options.priority);
+  const auto id =
+      (*client)->Submit(job->packed, {name, options.priority, options.required_tags, options.verify_share});
   if (!id) return id.error();
   if (options.json) {
     fmt::print("{{\"job\":{}}}\n", Number(*id));

@@ -21,7 +21,9 @@ Instant Now() {
 
 bool IsSame(const JobStatus& a, const JobStatus& b) {
   return a.state == b.state && a.samples_done == b.samples_done && a.frames_finished == b.frames_finished &&
-         a.workers == b.workers && a.reason == b.reason && a.priority == b.priority;
+         a.workers == b.workers && a.reason == b.reason && a.priority == b.priority &&
+         a.paused_by_user == b.paused_by_user && a.units_verified == b.units_verified &&
+         a.units_disputed == b.units_disputed && a.units_suspect == b.units_suspect;
 }
 
 }  // namespace

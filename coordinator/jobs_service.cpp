@@ -16,6 +16,41 @@ grpc::Status NoJob(JobId job) {
   return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no job {}", Number(job))};
 }
 
+grpc::Status NoWorker(const std::string& which) {
+  return {grpc::StatusCode::NOT_FOUND,
+          fmt::format("there is no worker \"{}\"; tessera workers lists them", ReadReason(which))};
+}
+
+// Answered with the job's status once the change is on stable storage.
+void ChangeJob(CoreThread& thread, grpc::ServerUnaryReactor* reactor, JobId job, proto::JobStatus* answer,
+               std::function<Result<JobStatus>(CoreContext&, JobId)> change) {
+  thread.Post([=, change = std::move(change)](CoreContext& core) {
+    if (!core.farm.Status(core.now, job)) {
+      reactor->Finish(NoJob(job));
+      return;
+    }
+    const auto status = change(core, job);
+    core.answers.AfterSync([=](bool synced) {
+      if (status) Write(*status, *answer);
+      reactor->Finish(!status ? ToStatus(status.error()) : synced ? grpc::Status::OK : CoordinatorEnds());
+    });
+  });
+}
+
+// Answered with the workers' status once the change is on stable storage.
+void ChangeWorkers(CoreThread& thread, grpc::ServerUnaryReactor* reactor, const std::string& which,
+                   proto::WorkersAnswer* answer, std::function<void(Farm&, WorkerId)> change) {
+  thread.Post([=, change = std::move(change)](CoreContext& core) {
+    const auto found = core.farm.FindWorkers(core.now, which);
+    for (const WorkerStatus& worker : found) change(core.farm, worker.worker);
+    const auto changed = core.farm.FindWorkers(core.now, which);
+    core.answers.AfterSync([=](bool synced) {
+      for (const WorkerStatus& worker : changed) Write(worker, *answer->add_workers());
+      reactor->Finish(changed.empty() ? NoWorker(which) : synced ? grpc::Status::OK : CoordinatorEnds());
+    });
+  });
+}
+
 }  // namespace
 
 grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* context,
@@ -79,13 +114,40 @@ grpc::ServerWriteReactor<proto::JobStatus>* JobsService::Watch(grpc::CallbackSer
 grpc::ServerUnaryReactor* JobsService::Cancel(grpc::CallbackServerContext* context,
                                               const proto::JobRequest* request, proto::JobStatus* answer) {
   grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  core_.Post([=, job = JobId{request->job()}](CoreContext& core) {
-    const auto status = core.farm.Cancel(core.now, job);
-    core.answers.AfterSync([=](bool synced) {
-      if (status) Write(*status, *answer);
-      reactor->Finish(!status ? NoJob(job) : synced ? grpc::Status::OK : CoordinatorEnds());
-    });
-  });
+  ChangeJob(core_, reactor, JobId{request->job()}, answer,
+            [](CoreContext& core, JobId job) { return core.farm.Cancel(core.now, job); });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* JobsService::Pause(grpc::CallbackServerContext* context,
+                                             const proto::JobRequest* request, proto::JobStatus* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  ChangeJob(core_, reactor, JobId{request->job()}, answer,
+            [](CoreContext& core, JobId job) { return core.farm.SetPaused(core.now, job, true); });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* JobsService::Resume(grpc::CallbackServerContext* context,
+                                              const proto::JobRequest* request, proto::JobStatus* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  ChangeJob(core_, reactor, JobId{request->job()}, answer,
+            [](CoreContext& core, JobId job) { return core.farm.SetPaused(core.now, job, false); });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* JobsService::SetPriority(grpc::CallbackServerContext* context,
+                                                   const proto::PriorityRequest* request,
+                                                   proto::JobStatus* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  const auto priority = ReadPriority(request->priority());
+  if (!priority) {
+    reactor->Finish(ToStatus(priority.error()));
+    return reactor;
+  }
+  ChangeJob(core_, reactor, JobId{request->job()}, answer,
+            [priority = *priority](CoreContext& core, JobId job) {
+              return core.farm.SetPriority(core.now, job, priority);
+            });
   return reactor;
 }
 
@@ -129,10 +191,12 @@ grpc::ServerUnaryReactor* JobsService::Extend(grpc::CallbackServerContext* conte
 }
 
 grpc::ServerUnaryReactor* JobsService::Workers(grpc::CallbackServerContext* context,
-                                               const proto::WorkersRequest*, proto::WorkersAnswer* answer) {
+                                               const proto::WorkersRequest* request,
+                                               proto::WorkersAnswer* answer) {
   grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  core_.Post([=](CoreContext& core) {
-    for (const WorkerStatus& status : core.farm.Workers(core.now)) Write(status, *answer->add_workers());
+  core_.Post([=, which = request->which()](CoreContext& core) {
+    const auto workers = which.empty() ? core.farm.Workers(core.now) : core.farm.FindWorkers(core.now, which);
+    for (const WorkerStatus& status : workers) Write(status, *answer->add_workers());
     reactor->Finish(grpc::Status::OK);
   });
   return reactor;
@@ -146,6 +210,24 @@ grpc::ServerUnaryReactor* JobsService::Frames(grpc::CallbackServerContext* conte
     Write(frames, *answer);
     reactor->Finish(frames.empty() ? NoJob(job) : grpc::Status::OK);
   });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* JobsService::DrainWorkers(grpc::CallbackServerContext* context,
+                                                    const proto::WorkersRequest* request,
+                                                    proto::WorkersAnswer* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  ChangeWorkers(core_, reactor, request->which(), answer,
+                [](Farm& farm, WorkerId worker) { farm.Drain(worker); });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* JobsService::ReleaseWorkers(grpc::CallbackServerContext* context,
+                                                      const proto::WorkersRequest* request,
+                                                      proto::WorkersAnswer* answer) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  ChangeWorkers(core_, reactor, request->which(), answer,
+                [](Farm& farm, WorkerId worker) { farm.Release(worker); });
   return reactor;
 }
 

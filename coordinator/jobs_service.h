@@ -31,11 +31,24 @@ class JobsService final : public proto::Jobs::CallbackService {
                                    proto::JobStatus* answer) override;
   grpc::ServerUnaryReactor* Extend(grpc::CallbackServerContext* context, const proto::ExtendRequest* request,
                                    proto::JobStatus* answer) override;
+  grpc::ServerUnaryReactor* Pause(grpc::CallbackServerContext* context, const proto::JobRequest* request,
+                                  proto::JobStatus* answer) override;
+  grpc::ServerUnaryReactor* Resume(grpc::CallbackServerContext* context, const proto::JobRequest* request,
+                                   proto::JobStatus* answer) override;
+  grpc::ServerUnaryReactor* SetPriority(grpc::CallbackServerContext* context,
+                                        const proto::PriorityRequest* request,
+                                        proto::JobStatus* answer) override;
   grpc::ServerUnaryReactor* Workers(grpc::CallbackServerContext* context,
                                     const proto::WorkersRequest* request,
                                     proto::WorkersAnswer* answer) override;
   grpc::ServerUnaryReactor* Frames(grpc::CallbackServerContext* context, const proto::JobRequest* request,
                                    proto::FramesAnswer* answer) override;
+  grpc::ServerUnaryReactor* DrainWorkers(grpc::CallbackServerContext* context,
+                                         const proto::WorkersRequest* request,
+                                         proto::WorkersAnswer* answer) override;
+  grpc::ServerUnaryReactor* ReleaseWorkers(grpc::CallbackServerContext* context,
+                                           const proto::WorkersRequest* request,
+                                           proto::WorkersAnswer* answer) override;
   grpc::ServerWriteReactor<proto::PictureChunk>* FetchPicture(grpc::CallbackServerContext* context,
                                                               const proto::FetchRequest* request) override;
   grpc::ServerUnaryReactor* Health(grpc::CallbackServerContext* context, const proto::HealthRequest* request,

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace tessera {
 
 std::string WorkUnit::Text() const {
@@ -16,6 +18,14 @@ Digest SceneKey(const Digest& package, const std::string& scene_file, const std:
   stream.Add(scene_file);
   stream.Add(options);
   return stream.Finish();
+}
+
+bool IsTag(std::string_view word) {
+  const auto belongs = [](char c) {
+    const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    return is_letter || (c >= '0' && c <= '9') || std::string_view("._-+:").find(c) != std::string_view::npos;
+  };
+  return !word.empty() && word.size() <= kTagBytesMax && std::all_of(word.begin(), word.end(), belongs);
 }
 
 const char* JobStateName(JobState state) {

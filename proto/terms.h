@@ -6,7 +6,9 @@
 #include <compare>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "film/frame_spec.h"
@@ -37,8 +39,18 @@ constexpr size_t kOptionsBytesMax = 64 << 10;        // of encoded render option
 constexpr size_t kReasonBytesMax = 4096;             // of words for people; longer ones are cut
 constexpr size_t kAttributesBytesMax = 1 << 20;      // of a frame's EXR header attributes together
 constexpr int kPriorityMax = 1'000'000;              // and its negative
+constexpr size_t kTagBytesMax = 64;                  // a word, not a text
+constexpr size_t kTagsMax = 32;  // of a worker, or required by a job: more are a list of something else
 constexpr std::chrono::milliseconds kSynchronizeWaitMax{
     10'000};  // that an answer waits: below any proxy's idle limit
+
+// A tag says what a worker has that not every worker has: one word of letters, digits and ". _ - + :".
+bool IsTag(std::string_view word);
+
+// From 0 to 1.
+constexpr bool IsShare(double value) {
+  return value >= 0 && value <= 1;
+}
 
 enum class JobId : uint64_t {};     // counts from 1 in the life of a data directory
 enum class WorkerId : uint64_t {};  // random, drawn by the worker process
@@ -119,6 +131,7 @@ struct WorkerState {
   std::string software_version = kSoftwareVersion;
   std::string build_digest;  // raw bytes; may be empty
   std::string probe_digest;  // raw bytes; may be empty
+  std::set<std::string> tags;
   std::vector<HeldScene> scenes;
   std::vector<HeldLease> leases;
   std::vector<LeaseId> returned_leases;
@@ -156,6 +169,8 @@ struct JobSpec {
   int32_t priority = 0;
   Digest package;
   std::vector<FrameOrder> frames;
+  std::set<std::string> required_tags;  // only workers that have all of them work for it
+  double verify_share = 0;              // of its units that two workers render; IsShare
 };
 
 enum class JobState { kWaiting, kRunning, kPaused, kFinished, kFailed, kCancelled };
@@ -187,7 +202,7 @@ struct JobStatus {
   std::string name;
   int32_t priority = 0;
   JobState state = JobState::kWaiting;
-  std::string reason;  // of kPaused and kFailed
+  std::string reason;  // of kPaused and kFailed; of kWaiting if it waits for something that is not there
   uint64_t samples_done = 0, samples_total = 0;
   double samples_per_second = 0;
   uint32_t workers = 0;
@@ -195,6 +210,11 @@ struct JobStatus {
   std::chrono::milliseconds left{-1};  // negative: not known
   uint32_t frames_total = 0, frames_finished = 0;
   JobTimes times;
+  bool paused_by_user = false;  // or by what `reason` says; then it goes on by itself
+  // Verification: the share of units asked for, units on which two workers agree, units on which some did not
+  // agree, and units merged from workers that were found wrong, which nobody has confirmed.
+  double verify_share = 0;
+  uint64_t units_verified = 0, units_disputed = 0, units_suspect = 0;
 };
 
 struct FrameStatus {
@@ -216,6 +236,7 @@ struct WorkerStatus {
   double utilisation = 0;                  // of its slots, over the last minute: 0 to 1
   double samples_per_second = 0;           // over the last minute, accepted
   bool fetching = false, loading = false;  // a scene
+  std::set<std::string> tags;
 };
 
 }  // namespace tessera

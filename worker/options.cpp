@@ -22,6 +22,7 @@ namespace {
 struct Words {
   std::string coordinator, threads, cache_dir, cache_size, name;
   std::string log_level = kLogLevelDefault;
+  std::vector<std::string> tags;
 };
 
 std::string Environment(const char* variable) {
@@ -93,6 +94,13 @@ Result<WorkerOptions> Check(const Words& words) {
   options.name = words.name.empty() ? HostName() : words.name;
   options.log_level = words.log_level;
   if (options.name.size() > kNameBytesMax) return BadInput("--name: is too long");
+  for (const std::string& tag : words.tags) {
+    if (!IsTag(tag)) {
+      return BadInput(fmt::format("--tag: \"{}\" is not a word of letters, digits and . _ - + :", tag));
+    }
+    options.tags.insert(tag);
+  }
+  if (options.tags.size() > kTagsMax) return BadInput(fmt::format("--tag: more than {} tags", kTagsMax));
   return options;
 }
 
@@ -125,6 +133,8 @@ Result<WorkerCommandLine> ParseWorkerCommandLine(const std::vector<std::string>&
   app.add_option("--log-level", words.log_level, "how much goes to stderr; debug tells of every unit")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
       ->capture_default_str();
+  app.add_option("--tag", words.tags, "a word for what this worker has: jobs may require it; may be repeated")
+      ->allow_extra_args(false);
   std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // CLI11 takes them from the back
   try {
     app.parse(std::move(reversed));

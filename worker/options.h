@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,8 @@ struct WorkerOptions {
   int threads = 0;        // render threads, each a slot; default: the processors that may be used
   std::string cache_dir;  // of scene files; default: $XDG_CACHE_HOME/tessera or ~/.cache/tessera
   uint64_t cache_bytes = kCacheBytesDefault;
-  std::string name;  // for people; default: the host's
+  std::string name;            // for people; default: the host's
+  std::set<std::string> tags;  // what it has that not every worker has
   std::string log_level = kLogLevelDefault;
 };
 

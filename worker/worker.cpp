@@ -53,6 +53,7 @@ WorkerState Introduce(const WorkerOptions& options) {
   self.slots = options.threads;
   self.build_digest = BuildId();
   self.probe_digest = ProbeDigest();
+  self.tags = options.tags;
   return self;
 }
 

@@ -32,6 +32,40 @@ proto::JobRequest RequestFor(JobId job) {
   return request;
 }
 
+// A call that names a job and is answered with its status.
+template <typename Connection, typename Request>
+Result<JobStatus> AskAboutJob(Connection& connection,
+                              grpc::Status (proto::Jobs::Stub::*method)(grpc::ClientContext*, const Request&,
+                                                                        proto::JobStatus*),
+                              const Request& request, const char* verb) {
+  proto::JobStatus answer;
+  auto asked = Call(connection.stop, *connection.jobs, method, request, answer,
+                    fmt::format("{} job {}", verb, request.job()));
+  if (!asked) return asked.error();
+  return ReadJobStatus(answer);
+}
+
+// A call about some workers that is answered with their states.
+template <typename Connection>
+Result<std::vector<WorkerStatus>> AskAboutWorkers(
+    Connection& connection,
+    grpc::Status (proto::Jobs::Stub::*method)(grpc::ClientContext*, const proto::WorkersRequest&,
+                                              proto::WorkersAnswer*),
+    const std::string& which, const std::string& what) {
+  proto::WorkersRequest request;
+  request.set_which(which);
+  proto::WorkersAnswer answer;
+  auto asked = Call(connection.stop, *connection.jobs, method, request, answer, what);
+  if (!asked) return asked.error();
+  std::vector<WorkerStatus> workers;
+  for (const proto::WorkerStatus& message : answer.workers()) {
+    auto status = ReadWorkerStatus(message);
+    if (!status) return status.error();
+    workers.push_back(std::move(*status));
+  }
+  return workers;
+}
+
 uint64_t RandomSubmission() {
   std::random_device device;
   const uint64_t high = device();
@@ -117,11 +151,13 @@ Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(
   return std::unique_ptr<CoordinatorClient>(new CoordinatorClient(std::move(connection)));
 }
 
-Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const std::string& name, int priority) {
+Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const Wishes& wishes) {
   JobSpec spec;
   spec.submission = RandomSubmission();
-  spec.name = name;
-  spec.priority = priority;
+  spec.name = wishes.name;
+  spec.priority = wishes.priority;
+  spec.required_tags = wishes.required_tags;
+  spec.verify_share = wishes.verify_share;
   spec.package = scene.digest;
   spec.frames = scene.frames;
   proto::JobSpec request;
@@ -134,19 +170,26 @@ Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const std::str
 }
 
 Result<JobStatus> CoordinatorClient::Status(JobId job) {
-  proto::JobStatus answer;
-  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Status, RequestFor(job),
-                    answer, fmt::format("ask for job {}", Number(job)));
-  if (!asked) return asked.error();
-  return ReadJobStatus(answer);
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::Status, RequestFor(job), "ask for");
 }
 
 Result<JobStatus> CoordinatorClient::Cancel(JobId job) {
-  proto::JobStatus answer;
-  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Cancel, RequestFor(job),
-                    answer, fmt::format("cancel job {}", Number(job)));
-  if (!asked) return asked.error();
-  return ReadJobStatus(answer);
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::Cancel, RequestFor(job), "cancel");
+}
+
+Result<JobStatus> CoordinatorClient::Pause(JobId job) {
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::Pause, RequestFor(job), "pause");
+}
+
+Result<JobStatus> CoordinatorClient::Resume(JobId job) {
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::Resume, RequestFor(job), "resume");
+}
+
+Result<JobStatus> CoordinatorClient::SetPriority(JobId job, int priority) {
+  proto::PriorityRequest request;
+  request.set_job(Number(job));
+  request.set_priority(priority);
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::SetPriority, request, "change the priority of");
 }
 
 Result<JobStatus> CoordinatorClient::Extend(JobId job, uint32_t samples_per_pixel) {
@@ -179,7 +222,7 @@ Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(c
     grpc::Status status = reader->Finish();
     if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "the coordinator stopped reporting"};
     const bool away_too_long = std::chrono::steady_clock::now() - heard > kWatchPatience;
-    if (!IsTransient(status) || away_too_long || !Pause(connection_->stop, pause))
+    if (!IsTransient(status) || away_too_long || !tessera::Pause(connection_->stop, pause))
       return ToError(status, what);
     pause = std::min(pause * 2, kRetryMax);
   }
@@ -222,17 +265,15 @@ Result<std::vector<JobStatus>> CoordinatorClient::Jobs() {
 }
 
 Result<std::vector<WorkerStatus>> CoordinatorClient::Workers() {
-  proto::WorkersAnswer answer;
-  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Workers,
-                    proto::WorkersRequest(), answer, "list the workers");
-  if (!asked) return asked.error();
-  std::vector<WorkerStatus> workers;
-  for (const proto::WorkerStatus& message : answer.workers()) {
-    auto status = ReadWorkerStatus(message);
-    if (!status) return status.error();
-    workers.push_back(std::move(*status));
-  }
-  return workers;
+  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::Workers, "", "list the workers");
+}
+
+Result<std::vector<WorkerStatus>> CoordinatorClient::Drain(const std::string& which) {
+  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::DrainWorkers, which, "drain " + which);
+}
+
+Result<std::vector<WorkerStatus>> CoordinatorClient::Release(const std::string& which) {
+  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::ReleaseWorkers, which, "release " + which);
 }
 
 }  // namespace tessera

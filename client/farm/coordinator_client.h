@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -38,7 +39,14 @@ class CoordinatorClient {
 
   // Sends the files of the scene that the coordinator lacks, several at the same time.
   Result<UploadReport> Upload(const PackedScene& scene);
-  Result<JobId> Submit(const PackedScene& scene, const std::string& name, int priority);
+  // What is asked for beside the picture.
+  struct Wishes {
+    std::string name;
+    int priority = 0;
+    std::set<std::string> required_tags;
+    double verify_share = 0;
+  };
+  Result<JobId> Submit(const PackedScene& scene, const Wishes& wishes);
   Result<JobStatus> Status(JobId job);
   // Calls `report` with every change until the job has ended, and answers its last status.
   Result<JobStatus> Watch(JobId job, const std::function<void(const JobStatus&)>& report);
@@ -46,10 +54,17 @@ class CoordinatorClient {
   Result<std::vector<FrameStatus>> Frames(JobId job);
   // The bytes of the OpenEXR file of a frame, by its index.
   Result<std::string> FetchPicture(JobId job, uint32_t frame, bool preview);
+  // Each answers the job's status after it.
   Result<JobStatus> Cancel(JobId job);
   Result<JobStatus> Extend(JobId job, uint32_t samples_per_pixel);
+  Result<JobStatus> Pause(JobId job);
+  Result<JobStatus> Resume(JobId job);
+  Result<JobStatus> SetPriority(JobId job, int priority);
   Result<std::vector<JobStatus>> Jobs();
   Result<std::vector<WorkerStatus>> Workers();
+  // Of the workers of a name, or the one of a number; each answers them after it.
+  Result<std::vector<WorkerStatus>> Drain(const std::string& which);
+  Result<std::vector<WorkerStatus>> Release(const std::string& which);
 
  private:
   struct Connection;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <bit>
+
 #include "core/byte_codec.h"
 
 namespace tessera {
@@ -15,6 +17,11 @@ enum class Kind : uint32_t {
   kJobExtended = 8,
   kJobsForgotten = 10,
   kFrameResumed = 11,
+  kJobPaused = 5,
+  kJobPriorityChanged = 6,
+  kWorkerBarred = 9,
+  kOpinionHeard = 20,
+  kUnitsCounted = 21,
 };
 
 void Add(ByteWriter& out, const Digest& digest) {
@@ -75,6 +82,9 @@ void Add(ByteWriter& out, const JobSpec& spec) {
     out.Add32(frame.extendable ? 1 : 0);
     Add(out, frame.spec);
   }
+  out.Add64(spec.required_tags.size());
+  for (const std::string& tag : spec.required_tags) out.AddText(tag);
+  out.Add64(std::bit_cast<uint64_t>(spec.verify_share));
 }
 
 bool Read(ByteReader& in, JobSpec& spec) {
@@ -90,6 +100,13 @@ bool Read(ByteReader& in, JobSpec& spec) {
     frame.extendable = in.Read32() != 0;
     if (!Read(in, frame.spec)) return false;
   }
+  for (uint64_t n = in.ReadCount(8); n > 0; --n) {
+    const std::string tag = in.ReadText();
+    if (!IsTag(tag) || spec.required_tags.size() >= kTagsMax) return false;
+    spec.required_tags.insert(tag);
+  }
+  spec.verify_share = std::bit_cast<double>(in.Read64());
+  if (!IsShare(spec.verify_share)) return false;
   return in.ok() && !spec.frames.empty() && spec.frames.size() <= static_cast<size_t>(kFramesPerJobMax);
 }
 
@@ -135,6 +152,69 @@ void Add(ByteWriter& out, const FrameResumed& fact) {
   out.Add32(fact.frame);
 }
 
+void Add(ByteWriter& out, const JobPaused& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kJobPaused));
+  out.Add64(Number(fact.job));
+  out.Add32(fact.paused ? 1 : 0);
+}
+
+void Add(ByteWriter& out, const JobPriorityChanged& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kJobPriorityChanged));
+  out.Add64(Number(fact.job));
+  out.Add32(static_cast<uint32_t>(fact.priority));
+}
+
+void Add(ByteWriter& out, const WorkerBarred& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kWorkerBarred));
+  out.Add64(Number(fact.worker));
+  out.AddText(fact.name);
+  out.Add32(fact.drained ? 1 : 0);
+  out.AddText(fact.quarantine);
+}
+
+void Add(ByteWriter& out, const OpinionHeard& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kOpinionHeard));
+  out.Add64(Number(fact.unit.job));
+  for (const uint32_t value :
+       {fact.unit.frame, fact.unit.tile, fact.unit.range.begin, fact.unit.range.size}) {
+    out.Add32(value);
+  }
+  out.Add64(Number(fact.worker));
+  out.AddText(fact.name);
+  Add(out, fact.result);
+}
+
+void Add(ByteWriter& out, const UnitsCounted& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kUnitsCounted));
+  out.Add64(Number(fact.job));
+  out.Add64(fact.verified);
+  out.Add64(fact.disputed);
+  out.Add64(fact.suspect);
+}
+
+std::optional<Fact> ReadWorkerBarred(ByteReader& in) {
+  WorkerBarred fact;
+  fact.worker = WorkerId{in.Read64()};
+  fact.name = in.ReadText();
+  const uint32_t drained = in.Read32();
+  fact.quarantine = in.ReadText();
+  if (drained > 1) return std::nullopt;
+  fact.drained = drained == 1;
+  return fact;
+}
+
+std::optional<Fact> ReadOpinionHeard(ByteReader& in) {
+  OpinionHeard fact;
+  fact.unit.job = JobId{in.Read64()};
+  for (uint32_t* value : {&fact.unit.frame, &fact.unit.tile, &fact.unit.range.begin, &fact.unit.range.size}) {
+    *value = in.Read32();
+  }
+  fact.worker = WorkerId{in.Read64()};
+  fact.name = in.ReadText();
+  if (!Read(in, fact.result) || !fact.unit.range.IsDyadic()) return std::nullopt;
+  return fact;
+}
+
 std::optional<Fact> ReadFact(ByteReader& in) {
   switch (static_cast<Kind>(in.Read32())) {
     case Kind::kCoordinatorStarted: return CoordinatorStarted{in.Read32()};
@@ -174,6 +254,28 @@ std::optional<Fact> ReadFact(ByteReader& in) {
       FrameResumed fact;
       fact.job = JobId{in.Read64()};
       fact.frame = in.Read32();
+      return fact;
+    }
+    case Kind::kJobPaused: {
+      const JobId job{in.Read64()};
+      const uint32_t paused = in.Read32();
+      if (paused > 1) return std::nullopt;
+      return JobPaused{job, paused == 1};
+    }
+    case Kind::kJobPriorityChanged: {
+      const JobId job{in.Read64()};
+      const auto priority = static_cast<int32_t>(in.Read32());
+      if (priority < -kPriorityMax || priority > kPriorityMax) return std::nullopt;
+      return JobPriorityChanged{job, priority};
+    }
+    case Kind::kWorkerBarred: return ReadWorkerBarred(in);
+    case Kind::kOpinionHeard: return ReadOpinionHeard(in);
+    case Kind::kUnitsCounted: {
+      UnitsCounted fact;
+      fact.job = JobId{in.Read64()};
+      fact.verified = in.Read64();
+      fact.disputed = in.Read64();
+      fact.suspect = in.Read64();
       return fact;
     }
   }

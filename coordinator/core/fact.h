@@ -52,8 +52,42 @@ struct JobsForgotten {
   JobId last{};
 };
 
-using Fact = std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended,
-                          JobsForgotten, FrameResumed>;
+// By the user: nothing of it is leased until it is resumed.
+struct JobPaused {
+  JobId job{};
+  bool paused = true;  // or resumed
+};
+
+struct JobPriorityChanged {
+  JobId job{};
+  int32_t priority = 0;
+};
+
+// People or the farm keep a worker from work, or (with neither) do so no longer.
+struct WorkerBarred {
+  WorkerId worker{};
+  std::string name;
+  bool drained = false;
+  std::string quarantine;  // its reason, or empty
+};
+
+// A worker's result of a unit that is verified.
+struct OpinionHeard {
+  WorkUnit unit;
+  WorkerId worker{};
+  std::string name;  // the worker's
+  Digest result;
+};
+
+// What verification has brought so far.
+struct UnitsCounted {
+  JobId job{};
+  uint64_t verified = 0, disputed = 0, suspect = 0;  // as in JobStatus
+};
+
+using Fact =
+    std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended, JobsForgotten,
+                 FrameResumed, JobPaused, JobPriorityChanged, WorkerBarred, OpinionHeard, UnitsCounted>;
 
 // A 32-bit number that tells the kind, then its members in order, integers little-endian, texts and lists
 // preceded by a 64-bit length. New kinds get new numbers; the meaning of a number never changes.

@@ -52,6 +52,7 @@ Farm::JobEntry& Farm::AddJob(JobId id, std::shared_ptr<const JobSpec> spec) {
   submissions_[spec->submission] = id;
   open_jobs_.insert(id);
   job_next_ = std::max(job_next_, Number(id) + 1);
+  job.priority = spec->priority;
   job.submitted = job.spec = std::move(spec);
   return job;
 }
@@ -123,6 +124,10 @@ Verdict Farm::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::
   const WorkUnit& unit = returned.unit;
   JobEntry* const job = FindJob(unit.job);
   if (job == nullptr || HasEnded(job->state)) return Verdict::kObsolete;
+  if (!scheduler_.IsTrusted(worker)) {
+    reason = fmt::format("result of {} refused: the worker is in quarantine", unit.Text());
+    return Verdict::kRefused;
+  }
   if (unit.frame < job->spec->frames.size() && scheduler_.IsComplete(unit.job, unit.frame))
     return Verdict::kDuplicate;
   const bool known = scheduler_.IsKnown(unit);
@@ -139,8 +144,13 @@ Verdict Farm::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::
     scheduler_.RefuseResult(now, worker, returned.lease, unit, reason);
     return Verdict::kRefused;
   }
+  const bool is_verified = scheduler_.NeedsVerification(unit);
+  if (is_verified) {
+    if (const auto verdict = Verify(now, *job, worker, returned)) return *verdict;
+  }
   if (!scheduler_.Finish(now, worker, returned.lease, unit, returned.render_seconds))
     return Verdict::kDuplicate;
+  if (!is_verified && job->spec->verify_share > 0) ++job->unconfirmed[worker];
   const uint64_t before = job->samples_done;
   Merge(*job, unit, std::move(*returned.tile));
   scheduler_.CountAccepted(worker, job->samples_done - before, returned.render_seconds);
@@ -194,6 +204,7 @@ void Farm::PictureWritten(Instant now, JobId id, uint32_t frame, const Digest& f
   if (job == nullptr || HasEnded(job->state)) return;
   job->files[frame] = file;
   job->writing.erase(frame);
+  std::erase_if(job->opinions, [&](const auto& each) { return each.first.frame == frame; });
   job->reason.clear();
   output_.facts.emplace_back(FrameFinished{id, frame, file});
   output_.log.push_back(fmt::format("frame_finished job={} frame={} file={}", Number(id), frame, file.Hex()));
@@ -225,6 +236,8 @@ std::optional<std::vector<TileNode>> Farm::Sums(FrameId id) const {
 
 void Farm::Advance(Instant now) {
   scheduler_.Advance(now);
+  NoteBars();
+  NoteSuspects();
   const auto condemned = scheduler_.TakeCondemned();
   for (const auto& each : condemned) {
     if (JobEntry* const job = FindJob(each.job)) EndJob(now, *job, JobState::kFailed, each.reason);

@@ -118,6 +118,9 @@ class Farm {
   bool IsMovingSums(JobId job) const;
   // As it is now: submitted, or extended since. Null if there is no such job.
   std::shared_ptr<const JobSpec> Spec(JobId job) const;
+  // Of open jobs only. What is so already stays so.
+  Result<JobStatus> SetPaused(Instant now, JobId job, bool paused);
+  Result<JobStatus> SetPriority(Instant now, JobId job, int32_t priority);
   std::optional<JobStatus> Status(Instant now, JobId job) const;
   std::vector<JobStatus> Jobs(Instant now) const;
   std::vector<WorkerStatus> Workers(Instant now) const { return scheduler_.Workers(now); }
@@ -125,6 +128,10 @@ class Farm {
   std::vector<FrameStatus> Frames(JobId job) const;
   // Scene packages of all open jobs.
   std::vector<Digest> PackagesInUse() const;
+  // Those of a name, or the one whose number is `which` in 16 hexadecimal digits.
+  std::vector<WorkerStatus> FindWorkers(Instant now, const std::string& which) const;
+  void Drain(WorkerId worker) { scheduler_.Drain(worker); }
+  void Release(WorkerId worker) { scheduler_.Release(worker); }
   // The frame's file, if it is written.
   std::optional<Digest> FinishedFile(JobId job, uint32_t frame) const;
   // What is there of a frame that is being rendered; nothing if it is complete, its job has ended or there is
@@ -170,6 +177,11 @@ class Farm {
     std::shared_ptr<const JobSpec> spec;  // as submitted, or extended since
     JobState state = JobState::kWaiting;
     std::string reason;
+    bool paused = false;  // by the user
+    int32_t priority = 0;
+    std::map<WorkUnit, std::vector<Opinion>> opinions;  // of units that are verified and not decided
+    std::map<WorkerId, uint64_t> unconfirmed;           // units merged of each worker, if some are verified
+    uint64_t units_verified = 0, units_disputed = 0, units_suspect = 0;
     Instant began{}, ended{};
     uint64_t samples_done = 0, samples_total = 0;
     uint64_t samples_accepted = 0;       // by this process, those that were there before included
@@ -207,8 +219,17 @@ class Farm {
   JobEntry& AddJob(JobId id, std::shared_ptr<const JobSpec> spec);
   JobEntry* FindJob(JobId id);
   const JobEntry* FindJob(JobId id) const;
+  Result<JobEntry*> FindOpenJob(JobId id, const char* verb);
   void EndJob(Instant now, JobEntry& job, JobState state, const std::string& reason);
   void ForgetEnded();
+  void Count(JobEntry& job, const OpinionHeard& heard);
+  void RestoreControl(const Fact& fact);
+  void AppendControl(const JobEntry& job, std::vector<Fact>& facts) const;
+  static UnitsCounted CountsOf(const JobEntry& job);
+  static WorkerBarred FactOf(const Scheduler::Bar& bar);
+  std::optional<Verdict> Verify(Instant now, JobEntry& job, WorkerId worker, const ReturnedUnit& returned);
+  void NoteBars();
+  void NoteSuspects();
   Verdict Accept(Instant now, WorkerId worker, ReturnedUnit& unit, std::string& reason);
   void Merge(JobEntry& job, const WorkUnit& unit, RadianceTile tile);
   Merger& MergerOf(JobEntry& job, uint32_t frame);
@@ -229,6 +250,7 @@ class Farm {
   std::map<JobId, JobEntry> jobs_;
   std::map<uint64_t, JobId> submissions_;
   std::set<JobId> open_jobs_;
+  std::vector<WorkerBarred> former_bars_;  // between Restore and Begin
   uint64_t job_next_ = 1;
   uint32_t epoch_;
   KeptSums kept_sums_;

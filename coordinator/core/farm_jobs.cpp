@@ -18,6 +18,10 @@ std::chrono::milliseconds ToMilliseconds(Instant duration) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(duration);
 }
 
+std::string PausedReason(const std::string& also) {
+  return also.empty() ? "by the user" : "by the user; " + also;
+}
+
 }  // namespace
 
 Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec) {
@@ -49,6 +53,8 @@ void Farm::EndJob(Instant now, JobEntry& job, JobState state, const std::string&
   job.loading.clear();
   job.kept.clear();
   if (state != JobState::kFinished) DropSums(job);
+  job.opinions.clear();
+  job.unconfirmed.clear();
   open_jobs_.erase(job.id);
   scheduler_.RemoveJob(job.id);
   output_.facts.emplace_back(JobEnded{job.id, state, reason});
@@ -87,6 +93,40 @@ Result<JobStatus> Farm::Cancel(Instant now, JobId id) {
   return StatusOf(now, *job);
 }
 
+Result<Farm::JobEntry*> Farm::FindOpenJob(JobId id, const char* verb) {
+  JobEntry* const job = FindJob(id);
+  if (job == nullptr) return BadInput(fmt::format("there is no job {}", Number(id)));
+  if (!HasEnded(job->state)) return job;
+  return BadInput(
+      fmt::format("job {} is {}: it cannot be {} any more", Number(id), JobStateName(job->state), verb));
+}
+
+Result<JobStatus> Farm::SetPaused(Instant now, JobId id, bool paused) {
+  const auto found = FindOpenJob(id, paused ? "paused" : "resumed");
+  if (!found) return found.error();
+  JobEntry& job = **found;
+  if (job.paused != paused) {
+    job.paused = paused;
+    scheduler_.SetPaused(now, id, paused);
+    output_.facts.emplace_back(JobPaused{id, paused});
+    output_.log.push_back(fmt::format("{} job={}", paused ? "job_paused" : "job_continued", Number(id)));
+  }
+  return StatusOf(now, job);
+}
+
+Result<JobStatus> Farm::SetPriority(Instant now, JobId id, int32_t priority) {
+  const auto found = FindOpenJob(id, "given another priority");
+  if (!found) return found.error();
+  JobEntry& job = **found;
+  if (job.priority != priority) {
+    job.priority = priority;
+    scheduler_.SetPriority(id, priority);
+    output_.facts.emplace_back(JobPriorityChanged{id, priority});
+    output_.log.push_back(fmt::format("job_priority job={} priority={}", Number(id), priority));
+  }
+  return StatusOf(now, job);
+}
+
 std::optional<JobStatus> Farm::Status(Instant now, JobId id) const {
   const JobEntry* const job = FindJob(id);
   if (job == nullptr) return std::nullopt;
@@ -109,12 +149,16 @@ JobStatus Farm::StatusOf(Instant now, const JobEntry& job) const {
   JobStatus status;
   status.job = job.id;
   status.name = job.spec->name;
-  status.priority = job.spec->priority;
+  status.priority = job.priority;
   status.reason = job.reason;
   status.samples_done = job.samples_done;
   status.samples_total = job.samples_total;
   status.frames_total = static_cast<uint32_t>(job.spec->frames.size());
   status.frames_finished = static_cast<uint32_t>(job.files.size());
+  status.verify_share = job.spec->verify_share;
+  status.units_verified = job.units_verified;
+  status.units_disputed = job.units_disputed;
+  status.units_suspect = job.units_suspect;
   const bool ended = HasEnded(job.state);
   const Instant elapsed = (ended ? job.ended : now) - job.began;
   status.elapsed = ToMilliseconds(elapsed);
@@ -128,12 +172,18 @@ JobStatus Farm::StatusOf(Instant now, const JobEntry& job) const {
   status.workers = scheduler_.WorkersOf(job.id);
   const bool begun = status.workers > 0 || job.samples_done > 0;
   if (status.reason.empty()) status.reason = storage_reason_;
+  status.paused_by_user = job.paused;
+  if (job.paused) status.reason = PausedReason(status.reason);
   status.state = !status.reason.empty() ? JobState::kPaused : begun ? JobState::kRunning : JobState::kWaiting;
+  if (status.reason.empty() && status.workers == 0) {
+    status.reason = scheduler_.Obstacle(job.id);
+    if (!status.reason.empty()) status.state = JobState::kWaiting;
+  }
   if (!job.progress.empty() && now > job.progress.front().at) {
     const Progress& past = job.progress.front();
     status.samples_per_second = static_cast<double>(job.samples_done - past.samples) / Seconds(now - past.at);
   }
-  if (status.samples_per_second > 0) {
+  if (status.samples_per_second > 0 && status.state == JobState::kRunning) {
     const double left_s =
         static_cast<double>(job.samples_total - job.samples_done) / status.samples_per_second;
     status.left = ToMilliseconds(FromSeconds(left_s));

@@ -16,12 +16,14 @@ void Farm::Restore(const Fact& fact) {
     if (job == nullptr || finished->frame >= job->spec->frames.size()) return;
     job->files[finished->frame] = finished->file;
     job->kept.erase(finished->frame);
+    std::erase_if(job->opinions, [&](const auto& each) { return each.first.frame == finished->frame; });
     finished_.push_back({finished->job, finished->frame});
   } else if (const auto* ended = std::get_if<JobEnded>(&fact)) {
     JobEntry* const job = FindJob(ended->job);
     if (job == nullptr) return;
     job->state = ended->state;
     job->reason = ended->reason;
+    job->opinions.clear();
     open_jobs_.erase(ended->job);
   } else if (const auto* extended = std::get_if<JobExtended>(&fact)) {
     if (JobEntry* const job = FindJob(extended->job)) RestoreExtension(*job, extended->samples_per_pixel);
@@ -29,6 +31,8 @@ void Farm::Restore(const Fact& fact) {
     if (JobEntry* const job = FindJob(resumed->job)) job->kept.erase(resumed->frame);
   } else if (const auto* forgotten = std::get_if<JobsForgotten>(&fact)) {
     job_next_ = std::max(job_next_, Number(forgotten->last) + 1);
+  } else {
+    RestoreControl(fact);
   }
 }
 
@@ -82,6 +86,9 @@ void Farm::RestoreKept() {
 
 void Farm::Begin(Instant now) {
   RestoreKept();
+  for (const WorkerBarred& bar : std::exchange(former_bars_, {})) {
+    scheduler_.RestoreBar(now, {bar.worker, bar.name, bar.drained, bar.quarantine});
+  }
   for (auto& [id, job] : jobs_) {
     for (const auto& [frame, file] : job.files) job.samples_done += SamplesOf(job.spec->frames[frame].spec);
   }
@@ -106,6 +113,11 @@ void Farm::ResumeJob(Instant now, JobEntry& job) {
       scheduler_.RestoreDone(job.id, f, {tile, range});
     });
     if (merger.Complete()) complete.push_back(frame);
+  }
+  scheduler_.SetPriority(job.id, job.priority);
+  scheduler_.SetPaused(now, job.id, job.paused);
+  for (const auto& [unit, opinions] : job.opinions) {
+    for (const Opinion& opinion : opinions) scheduler_.RestoreOpinion(unit, opinion);
   }
   job.samples_done += restored;
   output_.log.push_back(fmt::format("job_resumed job={} frames_finished={} samples_restored={}",
@@ -145,8 +157,10 @@ std::vector<Fact> Farm::Snapshot() const {
     facts.emplace_back(FrameFinished{frame.job, frame.frame, jobs_.at(frame.job).files.at(frame.frame)});
   }
   for (const auto& [id, job] : jobs_) {
+    AppendControl(job, facts);
     if (HasEnded(job.state)) facts.emplace_back(JobEnded{id, job.state, job.reason});
   }
+  for (const Scheduler::Bar& bar : scheduler_.Bars()) facts.emplace_back(FactOf(bar));
   return facts;
 }
 

@@ -55,11 +55,15 @@ constexpr Instant kLeaseUnlistedMax = seconds(6);
 constexpr Instant kLeaseDuration = seconds(10);
 // A lease that a call does not list is sent again, unless the answer with it may still be on its way.
 constexpr Instant kAnnounceAgain = milliseconds(250);
+// Leases taken away on purpose that are remembered of each worker: more than states on their way can list.
+constexpr size_t kRevokedKeptMax = 256;
 // How long an idle call of a worker waits here: its break tells of the worker's end, so it is open nearly
 // always.
 constexpr Instant kParkMax = seconds(2);
 // A worker that has gone stays in the list for people, and its measured speed for its return.
 constexpr Instant kWorkerForgotten = seconds(60);
+// One that is drained or quarantined must not shed that by a short absence.
+constexpr Instant kBarForgotten = std::chrono::hours(24);
 constexpr size_t kWorkersMax = 100'000;
 
 // ---- The tail ----

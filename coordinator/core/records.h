@@ -15,8 +15,11 @@
 #include "core/frame_work.h"
 #include "core/instant.h"
 #include "core/occupancy.h"
+#include "core/policy.h"
+#include "core/verification.h"
 #include "core/worker_pace.h"
 #include "terms/terms.h"
+#include "util/hash.h"
 
 namespace tessera {
 
@@ -31,14 +34,17 @@ struct LeaseRecord {
   bool announced = false;  // put into some answer
   bool listed = false;     // by the worker's last state
   bool started = false;    // as far as the worker said
+  double duration_s = 0;   // expected when granted
 };
 
 struct WorkerRecord {
   WorkerId id{};
   std::string name, software_version;
+  std::set<std::string> tags;
   int slots = 1;
   bool live = false;
-  bool draining = false;
+  bool draining = false;  // as it says itself
+  bool drained = false;   // by people
   Instant last_contact{};
   uint64_t sequence = 0;  // of the last state
 
@@ -64,6 +70,7 @@ struct WorkerRecord {
   int queue_unknown = 0;     // how many are not
   std::vector<LeaseId> unannounced;
   std::vector<LeaseId> drops;  // not told yet
+  std::set<LeaseId> revoked;   // the last that were taken away on purpose: not to be taken over again
 
   uint64_t units_finished = 0, units_failed = 0;
   int strikes = 0;
@@ -72,7 +79,11 @@ struct WorkerRecord {
   bool notice_told = true;
 
   bool quarantined() const { return !quarantine.empty(); }
-  bool MayWork() const { return live && !draining && !quarantined(); }
+  bool MayWork() const { return live && !draining && !is_barred(); }
+  bool is_barred() const { return drained || quarantined(); }
+  bool HasTags(const std::set<std::string>& required) const {
+    return std::includes(tags.begin(), tags.end(), required.begin(), required.end());
+  }
   bool IsLoading() const {
     return std::any_of(scenes.begin(), scenes.end(), [](const auto& scene) { return !scene.second; });
   }
@@ -88,19 +99,20 @@ struct WorkerRecord {
 
 struct FrameRecord {
   // The scene is the one submitted; the frame may have more samples by now, `samples_done` of them done.
-  FrameRecord(const JobSpec& submitted, const FrameOrder& order, const FrameSpec& frame,
-              uint32_t samples_done, bool has_one_scene)
-      : scene{SceneKey(submitted.package, order.scene_file, order.options),
-              submitted.package,
-              order.scene_file,
-              order.options,
-              order.spec,
-              has_one_scene},
-        work(frame, samples_done) {}
+  FrameRecord(const JobSpec& submitted, uint32_t index, const FrameSpec& frame, uint32_t samples_done,
+              bool has_one_scene)
+      : scene(OrderFor(submitted, submitted.frames[index], has_one_scene)),
+        work(frame, samples_done),
+        verification(submitted.verify_share, Hash(submitted.submission, index)) {}
+  static SceneOrder OrderFor(const JobSpec& job, const FrameOrder& order, bool has_one_scene) {
+    return {SceneKey(job.package, order.scene_file, order.options), job.package, order.scene_file,
+            order.options, order.spec, has_one_scene};
+  }
 
   SceneOrder scene;
   FrameWork work;
   FailureBook failures;
+  Verification verification;
   std::map<uint32_t, std::map<LeaseId, SampleRange>> leases;  // by tile
 };
 
@@ -110,10 +122,12 @@ struct JobRecord {
   std::shared_ptr<const JobSpec> spec;  // as submitted, or extended since
   int priority = 0;
   bool has_one_scene = true;               // all frames are of the same file
+  bool paused = false;
   std::map<uint32_t, FrameRecord> frames;  // those active: begun and not complete
   std::set<uint32_t> frames_ahead;         // not begun
   std::map<uint32_t, uint32_t> kept;       // samples per pixel that frames ahead have already
   size_t leases = 0;                       // held by workers now
+  double leases_s = 0;                     // their expected durations together: its share of the farm
   double load_s = 0;                       // that a worker takes to get a scene of it ready; 0: not known
   double measured_cost = 0, measured_samples = 0;  // of all its frames: on a worker of speed 1; pixel samples
   std::map<WorkerId, uint32_t> holders;            // how many of them each holds
@@ -123,8 +137,7 @@ struct JobRecord {
     const auto done = kept.extract(frame);
     const uint32_t samples_done = done.empty() ? 0 : done.mapped();
     return frames
-        .try_emplace(frame, *submitted, submitted->frames[frame], spec->frames[frame].spec, samples_done,
-                     has_one_scene)
+        .try_emplace(frame, *submitted, frame, spec->frames[frame].spec, samples_done, has_one_scene)
         .first->second;
   }
   bool HasOpen() const {

@@ -47,8 +47,7 @@ void Scheduler::AddJob(JobId id, std::shared_ptr<const JobSpec> spec,
   job.spec = extended != nullptr ? std::move(extended) : spec;
   job.submitted = std::move(spec);
   job.kept = kept;
-  priorities_[job.priority].insert(id);
-  AnnounceWork();
+  Enlist(job);
 }
 
 void Scheduler::ExtendJob(JobId id, std::shared_ptr<const JobSpec> spec,
@@ -78,23 +77,13 @@ void Scheduler::RestoreDone(JobId id, uint32_t frame_index, TileSamples samples)
 void Scheduler::RemoveJob(JobId id) {
   JobRecord* const job = FindJob(id);
   if (job == nullptr) return;
-  std::vector<LeaseId> void_leases;
-  for (const auto& [index, frame] : job->frames) {
-    for (const auto& [tile, leases] : frame.leases) {
-      for (const auto& [lease, range] : leases) void_leases.push_back(lease);
-    }
-  }
-  for (const LeaseId lease : void_leases) {
+  for (const LeaseId lease : LeasesOf(*job)) {
     CountGivenUp(leases_.at(lease));
-    Drop(workers_.at(leases_.at(lease).worker), lease);
+    Revoke(workers_.at(leases_.at(lease).worker), lease);
     Forget(lease);
   }
-  for (auto& [worker_id, worker] : workers_) {
-    std::erase_if(worker.wanted,
-                  [&](const SceneOrder& scene) { return scene.package == job->spec->package; });
-  }
-  priorities_[job->priority].erase(id);
-  if (priorities_[job->priority].empty()) priorities_.erase(job->priority);
+  StopWanting(*job);
+  Delist(*job);
   jobs_.erase(id);
   AnnounceWork();  // who wanted a scene of this job may want another
 }
@@ -123,29 +112,9 @@ bool Scheduler::Finish(Instant now, WorkerId worker_id, LeaseId lease, const Wor
                        double render_seconds) {
   TESSERA_CHECK(IsKnown(unit));
   FrameRecord& frame = *FindFrame(unit);
-  WorkerRecord* const worker = FindWorker(worker_id);
-  const auto held = leases_.find(lease);
-  const bool is_holder =
-      held != leases_.end() && held->second.worker == worker_id && held->second.lease.unit == unit;
-  if (is_holder) Forget(lease);
-  if (worker != nullptr) {
-    worker->last_contact = now;
-    // The slot that became free takes up the first unit that waits.
-    for (auto next = worker->leases.upper_bound(worker->begun); next != worker->leases.end(); ++next) {
-      LeaseRecord& record = leases_.at(*next);
-      worker->begun = *next;
-      if (record.started || record.expected_start <= now) continue;
-      record.expected_end = now + (record.expected_end - record.expected_start);
-      record.expected_start = now;
-      break;
-    }
-  }
+  EndLease(now, worker_id, lease, unit);
   if (!frame.work.Finish({unit.tile, unit.range})) return false;
-  if (worker != nullptr) {
-    ++worker->units_finished;
-    if (++worker->units_since_strike >= kForgivenessUnits) worker->strikes = 0;
-    if (render_seconds > 0) MeasureSpeed(*worker, frame, unit, render_seconds);
-  }
+  if (WorkerRecord* const worker = FindWorker(worker_id)) Credit(*worker, frame, unit, render_seconds);
   if (!frame.failures.empty()) {
     const auto is_done = [&](TileSamples samples) { return frame.work.IsDone(samples); };
     for (const WorkerId at_fault : frame.failures.Disprove(unit.tile, worker_id, is_done)) {
@@ -159,6 +128,33 @@ bool Scheduler::Finish(Instant now, WorkerId worker_id, LeaseId lease, const Wor
     if (!job.frames_ahead.empty()) AnnounceWork();  // there is room for another
   }
   return true;
+}
+
+// The worker has done what the lease asked for.
+void Scheduler::EndLease(Instant now, WorkerId worker_id, LeaseId lease, const WorkUnit& unit) {
+  const auto held = leases_.find(lease);
+  const bool is_holder =
+      held != leases_.end() && held->second.worker == worker_id && held->second.lease.unit == unit;
+  if (is_holder) Forget(lease);
+  WorkerRecord* const worker = FindWorker(worker_id);
+  if (worker == nullptr) return;
+  worker->last_contact = now;
+  // The slot that became free takes up the first unit that waits.
+  for (auto next = worker->leases.upper_bound(worker->begun); next != worker->leases.end(); ++next) {
+    LeaseRecord& record = leases_.at(*next);
+    worker->begun = *next;
+    if (record.started || record.expected_start <= now) continue;
+    record.expected_end = now + (record.expected_end - record.expected_start);
+    record.expected_start = now;
+    break;
+  }
+}
+
+void Scheduler::Credit(WorkerRecord& worker, FrameRecord& frame, const WorkUnit& unit,
+                       double render_seconds) {
+  ++worker.units_finished;
+  if (++worker.units_since_strike >= kForgivenessUnits) worker.strikes = 0;
+  if (render_seconds > 0) MeasureSpeed(worker, frame, unit, render_seconds);
 }
 
 // Leases of the tile whose samples are all done by now are void.
@@ -248,17 +244,18 @@ void Scheduler::Strike(Instant, WorkerId worker_id, const std::string& reason) {
   if (worker == nullptr || worker->quarantined()) return;
   worker->units_since_strike = 0;
   if (++worker->strikes < kStrikesMax) return;
-  worker->quarantine = reason;
-  worker->notice_told = false;
-  news_.insert(worker_id);
-  Log(fmt::format("worker_quarantined worker={:016x} name=\"{}\" reason=\"{}\"", Number(worker_id),
-                  worker->name, reason));
-  for (const LeaseId lease : std::vector<LeaseId>(worker->leases.begin(), worker->leases.end())) {
-    Drop(*worker, lease);
+  Quarantine(*worker, reason);
+}
+
+void Scheduler::Quarantine(WorkerRecord& worker, const std::string& reason) {
+  worker.quarantine = reason;
+  NoteBar(worker);
+  Log(fmt::format("worker_quarantined worker={:016x} name=\"{}\" reason=\"{}\"", Number(worker.id),
+                  worker.name, reason));
+  for (const LeaseId lease : std::vector<LeaseId>(worker.leases.begin(), worker.leases.end())) {
+    Drop(worker, lease);
     Return(lease);
   }
-  CountSpeed(*worker);
-  UpdateHunger(*worker);
 }
 
 void Scheduler::Condemn(JobRecord& job, const std::string& words) {
@@ -269,19 +266,12 @@ void Scheduler::Condemn(JobRecord& job, const std::string& words) {
 
 void Scheduler::CondemnWhatAllFailed(Instant now) {
   if (now < kPoisonGrace) return;
-  const auto has_failures = [](const auto& frame) { return !frame.second.failures.empty(); };
-  const bool any = std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& job) {
-    return std::any_of(job.second.frames.begin(), job.second.frames.end(), has_failures);
-  });
-  if (!any) return;
-  std::set<WorkerId> able;
-  for (const auto& [id, worker] : workers_) {
-    if (worker.MayWork()) able.insert(id);
-  }
-  if (able.empty()) return;  // whoever comes may do it
   for (auto& [id, job] : jobs_) {
+    std::set<WorkerId> able;  // filled for the few jobs that have failures
     for (const auto& [index, frame] : job.frames) {
       if (frame.failures.empty()) continue;
+      if (able.empty()) able = AbleFor(job);
+      if (able.empty()) break;  // whoever comes may do it
       if (const auto words = frame.failures.CondemnedByAll(able, now - kPoisonGrace)) Condemn(job, *words);
     }
   }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/counters.h"
@@ -44,6 +45,11 @@ class Scheduler {
   void RestoreDone(JobId id, uint32_t frame, TileSamples samples);
   // Its leases are void, their holders told to stop. Nothing if there is no such job.
   void RemoveJob(JobId id);
+  // While paused nothing of the job is leased; its leases that wait are taken back, those that run may
+  // finish.
+  void SetPaused(Instant now, JobId id, bool paused);
+  // Leases of lower jobs that wait give way to it, those that run do not.
+  void SetPriority(JobId id, int priority);
   struct CondemnedJob {
     JobId job{};
     std::string reason;
@@ -58,13 +64,53 @@ class Scheduler {
   // The worker's connection broke, or it said goodbye: its leases return.
   void Disconnect(Instant now, WorkerId worker);
 
+  // From now on it gets nothing new, and finishes what it holds.
+  void Drain(WorkerId worker);
+  // Ends a drain and a quarantine; what the worker has failed is forgiven.
+  void Release(WorkerId worker);
+  // Who is kept from work, and why; nothing any more if both are empty.
+  struct Bar {
+    WorkerId worker{};
+    std::string name;
+    bool drained = false;
+    std::string quarantine;
+  };
+  // Bars that were set or lifted since last asked.
+  std::vector<Bar> TakeBars() { return std::exchange(bars_, {}); }
+  // All that hold now.
+  std::vector<Bar> Bars() const;
+  // A bar of a former process.
+  void RestoreBar(Instant now, const Bar& bar);
+
   // ---- Units ----
   // Whether a result can be of this unit: a job, a frame and samples that are open work, in whoever's hands.
   bool IsKnown(const WorkUnit& unit) const;
+  // Whether results of the worker count: one that is in quarantine is not believed.
+  bool IsTrusted(WorkerId worker) const;
   PixelBounds Bounds(const WorkUnit& unit) const;  // of a known unit's tile
   // A correct result of a known unit came in: true if it was new. `render_seconds` is the worker's
   // measurement.
   bool Finish(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, double render_seconds);
+  // Whether a result of a known unit is not believed alone: hear it first.
+  bool NeedsVerification(const WorkUnit& unit);
+  struct Hearing {
+    enum class Outcome {
+      kHeld,      // another worker must say the same
+      kBelieved,  // two workers agree: it may Finish
+      kUseless    // the worker has said it before, or the unit is not to be had in this way any more
+    };
+    Outcome outcome = Outcome::kUseless;
+    bool is_new = false;  // the opinion is to be kept
+    std::string name;     // of who holds it
+  };
+  // What the worker's result of the unit is (a digest of its sums). Those that are alone with theirs when two
+  // agree are quarantined. If nobody agrees with anybody and none is left to ask, the job is condemned.
+  Hearing Hear(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, double render_seconds,
+               const Digest& result);
+  // An opinion that was heard before a restart.
+  void RestoreOpinion(const WorkUnit& unit, const Opinion& opinion);
+  // Workers that were alone in a dispute, since last asked.
+  std::vector<WorkerId> TakeDisbelieved() { return std::exchange(disbelieved_, {}); }
   // Whether all samples of the frame are done; true for a frame that is not begun only if it was finished
   // before.
   bool IsComplete(JobId job, uint32_t frame) const;
@@ -100,6 +146,8 @@ class Scheduler {
   std::vector<WorkerStatus> Workers(Instant now) const;
   bool IsFull(WorkerId worker) const { return workers_.size() >= kWorkersMax && !workers_.contains(worker); }
   uint32_t WorkersOf(JobId job) const;
+  // Why no worker there is can do anything for the job, for people; empty if one can.
+  std::string Obstacle(JobId job) const;
   size_t lease_count() const { return leases_.size(); }
   const SlotUse& slot_use() const { return occupancy_.now(); }
   enum class Phase {
@@ -133,10 +181,33 @@ class Scheduler {
   FrameRecord* FindFrame(const WorkUnit& unit);
   void DropMoot(const WorkUnit& unit, FrameRecord& frame);
   void MeasureSpeed(WorkerRecord& worker, FrameRecord& frame, const WorkUnit& unit, double render_seconds);
+  void EndLease(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit);
+  void Credit(WorkerRecord& worker, FrameRecord& frame, const WorkUnit& unit, double render_seconds);
   void Strike(Instant now, WorkerId worker, const std::string& reason);
+  void Quarantine(WorkerRecord& worker, const std::string& reason);
   void Condemn(JobRecord& job, const std::string& words);
   void CondemnWhatAllFailed(Instant now);
+  std::set<WorkerId> AbleFor(const JobRecord& job) const;
+  std::string MissingTags(const JobRecord& job) const;
   void Log(std::string line) { log_.push_back(std::move(line)); }
+
+  // scheduler_control.cpp: what people ask for while jobs run
+  void Enlist(JobRecord& job);
+  void Delist(JobRecord& job);
+  void StopWanting(const JobRecord& job);
+  void NoteBar(WorkerRecord& worker);
+  std::vector<LeaseId> LeasesOf(const JobRecord& job) const;
+  void TakeBack(LeaseId id);
+  static bool IsWaiting(Instant now, const LeaseRecord& record);
+  void Preempt(Instant now);
+  void PreemptAt(Instant now, WorkerRecord& worker);
+  std::optional<LeaseId> LeastUrgentWaiting(Instant now, const WorkerRecord& worker) const;
+
+  // scheduler_verification.cpp: units that two workers render
+  void BeginTrial(FrameRecord& frame, TileSamples samples);
+  bool JoinTrial(FrameRecord& frame, TileSamples samples);
+  void Disbelieve(WorkerId worker, const std::string& reason);
+  void GiveBack(FrameRecord& frame, TileSamples samples);
 
   // scheduler_workers.cpp: what workers hold
   WorkerRecord& Admit(Instant now, const WorkerState& state);
@@ -147,6 +218,7 @@ class Scheduler {
   void ForgetWorkers(Instant now);
   void CountSpeed(WorkerRecord& worker);
   void Drop(WorkerRecord& worker, LeaseId lease);
+  void Revoke(WorkerRecord& worker, LeaseId lease);
 
   // scheduler_counting.cpp: what it comes to
   void CountSlots(WorkerRecord& worker);
@@ -160,7 +232,9 @@ class Scheduler {
   double QueueSeconds(const WorkerRecord& worker) const;
   void Dispatch(Instant now);
   bool GrantOne(Instant now, WorkerRecord& worker);
-  Choice Choose(Instant now, WorkerRecord& worker);
+  void GrantFrom(Instant now, WorkerRecord& worker, const Choice& choice);
+  // Of the jobs whose priority is above `floor`.
+  Choice Choose(Instant now, WorkerRecord& worker, std::optional<int> floor);
   Choice ChooseOfJobs(Instant now, WorkerRecord& worker, const std::set<JobId>& jobs);
   Choice ReadyFrame(JobRecord& job, const WorkerRecord& worker);
   void Want(WorkerRecord& worker, const Choice& choice);
@@ -187,6 +261,7 @@ class Scheduler {
 
   // scheduler_tail.cpp: what idle workers take from slower ones
   void RelieveTail(Instant now);
+  static bool HasStarted(Instant now, const LeaseRecord& record);
   std::vector<LeaseId> SlowestUnits(Instant now, size_t count_max) const;
   enum class Relief {
     kGiven,
@@ -200,12 +275,13 @@ class Scheduler {
   SchedulerOptions options_;
   uint64_t lease_next_ = 1;
   std::map<JobId, JobRecord> jobs_;
-  std::map<int, std::set<JobId>, std::greater<int>> priorities_;
+  std::map<int, std::set<JobId>, std::greater<int>> priorities_;  // of the jobs that are not paused
   std::map<WorkerId, WorkerRecord> workers_;
   std::map<LeaseId, LeaseRecord> leases_;
   std::set<WorkerId> hungry_;   // may work, have room, and there may be something for them
   std::set<WorkerId> starved_;  // may work, have room, and there is nothing for them
   std::set<WorkerId> news_;     // see news()
+  std::set<WorkerId> preempt_;  // may hold less urgent work than there is by now
   double total_speed_ = 0;      // slots times speed of the workers that may work
   int total_slots_ = 0;
   FarmCounters counters_;
@@ -214,6 +290,8 @@ class Scheduler {
   Instant tail_due_{}, expiry_due_{}, crews_due_{}, prefetch_due_{};
   std::map<Digest, size_t> crews_;  // of scenes: workers that have them or load them, as last counted
   std::vector<CondemnedJob> condemned_;
+  std::vector<WorkerId> disbelieved_;
+  std::vector<Bar> bars_;
   std::vector<std::string> log_;
 };
 

@@ -11,6 +11,7 @@ namespace tessera {
 
 void Scheduler::Advance(Instant now) {
   Expire(now);
+  Preempt(now);
   Dispatch(now);
   RelieveTail(now);
   FetchNextJobs(now);
@@ -58,33 +59,44 @@ void Scheduler::Dispatch(Instant now) {
 }
 
 bool Scheduler::GrantOne(Instant now, WorkerRecord& worker) {
-  const Choice choice = Choose(now, worker);
+  const Choice choice = Choose(now, worker, std::nullopt);
   if (choice.frame == nullptr) return false;
-  const auto may = [&](uint32_t tile) { return choice.frame->failures.May(worker.id, tile); };
-  const auto samples = choice.frame->work.Take(UnitSeconds(*choice.job) * worker.speed, may);
-  TESSERA_CHECK(samples.has_value());
-  const WorkUnit unit{choice.job->id, choice.frame_index, samples->tile, samples->range};
-  Grant(now, worker, *choice.job, *choice.frame, unit, NextLease());
+  GrantFrom(now, worker, choice);
   LoadNextFrame(now, worker, choice);
   return true;
 }
 
-Scheduler::Choice Scheduler::Choose(Instant now, WorkerRecord& worker) {
+void Scheduler::GrantFrom(Instant now, WorkerRecord& worker, const Choice& choice) {
+  const auto may = [&](uint32_t tile) { return choice.frame->failures.May(worker.id, tile); };
+  FrameRecord& frame = *choice.frame;
+  auto samples = frame.verification.Find(worker.id, may);
+  if (!samples) {
+    samples = frame.work.Take(UnitSeconds(*choice.job) * worker.speed, may);
+    TESSERA_CHECK(samples.has_value());
+    if (frame.verification.IsChosen(*samples)) BeginTrial(frame, *samples);
+  }
+  const WorkUnit unit{choice.job->id, choice.frame_index, samples->tile, samples->range};
+  Grant(now, worker, *choice.job, frame, unit, NextLease());
+}
+
+Scheduler::Choice Scheduler::Choose(Instant now, WorkerRecord& worker, std::optional<int> floor) {
   for (const auto& [priority, jobs] : priorities_) {
+    if (floor && priority <= *floor) break;
     if (const Choice choice = ChooseOfJobs(now, worker, jobs); choice.frame != nullptr) return choice;
   }
   return {};
 }
 
-// Of jobs with equal rights, the one that has the least: first among those whose scene the worker has in
-// memory.
+// Of jobs with equal rights, the one that has the least of the farm's time: first among those whose scene the
+// worker has in memory. Time, not units: jobs cut their units to different lengths.
 Scheduler::Choice Scheduler::ChooseOfJobs(Instant now, WorkerRecord& worker, const std::set<JobId>& jobs) {
   Choice ready, unready;
   for (const JobId id : jobs) {
     JobRecord& job = jobs_.at(id);
+    if (!worker.HasTags(job.spec->required_tags)) continue;
     Activate(job);
     const auto poorer = [&](const Choice& than) {
-      return than.job == nullptr || job.leases < than.job->leases;
+      return than.job == nullptr || job.leases_s < than.job->leases_s;
     };
     if (const Choice choice = ReadyFrame(job, worker); choice.frame != nullptr) {
       if (poorer(ready)) ready = choice;
@@ -94,7 +106,7 @@ Scheduler::Choice Scheduler::ChooseOfJobs(Instant now, WorkerRecord& worker, con
   }
   // A scene is loaded for want of anything else to do, or for a job that has much less than its share.
   const bool unfair =
-      unready.job != nullptr && (ready.job == nullptr || unready.job->leases * 2 < ready.job->leases);
+      unready.job != nullptr && (ready.job == nullptr || unready.job->leases_s * 2 < ready.job->leases_s);
   if (unfair) Want(worker, unready);
   return ready;
 }
@@ -128,7 +140,7 @@ std::optional<double> Scheduler::OpenCost(const JobRecord& job) const {
     if (!open) return std::nullopt;
     cost += *open;
   }
-  return cost;
+  return cost * (1 + job.spec->verify_share);
 }
 
 // How long a unit of the job should take on any slot.
@@ -152,8 +164,8 @@ LeaseRecord& Scheduler::Grant(Instant now, WorkerRecord& worker, JobRecord& job,
   const bool starts_now = worker.leases.size() < static_cast<size_t>(worker.slots);
   if (starts_now) worker.begun = std::max(worker.begun, id);
   record.expected_start = starts_now ? now : now + FromSeconds(QueueSeconds(worker) / worker.slots);
-  const double duration_s = record.cost ? *record.cost / worker.speed : kUnknownUnitDuration_s;
-  record.expected_end = record.expected_start + FromSeconds(duration_s);
+  record.duration_s = record.cost ? *record.cost / worker.speed : kUnknownUnitDuration_s;
+  record.expected_end = record.expected_start + FromSeconds(record.duration_s);
   if (record.cost) {
     worker.queue_cost += *record.cost;
   } else {
@@ -164,8 +176,10 @@ LeaseRecord& Scheduler::Grant(Instant now, WorkerRecord& worker, JobRecord& job,
   news_.insert(worker.id);
   ++counters_.leases_granted;
   frame.leases[unit.tile][id] = unit.range;
+  frame.verification.Hold({unit.tile, unit.range}, worker.id);
   ++job.leases;
   ++job.holders[worker.id];
+  job.leases_s += record.duration_s;
   UpdateHunger(worker);
   return record;
 }
@@ -184,7 +198,9 @@ void Scheduler::Forget(LeaseId id) {
   JobRecord& job = jobs_.at(unit.job);
   --job.leases;
   if (--job.holders.at(worker.id) == 0) job.holders.erase(worker.id);
+  job.leases_s = job.leases == 0 ? 0 : std::max(0.0, job.leases_s - record.duration_s);
   FrameRecord& frame = job.frames.at(unit.frame);
+  frame.verification.Release({unit.tile, unit.range}, worker.id);
   auto& of_tile = frame.leases.at(unit.tile);
   of_tile.erase(id);
   if (of_tile.empty()) frame.leases.erase(unit.tile);
@@ -192,19 +208,25 @@ void Scheduler::Forget(LeaseId id) {
   UpdateHunger(worker);
 }
 
-// The lease ends and its unit is open again.
+// The lease ends and its unit is open again; one on trial stays whole as long as anybody knows it.
 void Scheduler::Return(LeaseId id) {
   const WorkUnit unit = leases_.at(id).lease.unit;
   ++counters_.leases_retried;
   CountGivenUp(leases_.at(id));
+  const TileSamples samples{unit.tile, unit.range};
   Forget(id);
+  AnnounceWork();
   FrameRecord& frame = jobs_.at(unit.job).frames.at(unit.frame);
-  std::vector<SampleRange> held;
-  if (const auto others = frame.leases.find(unit.tile); others != frame.leases.end()) {
+  if (frame.verification.IsOnTrial(samples) && !frame.verification.Abandon(samples)) return;
+  GiveBack(frame, samples);
+}
+
+void Scheduler::GiveBack(FrameRecord& frame, TileSamples samples) {
+  std::vector<SampleRange> held = frame.verification.TrialsOf(samples.tile);
+  if (const auto others = frame.leases.find(samples.tile); others != frame.leases.end()) {
     for (const auto& [other, range] : others->second) held.push_back(range);
   }
-  frame.work.GiveBack({unit.tile, unit.range}, held);
-  AnnounceWork();
+  frame.work.GiveBack(samples, held);
 }
 
 uint32_t Scheduler::WorkersOf(JobId id) const {

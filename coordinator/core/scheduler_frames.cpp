@@ -49,9 +49,11 @@ Scheduler::Choice Scheduler::FrameToLoad(Instant now, JobRecord& job, const Work
 }
 
 bool Scheduler::MayRender(const FrameRecord& frame, const WorkerRecord& worker) const {
-  if (!frame.work.HasOpen()) return false;
-  if (frame.failures.empty()) return !frame.failures.HasFailedScene(worker.id);
-  return frame.work.HasOpen([&](uint32_t tile) { return frame.failures.May(worker.id, tile); });
+  const auto may = [&](uint32_t tile) { return frame.failures.May(worker.id, tile); };
+  const bool has_open =
+      frame.work.HasOpen() &&
+      (frame.failures.empty() ? !frame.failures.HasFailedScene(worker.id) : frame.work.HasOpen(may));
+  return has_open || frame.verification.Find(worker.id, may);
 }
 
 // How many workers have each scene or are loading it.

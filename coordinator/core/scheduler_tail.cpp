@@ -15,14 +15,15 @@ Instant LikelyEnd(Instant now, const LeaseRecord& record) {
   return record.expected_end > now ? record.expected_end : now + (now - record.expected_end);
 }
 
-bool HasStarted(Instant now, const LeaseRecord& record) {
-  return record.started || record.expected_start <= now + FromSeconds(kHandoverDuration_s);
-}
-
 constexpr size_t kCandidatesPerSlot = 4;  // looked at for each idle slot: some are not for it
 constexpr int kAttemptsMax = 20'000;      // to give a unit to a worker, in one round: some milliseconds
 
 }  // namespace
+
+// As far as one can guess.
+bool Scheduler::HasStarted(Instant now, const LeaseRecord& record) {
+  return record.started || record.expected_start <= now + FromSeconds(kHandoverDuration_s);
+}
 
 void Scheduler::RelieveTail(Instant now) {
   if (now < tail_due_ || starved_.empty() || leases_.empty()) return;
@@ -76,8 +77,12 @@ Scheduler::Relief Scheduler::Relieve(Instant now, WorkerRecord& helper, LeaseId 
   const WorkUnit unit = record.lease.unit;
   JobRecord& job = jobs_.at(unit.job);
   FrameRecord& frame = job.frames.at(unit.frame);
+  if (job.paused || !helper.HasTags(job.spec->required_tags)) return Relief::kUnfit;
   if (record.worker == helper.id || !helper.HasReady(frame.scene.key)) return Relief::kUnfit;
   if (!frame.failures.May(helper.id, unit.tile)) return Relief::kUnfit;
+  const TileSamples samples{unit.tile, unit.range};
+  if (frame.verification.IsOnTrial(samples) && !frame.verification.Admits(samples, helper.id))
+    return Relief::kUnfit;
   const double remaining_s = Seconds(LikelyEnd(now, record) - now);
   const double whole_s = record.cost ? *record.cost / helper.speed : kUnknownUnitDuration_s;
   WorkUnit taken = unit;
@@ -89,7 +94,7 @@ Scheduler::Relief Scheduler::Relieve(Instant now, WorkerRecord& helper, LeaseId 
     taken.range = *piece;
   } else {
     if (remaining_s < kStealGain * (whole_s + kHandoverDuration_s)) return Relief::kUseless;
-    Drop(workers_.at(record.worker), slow);
+    Revoke(workers_.at(record.worker), slow);
     Forget(slow);
   }
   Grant(now, helper, job, frame, taken, NextLease());
@@ -102,17 +107,21 @@ std::optional<SampleRange> Scheduler::PieceFor(const LeaseRecord& slow, const Fr
                                                double whole_s, int idle_slots) const {
   const WorkUnit& unit = slow.lease.unit;
   const auto& leases = frame.leases.at(unit.tile);
+  // A unit that is verified stays whole, and no piece becomes one.
+  const bool is_on_trial = frame.verification.IsOnTrial({unit.tile, unit.range});
   const auto is_free = [&](SampleRange piece) {
     if (frame.work.HasDone({unit.tile, piece})) return false;
+    if (!is_on_trial && frame.verification.IsChosen({unit.tile, piece})) return false;
     const auto copies = std::count_if(leases.begin(), leases.end(),
                                       [&](const auto& each) { return each.second.Overlaps(piece); });
     return copies < kCopiesMax;
   };
   const double shortest_s = std::min(whole_s, kUnitDurationMin_s);
-  for (int pieces = 1; pieces <= kSplitMax; pieces *= 2) {
+  const int pieces_max = is_on_trial ? 1 : kSplitMax;
+  for (int pieces = 1; pieces <= pieces_max; pieces *= 2) {
     const uint32_t size = unit.range.size / static_cast<uint32_t>(pieces);
     if (size == 0 || whole_s / pieces < shortest_s) break;
-    const bool finer_is_better = pieces * 2 <= std::min(idle_slots, kSplitMax) && size > 1;
+    const bool finer_is_better = pieces * 2 <= std::min(idle_slots, pieces_max) && size > 1;
     if (finer_is_better && whole_s / (pieces * 2) >= shortest_s) continue;
     for (uint32_t end = unit.range.end(); end > unit.range.begin; end -= size) {
       if (is_free({end - size, size})) return SampleRange{end - size, size};

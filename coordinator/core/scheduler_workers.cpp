@@ -21,12 +21,13 @@ WorkerRecord& Scheduler::Admit(Instant now, const WorkerState& state) {
     Log(fmt::format("worker_joined worker={:016x} name=\"{}\" slots={}", Number(state.worker), state.name,
                     state.slots));
     worker.live = true;
-    worker.notice_told = !worker.quarantined();
-    if (worker.quarantined()) news_.insert(state.worker);
+    worker.notice_told = !worker.is_barred();
+    if (worker.is_barred()) news_.insert(state.worker);
   }
   worker.id = state.worker;
   worker.name = state.name;
   worker.software_version = state.software_version;
+  worker.tags = state.tags;
   worker.slots = state.slots;
   worker.draining = state.draining;
   worker.last_contact = now;
@@ -42,6 +43,7 @@ void Scheduler::Synchronize(Instant now, const WorkerState& state) {
     if (!scene.ready || worker.HasReady(scene.key)) continue;
     ForgetHunger(worker);
     MeasureLoading(now, worker, scene.key);
+    preempt_.insert(worker.id);
   }
   worker.scenes.clear();
   worker.fetching = false;
@@ -71,9 +73,13 @@ void Scheduler::ReconcileLeases(Instant now, WorkerRecord& worker, const WorkerS
       Drop(worker, held.id);
     }
   }
-  for (const LeaseId lease : worker.leases) {
+  for (const LeaseId lease : std::vector<LeaseId>(worker.leases.begin(), worker.leases.end())) {
     LeaseRecord& record = leases_.at(lease);
     if (record.listed || !record.announced || now - record.announced_at < kAnnounceAgain) continue;
+    if (jobs_.at(record.lease.unit.job).paused) {  // it was lost on the way: it shall not begin now
+      TakeBack(lease);
+      continue;
+    }
     record.announced = false;
     worker.unannounced.push_back(lease);
     news_.insert(worker.id);
@@ -95,9 +101,17 @@ bool Scheduler::TakeOver(Instant now, WorkerRecord& worker, const HeldLease& hel
   const bool is_ours = Number(held.id) >> 32 == options_.epoch;
   const bool may_be = !is_ours || (Number(held.id) & 0xffffffff) < lease_next_;
   if (!worker.MayWork() || !may_be || leases_.contains(held.id) || !IsKnown(held.unit)) return false;
+  if (worker.revoked.contains(held.id)) return false;
+  const JobRecord& job = *FindJob(held.unit.job);
+  if (job.paused && held.stage == LeaseStage::kWaiting) return false;
+  if (!worker.HasTags(job.spec->required_tags)) return false;
   FrameRecord& frame = *FindFrame(held.unit);
   if (!frame.failures.May(worker.id, held.unit.tile)) return false;
-  if (!frame.work.TakeExactly({held.unit.tile, held.unit.range})) return false;
+  const TileSamples samples{held.unit.tile, held.unit.range};
+  const bool is_free = frame.verification.IsOnTrial(samples)  ? frame.verification.Wants(samples, worker.id)
+                       : frame.verification.IsChosen(samples) ? JoinTrial(frame, samples)
+                                                              : frame.work.TakeExactly(samples);
+  if (!is_free) return false;
   LeaseRecord& record = Grant(now, worker, *FindJob(held.unit.job), frame, held.unit, held.id);
   record.announced = true;
   record.announced_at = now;
@@ -154,7 +168,8 @@ void Scheduler::Expire(Instant now) {
 void Scheduler::ForgetWorkers(Instant now) {
   std::erase_if(workers_, [&](const auto& entry) {
     const auto& [id, worker] = entry;
-    const bool forgotten = !worker.live && now - worker.last_contact > kWorkerForgotten;
+    const bool forgotten =
+        !worker.live && now - worker.last_contact > (worker.is_barred() ? kBarForgotten : kWorkerForgotten);
     if (forgotten) news_.erase(id);
     return forgotten;
   });
@@ -163,6 +178,13 @@ void Scheduler::ForgetWorkers(Instant now) {
 void Scheduler::Drop(WorkerRecord& worker, LeaseId lease) {
   worker.drops.push_back(lease);
   news_.insert(worker.id);
+}
+
+// A drop of what was taken away on purpose, even if a state on its way still lists it.
+void Scheduler::Revoke(WorkerRecord& worker, LeaseId lease) {
+  Drop(worker, lease);
+  worker.revoked.insert(lease);
+  if (worker.revoked.size() > kRevokedKeptMax) worker.revoked.erase(worker.revoked.begin());
 }
 
 // Keeps the sums of all workers in step with this one.
@@ -224,7 +246,9 @@ WorkerDirective Scheduler::TakeDirective(Instant now, WorkerId id) {
   worker->wanted_told = true;
   if (!worker->prefetch_told) directive.prefetch = worker->prefetch;
   worker->prefetch_told = true;
-  directive.notice = worker->quarantine;
+  directive.notice = worker->quarantined() ? worker->quarantine
+                     : worker->drained     ? "drained by the operator"
+                                           : "";
   worker->notice_told = true;
   news_.erase(id);
   return directive;
@@ -245,13 +269,14 @@ std::vector<WorkerStatus> Scheduler::Workers(Instant now) const {
     status.units_failed = worker.units_failed;
     status.speed = worker.speed / average;
     status.silent = std::chrono::duration_cast<std::chrono::milliseconds>(now - worker.last_contact);
-    status.draining = worker.draining;
+    status.draining = worker.draining || worker.drained;
     status.quarantined = worker.quarantined();
     status.reason = worker.quarantine;
     status.utilisation = worker.pace.Utilisation(worker.slots);
     status.samples_per_second = worker.pace.SamplesPerSecond(now);
     status.fetching = worker.fetching;
     status.loading = worker.IsLoading();
+    status.tags = worker.tags;
     all.push_back(std::move(status));
   }
   return all;

@@ -35,6 +35,7 @@ Result<Lease> ReadLease(const proto::Lease& message);
 Result<SceneOrder> ReadSceneOrder(const proto::SceneOrder& message);
 Result<WorkerState> ReadWorkerState(const proto::WorkerState& message);
 Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& message);
+Result<int32_t> ReadPriority(int32_t priority);
 Result<JobSpec> ReadJobSpec(const proto::JobSpec& message);
 Result<JobStatus> ReadJobStatus(const proto::JobStatus& message);
 Result<std::vector<FrameStatus>> ReadFrameStatuses(const proto::FramesAnswer& message);

@@ -60,6 +60,11 @@ void Write(const JobTimes& value, proto::JobTimes& message) {
 
 }  // namespace
 
+Result<int32_t> ReadPriority(int32_t priority) {
+  if (priority < -kPriorityMax || priority > kPriorityMax) return BadField("priority", "is beyond a million");
+  return priority;
+}
+
 Result<JobSpec> ReadJobSpec(const proto::JobSpec& message) {
   JobSpec spec;
   spec.submission = message.submission();
@@ -67,9 +72,9 @@ Result<JobSpec> ReadJobSpec(const proto::JobSpec& message) {
   spec.name = message.name();
   if (!IsText(spec.name, kNameBytesMax))
     return BadField("name", "is not one line of text of at most 256 bytes");
-  spec.priority = message.priority();
-  if (spec.priority < -kPriorityMax || spec.priority > kPriorityMax)
-    return BadField("priority", "is beyond a million");
+  const auto priority = ReadPriority(message.priority());
+  if (!priority) return priority.error();
+  spec.priority = *priority;
   const auto package = ReadDigest(message.package(), "package");
   if (!package) return package.error();
   spec.package = *package;
@@ -80,6 +85,11 @@ Result<JobSpec> ReadJobSpec(const proto::JobSpec& message) {
     if (!order) return order.error();
     spec.frames.push_back(std::move(*order));
   }
+  auto tags = ReadTags(message.required_tags(), "required_tags");
+  if (!tags) return tags.error();
+  spec.required_tags = std::move(*tags);
+  spec.verify_share = message.verify_share();
+  if (!IsShare(spec.verify_share)) return BadField("verify_share", "is not from 0 to 1");
   return spec;
 }
 
@@ -96,6 +106,8 @@ void Write(const JobSpec& value, proto::JobSpec& message) {
     written.set_number(frame.number);
     written.set_extendable(frame.extendable);
   }
+  for (const std::string& tag : value.required_tags) message.add_required_tags(tag);
+  message.set_verify_share(value.verify_share);
 }
 
 Result<JobStatus> ReadJobStatus(const proto::JobStatus& message) {
@@ -116,6 +128,11 @@ Result<JobStatus> ReadJobStatus(const proto::JobStatus& message) {
   status.frames_total = message.frames_total();
   status.frames_finished = message.frames_finished();
   status.times = ReadTimes(message.times());
+  status.paused_by_user = message.paused_by_user();
+  status.verify_share = ReadMeasure(message.verify_share());
+  status.units_verified = message.units_verified();
+  status.units_disputed = message.units_disputed();
+  status.units_suspect = message.units_suspect();
   return status;
 }
 
@@ -141,6 +158,11 @@ void Write(const JobStatus& value, proto::JobStatus& message) {
   message.set_frames_total(value.frames_total);
   message.set_frames_finished(value.frames_finished);
   Write(value.times, *message.mutable_times());
+  message.set_paused_by_user(value.paused_by_user);
+  message.set_verify_share(value.verify_share);
+  message.set_units_verified(value.units_verified);
+  message.set_units_disputed(value.units_disputed);
+  message.set_units_suspect(value.units_suspect);
 }
 
 Result<std::vector<FrameStatus>> ReadFrameStatuses(const proto::FramesAnswer& message) {
@@ -184,6 +206,9 @@ Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message) {
   status.samples_per_second = ReadMeasure(message.samples_per_second());
   status.fetching = message.fetching();
   status.loading = message.loading();
+  auto tags = ReadTags(message.tags(), "tags");
+  if (!tags) return tags.error();
+  status.tags = std::move(*tags);
   return status;
 }
 
@@ -204,6 +229,7 @@ void Write(const WorkerStatus& value, proto::WorkerStatus& message) {
   message.set_samples_per_second(value.samples_per_second);
   message.set_fetching(value.fetching);
   message.set_loading(value.loading);
+  for (const std::string& tag : value.tags) message.add_tags(tag);
 }
 
 }  // namespace tessera

@@ -79,6 +79,9 @@ Result<WorkerState> ReadWorkerState(const proto::WorkerState& message) {
   state.software_version = message.software_version();
   state.build_digest = message.build_digest();
   state.probe_digest = message.probe_digest();
+  auto tags = ReadTags(message.tags(), "tags");
+  if (!tags) return tags.error();
+  state.tags = std::move(*tags);
   for (const auto& scene : message.scenes()) {
     const auto key = ReadDigest(scene.scene(), "scene");
     if (!key) return key.error();
@@ -107,6 +110,7 @@ void Write(const WorkerState& value, proto::WorkerState& message) {
   message.set_software_version(value.software_version);
   message.set_build_digest(value.build_digest);
   message.set_probe_digest(value.probe_digest);
+  for (const std::string& tag : value.tags) message.add_tags(tag);
   for (const HeldScene& scene : value.scenes) {
     auto& written = *message.add_scenes();
     written.set_scene(WriteDigest(scene.key));

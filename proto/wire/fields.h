@@ -1,9 +1,11 @@
 // Small checks of single fields, for the conversions of this box alone.
 #pragma once
 
+#include <set>
 #include <string>
 
 #include "terms/scene_package.h"
+#include "terms/terms.h"
 #include "util/result.h"
 
 namespace tessera {
@@ -19,6 +21,18 @@ inline bool IsText(const std::string& text, size_t bytes_max) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return false;
   }
   return true;
+}
+
+// The tags of a repeated field, each once.
+template <typename Repeated>
+Result<std::set<std::string>> ReadTags(const Repeated& words, const char* field) {
+  if (static_cast<size_t>(words.size()) > kTagsMax) return BadField(field, "are too many");
+  std::set<std::string> tags;
+  for (const std::string& word : words) {
+    if (!IsTag(word)) return BadField(field, "hold something that is no tag");
+    tags.insert(word);
+  }
+  return tags;
 }
 
 }  // namespace tessera

@@ -58,12 +58,23 @@ TEST(CommandLine, ReadsTheCommandsOfAFarm) {
   EXPECT_EQ(submit->options.name, "film");
   EXPECT_EQ(submit->options.priority, -4);
   EXPECT_TRUE(submit->options.watch);
+  const auto wishes = Parse("submit s.pbrt --require gpu --require linux-6 --verify 2.5%");
+  ASSERT_TRUE(wishes) << wishes.error().message;
+  EXPECT_EQ(wishes->options.required_tags, (std::set<std::string>{"gpu", "linux-6"}));
+  EXPECT_DOUBLE_EQ(wishes->options.verify_share, 0.025);
+  EXPECT_DOUBLE_EQ(Parse("render s.pbrt --verify 100")->options.verify_share, 1);
+  EXPECT_EQ(Parse("drain blade-7")->options.worker, "blade-7");
+  EXPECT_EQ(Parse("release blade-7")->options.worker, "blade-7");
   const auto fetch = Parse("fetch 12 --preview -o a.exr");
   ASSERT_TRUE(fetch) << fetch.error().message;
   EXPECT_EQ(fetch->options.job, 12u);
   EXPECT_TRUE(fetch->options.preview);
   EXPECT_FALSE(fetch->options.coordinator.empty());
-  for (const char* words : {"status 1", "watch 1", "cancel 1", "jobs", "workers"})
+  const auto priority = Parse("priority 12 -4");
+  ASSERT_TRUE(priority) << priority.error().message;
+  EXPECT_EQ(priority->options.job, 12u);
+  EXPECT_EQ(priority->options.priority, -4);
+  for (const char* words : {"status 1", "watch 1", "cancel 1", "pause 1", "resume 1", "jobs", "workers"})
     EXPECT_TRUE(Parse(words)) << words;
 }
 
@@ -107,6 +118,13 @@ TEST(CommandLine, BadWordsAreNamedWithWhatWasExpected) {
       {"submit s.pbrt --priority 1000001", "--priority"},
       {"extend 3", "--spp is required"},
       {"extend 3 --spp 0", "--spp: \"0\""},
+      {"priority 3", "N is required"},
+      {"priority 3 high", "N: \"high\" is not a whole number from -1000000 to 1000000"},
+      {"submit s.pbrt --require two,words", "--require: \"two,words\" is not a word"},
+      {"submit s.pbrt --verify 101%", "--verify: \"101%\" is not a share from 0% to 100%"},
+      {"submit s.pbrt --verify some", "--verify: \"some\""},
+      {"submit s.pbrt --verify nan", "--verify: \"nan\""},
+      {"drain", "WORKER is required"},
   };
   for (const auto& bad : cases) {
     const auto parsed = Parse(bad.words);

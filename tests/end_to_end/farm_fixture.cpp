@@ -67,11 +67,10 @@ void EndToEnd::StartCoordinator() {
   address_ = log.substr(begin, log.find('\n', begin) - begin);
 }
 
-Process& EndToEnd::StartWorker(const std::string& name, int threads) {
-  workers_.emplace_back(
-      folder_, "tessera-worker",
-      std::vector<std::string>{"--coordinator", address_, "--threads", std::to_string(threads), "--cache-dir",
-                               Path("cache-" + name), "--name", name});
+Process& EndToEnd::StartWorker(const std::string& name, int threads, std::vector<std::string> options) {
+  options.insert(options.end(), {"--coordinator", address_, "--threads", std::to_string(threads),
+                                 "--cache-dir", Path("cache-" + name), "--name", name});
+  workers_.emplace_back(folder_, "tessera-worker", std::move(options));
   return workers_.back();
 }
 

@@ -34,7 +34,7 @@ class EndToEnd : public testing::Test {
   void StartCoordinator();
   Process& coordinator() { return *coordinator_; }
   const std::string& address() const { return address_; }
-  Process& StartWorker(const std::string& name, int threads = 1);
+  Process& StartWorker(const std::string& name, int threads = 1, std::vector<std::string> options = {});
   // `tessera COMMAND ... --coordinator ADDRESS`
   Outcome Ask(std::vector<std::string> arguments) const;
   // Hands in a scene; the job's number as printed.

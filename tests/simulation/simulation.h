@@ -84,6 +84,10 @@ class Simulation {
   void MakeJobs();
   void Submit(size_t job);
   void Cancel(size_t job);
+  JobModel* SomeOpenJob();
+  void WishPause();
+  void WishPriority();
+  void ResumeAll();
   JobModel* ModelOf(JobId id);
   void NoteFact(const Fact& fact);
   void CheckGrants(const FarmOutput& output);

@@ -24,6 +24,7 @@ void Simulation::MakeJobs() {
     spec->submission = static_cast<uint64_t>(j) + 1;
     spec->name = fmt::format("job{}", j);
     spec->priority = random_.Int(0, 1);
+    spec->verify_share = options_.verify_share;
     const int frames = random_.Int(1, 2);
     for (int f = 0; f < frames; ++f) {
       const auto samples = static_cast<uint32_t>(random_.Int(1, 64));
@@ -71,6 +72,41 @@ void Simulation::Cancel(size_t j) {
   });
 }
 
+// An open job that the farm knows, for a wish about it.
+Simulation::JobModel* Simulation::SomeOpenJob() {
+  JobModel& job = jobs_[static_cast<size_t>(random_.Int(0, options_.jobs - 1))];
+  const auto status = farm_ && job.acknowledged ? farm_->Status(FarmNow(), job.id) : std::nullopt;
+  return status && !HasEnded(status->state) ? &job : nullptr;
+}
+
+void Simulation::WishPause() {
+  const bool paused = random_.Chance(0.5);
+  const JobModel* const job = SomeOpenJob();
+  if (job == nullptr) return;
+  if (!farm_->SetPaused(FarmNow(), job->id, paused)) Violation("a job cannot be paused");
+  Touch();
+}
+
+void Simulation::WishPriority() {
+  const int priority = random_.Int(-1, 2);
+  const JobModel* const job = SomeOpenJob();
+  if (job == nullptr) return;
+  if (!farm_->SetPriority(FarmNow(), job->id, priority)) Violation("a priority cannot be changed");
+  Touch();
+}
+
+// Whoever paused a job lets it go on in the end.
+void Simulation::ResumeAll() {
+  bool all_heard = farm_ != nullptr;
+  for (const JobModel& job : jobs_) {
+    const auto status = farm_ && job.acknowledged ? farm_->Status(FarmNow(), job.id) : std::nullopt;
+    if (status && !HasEnded(status->state)) (void)farm_->SetPaused(FarmNow(), job.id, false);
+    all_heard = all_heard && (!status || !status->paused_by_user);
+  }
+  if (farm_) Touch();
+  if (!all_heard) queue_.After(kClientRetry, [this] { ResumeAll(); });
+}
+
 Simulation::JobModel* Simulation::ModelOf(JobId id) {
   const auto found = std::ranges::find(jobs_, id, [](const JobModel& job) { return job.id; });
   return found == jobs_.end() ? nullptr : &*found;
@@ -98,6 +134,9 @@ void Simulation::CheckGrants(const FarmOutput& output) {
     for (const Lease& lease : leases) {
       if (!ledger_.IsNew(lease.id)) continue;
       Trace(fmt::format("lease {} {}", Number(lease.id), lease.unit.Text()));
+      const auto status = farm_->Status(FarmNow(), lease.unit.job);
+      if (status && status->paused_by_user) Violation("a unit of a paused job is leased: " + lease.unit.Text());
+      if (options_.verify_share > 0) continue;  // what is verified is rendered more than once
       if (ledger_.Holds(lease.unit)) Violation("leased though acknowledged: " + lease.unit.Text());
     }
   };
@@ -142,7 +181,9 @@ void Simulation::CheckEnd() {
       Violation("a job is forgotten at the end: " + job.spec->name);
       continue;
     }
-    const bool may_fail = job.poisoned || options_.one_fails_units || options_.one_damages_results;
+    // Two lies and the truth are three opinions of which none can be believed.
+    const bool may_fail =
+        job.poisoned || options_.one_fails_units || options_.one_damages_results || options_.one_lies;
     const std::string what =
         fmt::format("{} is {} with {} of {} samples ({})", job.spec->name, JobStateName(status->state),
                     status->samples_done, status->samples_total, status->reason);

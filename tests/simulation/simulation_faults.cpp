@@ -40,17 +40,23 @@ void Simulation::PlanFaults() {
       Touch();
     }
   });
+  Repeat(options_.pause_interval_s, [this] { WishPause(); });
+  Repeat(options_.priority_interval_s, [this] { WishPriority(); });
   queue_.After(FromSeconds(options_.faults_s), [this] { Heal(); });
 }
 
-// All is repaired, and a sound machine joins, so that no fault of the others can hold up the farm.
+// All is repaired, and a sound machine joins, so that no fault of the others can hold up the farm; and as many as
+// it takes to agree on what others dispute.
 void Simulation::Heal() {
   Trace("heal");
   SetDiskFull(false);
   crash_point_ = 0;
   for (Node& node : nodes_) node.hung_until = node.deaf_until = node.mute_until = queue_.now();
-  nodes_.emplace_back();
-  StartWorker(nodes_.size() - 1);
+  for (int n = options_.verify_share > 0 ? 3 : 1; n > 0; --n) {
+    nodes_.emplace_back();
+    StartWorker(nodes_.size() - 1);
+  }
+  ResumeAll();
 }
 
 // The process is killed, or says goodbye first.

@@ -32,6 +32,11 @@ SimulationOptions DrawOptions(uint64_t seed) {
   options.one_damages_results = random.Chance(0.3);
   options.poison = random.Chance(0.15);
   options.cancel_one = random.Chance(0.15);
+  options.verify_share = maybe(0.3, 0.05, 1);
+  options.one_lies = random.Chance(0.15);
+  if (options.one_lies) options.verify_share = 1;
+  options.pause_interval_s = maybe(0.3, 1, 10);
+  options.priority_interval_s = maybe(0.3, 1, 10);
   return options;
 }
 
@@ -40,10 +45,12 @@ std::string SimulationOptions::Text() const {
       "workers={} jobs={} loss={:.2f} duplication={:.2f} reordering={:.2f} delay_max_s={:.3f} "
       "partition_interval_s={:.1f} slow_share={:.2f} death_interval_s={:.1f} drain_interval_s={:.1f} "
       "hang_interval_s={:.1f} crash_interval_s={:.1f} blackout_interval_s={:.1f} full_disk_interval_s={:.1f} "
-      "clock_jump_interval_s={:.1f} one_fails_units={} one_damages_results={} poison={} cancel_one={}",
+      "clock_jump_interval_s={:.1f} one_fails_units={} one_damages_results={} poison={} cancel_one={} "
+      "verify_share={:.2f} one_lies={} pause_interval_s={:.1f} priority_interval_s={:.1f}",
       workers, jobs, loss, duplication, reordering, delay_max_s, partition_interval_s, slow_share,
       death_interval_s, drain_interval_s, hang_interval_s, crash_interval_s, blackout_interval_s,
-      full_disk_interval_s, clock_jump_interval_s, one_fails_units, one_damages_results, poison, cancel_one);
+      full_disk_interval_s, clock_jump_interval_s, one_fails_units, one_damages_results, poison, cancel_one,
+      verify_share, one_lies, pause_interval_s, priority_interval_s);
 }
 
 }  // namespace tessera

@@ -49,6 +49,7 @@ void Simulation::StartWorker(size_t n) {
   traits.load_s = random_.Real(0.01, 2);
   if (n == 1 && options_.one_fails_units) traits.failure_chance = 0.3;
   if (n == 2 && options_.one_damages_results) traits.damage_chance = 0.5;
+  if (n == 0 && options_.one_lies) traits.lie_chance = 0.3;
   node.worker = std::make_unique<WorkerModel>(WorkerId{worker_next_++}, traits);
   ++node.incarnation;
   node.hung_until = {};
@@ -131,7 +132,11 @@ void Simulation::FinishUnit(size_t n, const UnitTask& task, double seconds) {
   } else {
     report_.samples_rendered += static_cast<uint64_t>(lease.bounds.area()) * lease.unit.range.size;
     const uint64_t seed = Hash(job.spec->submission, lease.unit.frame);
-    std::string tile = EncodeRadianceTile(RenderModel(seed, lease.bounds, lease.unit.range));
+    RadianceTile sums = RenderModel(seed, lease.bounds, lease.unit.range);
+    if (random_.Chance(Healthy() ? 0 : worker.traits().lie_chance)) {
+      sums.sums[0] += static_cast<float>(random_.Real(1, 2));
+    }
+    std::string tile = EncodeRadianceTile(sums);
     if (random_.Chance(Healthy() ? 0 : worker.traits().damage_chance)) tile[tile.size() / 2] ^= 1;
     worker.load().UnitFinished({lease.id, lease.unit, std::move(tile), seconds}, WorkerModel::At(NodeNow(n)));
   }

@@ -17,6 +17,7 @@ struct WorkerTraits {
   double load_s = 0.1;        // to load a scene
   double failure_chance = 0;  // of a unit
   double damage_chance = 0;   // of a result
+  double lie_chance = 0;      // of a result: wrong sums of the right form
 };
 
 class WorkerModel {

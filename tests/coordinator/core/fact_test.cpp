@@ -13,6 +13,8 @@ Fact Submitted() {
   spec->name = "a job";
   spec->priority = -7;
   spec->package = Sha256("p");
+  spec->required_tags = {"gpu", "linux-6"};
+  spec->verify_share = 0.125;
   FrameSpec frame;
   frame.width = 40;
   frame.height = 30;
@@ -31,6 +33,8 @@ TEST(Fact, SurvivesItsBytes) {
   EXPECT_EQ(read.spec->name, "a job");
   EXPECT_EQ(read.spec->priority, -7);
   EXPECT_EQ(read.spec->package, Sha256("p"));
+  EXPECT_EQ(read.spec->required_tags, (std::set<std::string>{"gpu", "linux-6"}));
+  EXPECT_EQ(read.spec->verify_share, 0.125);
   ASSERT_EQ(read.spec->frames.size(), 2u);
   EXPECT_EQ(read.spec->frames[0].number, -1);
   EXPECT_TRUE(read.spec->frames[0].extendable);
@@ -51,6 +55,33 @@ TEST(Fact, SurvivesItsBytes) {
   EXPECT_EQ(std::get<FrameResumed>(resumed).frame, 8u);
   const Fact forgotten = *DecodeFact(EncodeFact(JobsForgotten{JobId{1234}}));
   EXPECT_EQ(std::get<JobsForgotten>(forgotten).last, JobId{1234});
+  for (const bool paused : {false, true}) {
+    const Fact pause = *DecodeFact(EncodeFact(JobPaused{JobId{5}, paused}));
+    EXPECT_EQ(std::get<JobPaused>(pause).job, JobId{5});
+    EXPECT_EQ(std::get<JobPaused>(pause).paused, paused);
+  }
+  const Fact changed = *DecodeFact(EncodeFact(JobPriorityChanged{JobId{5}, -9}));
+  EXPECT_EQ(std::get<JobPriorityChanged>(changed).priority, -9);
+}
+
+TEST(Fact, WhatIsSaidOfWorkersSurvivesItsBytes) {
+  const Fact barred = *DecodeFact(EncodeFact(WorkerBarred{WorkerId{7}, "w", true, "why"}));
+  EXPECT_EQ(std::get<WorkerBarred>(barred).worker, WorkerId{7});
+  EXPECT_EQ(std::get<WorkerBarred>(barred).name, "w");
+  EXPECT_TRUE(std::get<WorkerBarred>(barred).drained);
+  EXPECT_EQ(std::get<WorkerBarred>(barred).quarantine, "why");
+  const WorkUnit unit{JobId{3}, 1, 2, {4, 4}};
+  const Fact heard = *DecodeFact(EncodeFact(OpinionHeard{unit, WorkerId{7}, "w", Sha256("r")}));
+  EXPECT_EQ(std::get<OpinionHeard>(heard).unit, unit);
+  EXPECT_EQ(std::get<OpinionHeard>(heard).worker, WorkerId{7});
+  EXPECT_EQ(std::get<OpinionHeard>(heard).name, "w");
+  EXPECT_EQ(std::get<OpinionHeard>(heard).result, Sha256("r"));
+  const Fact counted = *DecodeFact(EncodeFact(UnitsCounted{JobId{3}, 10, 11, 12}));
+  EXPECT_EQ(std::get<UnitsCounted>(counted).job, JobId{3});
+  EXPECT_EQ(std::get<UnitsCounted>(counted).verified, 10u);
+  EXPECT_EQ(std::get<UnitsCounted>(counted).disputed, 11u);
+  EXPECT_EQ(std::get<UnitsCounted>(counted).suspect, 12u);
+  EXPECT_FALSE(DecodeFact(EncodeFact(OpinionHeard{{JobId{3}, 1, 2, {3, 4}}, WorkerId{7}, "w", {}})));
 }
 
 TEST(Fact, BytesThatAreCutOrTooLongAreRefused) {
@@ -73,6 +104,11 @@ TEST(Fact, DamagedBytesNeverHarm) {
       for (const FrameOrder& frame : job->spec->frames) EXPECT_TRUE(frame.spec.Check());
     }
   }
+}
+
+TEST(Fact, APriorityHasItsLimits) {
+  EXPECT_TRUE(DecodeFact(EncodeFact(JobPriorityChanged{JobId{5}, kPriorityMax})));
+  EXPECT_FALSE(DecodeFact(EncodeFact(JobPriorityChanged{JobId{5}, kPriorityMax + 1})));
 }
 
 TEST(Fact, AJobThatEndedCannotBeRunning) {

@@ -1,69 +1,15 @@
 // Jobs from submission to picture, without a network: what is accepted, refused, remembered.
-#include "core/farm.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "terms/probe.h"
+#include "tests/coordinator/core/farm_stage.h"
 
 namespace tessera {
 namespace {
 
-using std::chrono::milliseconds;
 using std::chrono::seconds;
 using testing::HasSubstr;
-
-std::shared_ptr<JobSpec> SmallJob(uint64_t submission, int frames = 1) {
-  auto spec = std::make_shared<JobSpec>();
-  spec->submission = submission;
-  spec->name = "small";
-  FrameSpec frame;
-  frame.width = frame.height = 8;
-  frame.crop = {0, 0, 8, 8};
-  frame.tile_size = 8;
-  frame.samples_per_pixel = 4;
-  frame.channels = {"R", "W"};
-  for (int f = 0; f < frames; ++f) spec->frames.push_back({"s" + std::to_string(f), "", frame, f});
-  return spec;
-}
-
-RadianceTile Ones(SampleRange range) {
-  RadianceTile tile{{0, 0, 8, 8}, range, 2, {}};
-  tile.sums.assign(128, static_cast<float>(range.size));
-  return tile;
-}
-
-struct FarmStage {
-  FarmStage() { farm.Begin(now); }
-  void Step() {
-    farm.Advance(now);
-    output = farm.TakeOutput();
-    for (const Fact& fact : output.facts) facts.push_back(EncodeFact(fact));
-  }
-  Verdict Return(JobId job, SampleRange range, Result<RadianceTile> tile, uint32_t frame = 0,
-                 uint32_t tile_index = 0) {
-    farm.ReturnResults(now, CallId{++calls}, WorkerId{1},
-                       {{LeaseId{0}, {job, frame, tile_index, range}, 0.1, tile}});
-    Step();
-    reason = output.results[0].reasons.empty() ? "" : output.results[0].reasons[0];
-    return output.results[0].verdicts[0];
-  }
-  JobStatus Status(JobId job) const { return *farm.Status(now, job); }
-  WorkerState Worker(uint64_t id) {
-    WorkerState state;
-    state.worker = WorkerId{id};
-    state.sequence = ++calls;
-    state.wait = seconds(2);
-    return state;
-  }
-
-  Instant now = seconds(100);
-  Farm farm{SchedulerOptions{}};
-  FarmOutput output;
-  std::vector<std::string> facts;
-  std::string reason;
-  uint64_t calls = 0;
-};
 
 TEST(Farm, AJobGoesFromSubmissionToPicture) {
   FarmStage stage;
@@ -178,6 +124,60 @@ TEST(Farm, JobsSurviveARestart) {
   EXPECT_EQ(after.Return(half, {0, 4}, Ones({0, 4}), 1), Verdict::kAccepted);
   EXPECT_GT(*after.farm.Submit(after.now, SmallJob(4)), cancelled) << "numbers are never used twice";
   EXPECT_EQ(*after.farm.Submit(after.now, SmallJob(2)), half);
+}
+
+TEST(Farm, APausedJobSaysSoAndGoesOnWhenItIsResumed) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
+  EXPECT_EQ(stage.farm.SetPaused(stage.now, job, true)->state, JobState::kPaused);
+  EXPECT_TRUE(stage.Status(job).paused_by_user);
+  EXPECT_EQ(stage.Status(job).reason, "by the user");
+  stage.farm.PictureDelayed(job, "no space left");
+  EXPECT_EQ(stage.Status(job).reason, "by the user; no space left");
+  EXPECT_FALSE(stage.farm.SetPaused(stage.now, job, false)->paused_by_user);
+  EXPECT_EQ(stage.Status(job).reason, "no space left") << "the other cause is still there";
+}
+
+TEST(Farm, WhatWasBeingRenderedWhenItsJobWasPausedIsTaken) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
+  ASSERT_TRUE(stage.farm.SetPaused(stage.now, job, true));
+  EXPECT_EQ(stage.Return(job, {0, 4}, Ones({0, 4})), Verdict::kAccepted);
+  EXPECT_EQ(stage.output.pictures.size(), 1u);
+}
+
+TEST(Farm, OnlyOpenJobsArePausedOrChanged) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
+  ASSERT_TRUE(stage.farm.Cancel(stage.now, job));
+  EXPECT_THAT(stage.farm.SetPaused(stage.now, job, true).error().message,
+              HasSubstr("is cancelled: it cannot be paused any more"));
+  EXPECT_THAT(stage.farm.SetPriority(stage.now, job, 3).error().message, HasSubstr("is cancelled"));
+  EXPECT_THAT(stage.farm.SetPaused(stage.now, JobId{9}, true).error().message, HasSubstr("no job 9"));
+}
+
+TEST(Farm, PausesAndPrioritiesSurviveARestart) {
+  FarmStage before;
+  const JobId paused = *before.farm.Submit(before.now, SmallJob(1));
+  const JobId resumed = *before.farm.Submit(before.now, SmallJob(2));
+  for (const JobId job : {paused, resumed}) ASSERT_TRUE(before.farm.SetPaused(before.now, job, true));
+  ASSERT_TRUE(before.farm.SetPaused(before.now, resumed, false));
+  ASSERT_TRUE(before.farm.SetPaused(before.now, resumed, false));
+  ASSERT_TRUE(before.farm.SetPriority(before.now, resumed, 7));
+  before.Step();
+  EXPECT_EQ(before.facts.size(), 1u + 2u + 3u + 1u) << "what changes nothing is no fact";
+
+  FarmStage after;
+  for (const std::string& fact : before.facts) after.farm.Restore(*DecodeFact(fact));
+  after.farm.Begin(after.now);
+  EXPECT_TRUE(after.Status(paused).paused_by_user);
+  EXPECT_EQ(after.Status(resumed).state, JobState::kWaiting);
+  EXPECT_EQ(after.Status(resumed).priority, 7);
+  after.farm.Synchronize(after.now, CallId{1}, after.Worker(5));
+  after.Step();
+  ASSERT_EQ(after.output.directives.size(), 1u);
+  ASSERT_EQ(after.output.directives[0].directive.scenes.size(), 1u);
+  EXPECT_TRUE(after.farm.SetPaused(after.now, resumed, true));
 }
 
 TEST(Farm, AWaitingCallIsAnsweredByANewJobAtOnce) {

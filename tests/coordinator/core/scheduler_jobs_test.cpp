@@ -6,14 +6,6 @@
 namespace tessera {
 namespace {
 
-size_t HeldOf(SchedulerStage& stage, JobId job) {
-  size_t count = 0;
-  for (const auto& [worker, leases] : stage.held) {
-    for (const auto& [id, lease] : leases) count += lease.unit.job == job;
-  }
-  return count;
-}
-
 TEST(SchedulerJobs, HigherPriorityGoesFirst) {
   SchedulerStage stage;
   stage.AddJob(64, 1);
@@ -21,7 +13,7 @@ TEST(SchedulerJobs, HigherPriorityGoesFirst) {
   stage.AddJob(64, 0);
   stage.Join(1, 4);
   stage.Advance();
-  EXPECT_EQ(HeldOf(stage, urgent), 8u);
+  EXPECT_EQ(stage.HeldOf(urgent), 8u);
 }
 
 TEST(SchedulerJobs, LowerPriorityGetsWhatIsLeft) {
@@ -30,8 +22,8 @@ TEST(SchedulerJobs, LowerPriorityGetsWhatIsLeft) {
   const JobId other = stage.AddJob(64, 1);
   stage.Join(1, 12);
   stage.Advance();
-  EXPECT_EQ(HeldOf(stage, urgent), 16u);
-  EXPECT_EQ(HeldOf(stage, other), 8u);
+  EXPECT_EQ(stage.HeldOf(urgent), 16u);
+  EXPECT_EQ(stage.HeldOf(other), 8u);
 }
 
 TEST(SchedulerJobs, EqualJobsShareTheFarm) {
@@ -39,7 +31,7 @@ TEST(SchedulerJobs, EqualJobsShareTheFarm) {
   const JobId jobs[] = {stage.AddJob(64), stage.AddJob(64), stage.AddJob(64)};
   for (uint64_t w = 1; w <= 6; ++w) stage.Join(w, 3);
   stage.Advance();
-  for (const JobId job : jobs) EXPECT_EQ(HeldOf(stage, job), 12u);
+  for (const JobId job : jobs) EXPECT_EQ(stage.HeldOf(job), 12u);
 }
 
 TEST(SchedulerJobs, AFrameThatEndsMakesRoomForTheNextWhileAllWorkersAreIdle) {
@@ -99,7 +91,7 @@ TEST(SchedulerJobs, AWorkerLoadsTheSceneOfAJobThatHasNothingWhileItGoesOn) {
   const JobId second = stage.AddJob(64);
   stage.FinishAll(1, 0.1);
   stage.Advance();
-  EXPECT_EQ(HeldOf(stage, first), 2u);
+  EXPECT_EQ(stage.HeldOf(first), 2u);
   ASSERT_EQ(stage.told[1].scenes.size(), 1u);
   EXPECT_EQ(stage.told[1].scenes[0].key, stage.SceneOf(second));
 }

@@ -24,6 +24,8 @@ class SchedulerStage {
     spec->submission = Number(id);
     spec->priority = priority;
     spec->package = Sha256(std::to_string(Number(id)));
+    spec->required_tags = required_tags;
+    spec->verify_share = verify_share;
     for (int f = 0; f < frames; ++f) {
       FrameSpec frame;
       frame.width = frame.height = 64;
@@ -92,6 +94,14 @@ class SchedulerStage {
     for (const auto& [lease, value] : held[id]) leases.push_back(value);
     return leases;
   }
+  // Leases of the job in whoever's hands.
+  size_t HeldOf(JobId job) const {
+    size_t count = 0;
+    for (const auto& [worker, leases] : held) {
+      for (const auto& [id, lease] : leases) count += lease.unit.job == job;
+    }
+    return count;
+  }
   bool Finish(uint64_t id, const Lease& lease, double seconds) {
     held[id].erase(lease.id);
     return scheduler.Finish(now, WorkerId{id}, lease.id, lease.unit, seconds);
@@ -112,6 +122,8 @@ class SchedulerStage {
 
   Scheduler scheduler;
   Instant now = std::chrono::hours(1);
+  std::set<std::string> required_tags;  // of the jobs added from now on
+  double verify_share = 0;              // likewise
   std::map<JobId, std::shared_ptr<const JobSpec>> specs;
   std::map<uint64_t, WorkerState> states;
   std::map<uint64_t, std::map<LeaseId, Lease>> held;

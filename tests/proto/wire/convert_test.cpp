@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 #include "proto/jobs.pb.h"
@@ -32,7 +33,9 @@ JobSpec GoodJob() {
           "a job",
           -3,
           Sha256("package"),
-          {{"scene.pbrt", "spp=4\n", GoodFrame(), 1}, {"b.pbrt", "", GoodFrame(), 2}}};
+          {{"scene.pbrt", "spp=4\n", GoodFrame(), 1}, {"b.pbrt", "", GoodFrame(), 2}},
+          {"gpu", "linux-6"},
+          0.05};
 }
 
 WorkUnit GoodUnit() {
@@ -48,6 +51,7 @@ WorkerState GoodState() {
   state.scenes = {{Sha256("s"), true}, {Sha256("t"), false}};
   state.leases = {{LeaseId{1}, GoodUnit(), LeaseStage::kRunning, std::chrono::milliseconds(1500)}};
   state.returned_leases = {LeaseId{2}};
+  state.tags = {"gpu", "big.memory"};
   state.wait = std::chrono::milliseconds(2000);
   return state;
 }
@@ -73,6 +77,8 @@ TEST(Convert, JobSpecSurvives) {
   EXPECT_EQ(read->frames[0].options, "spp=4\n");
   EXPECT_EQ(read->frames[1].scene_file, "b.pbrt");
   EXPECT_EQ(read->frames[1].number, 2);
+  EXPECT_EQ(read->required_tags, GoodJob().required_tags);
+  EXPECT_EQ(read->verify_share, 0.05);
 }
 
 TEST(Convert, WorkerStateSurvives) {
@@ -90,6 +96,7 @@ TEST(Convert, WorkerStateSurvives) {
   EXPECT_EQ(read->leases[0].stage, LeaseStage::kRunning);
   EXPECT_EQ(read->leases[0].stage_duration.count(), 1500);
   EXPECT_EQ(read->returned_leases, std::vector{LeaseId{2}});
+  EXPECT_EQ(read->tags, GoodState().tags);
   EXPECT_EQ(read->wait.count(), 2000);
 }
 
@@ -117,12 +124,20 @@ TEST(Convert, DirectiveSurvives) {
 
 TEST(Convert, StatusSurvives) {
   JobStatus status;
+  status.job = JobId{3};
+  status.name = "name";
+  status.priority = 4;
   status.state = JobState::kPaused;
   status.reason = "no room";
   status.samples_total = 20;
   status.elapsed = std::chrono::milliseconds(30);
   status.left = std::chrono::milliseconds(-1);
   status.frames_total = 5;
+  status.paused_by_user = true;
+  status.verify_share = 0.5;
+  status.units_verified = 6;
+  status.units_disputed = 7;
+  status.units_suspect = 8;
   proto::JobStatus message;
   Write(status, message);
   const auto read = ReadJobStatus(message);
@@ -132,6 +147,11 @@ TEST(Convert, StatusSurvives) {
   EXPECT_EQ(read->samples_total, 20u);
   EXPECT_EQ(read->elapsed.count(), 30);
   EXPECT_EQ(read->left.count(), -1);
+  EXPECT_TRUE(read->paused_by_user);
+  EXPECT_EQ(read->verify_share, 0.5);
+  EXPECT_EQ(read->units_verified, 6u);
+  EXPECT_EQ(read->units_disputed, 7u);
+  EXPECT_EQ(read->units_suspect, 8u);
   EXPECT_EQ(read->frames_total, 5u);
 }
 
@@ -215,6 +235,13 @@ TEST(Convert, RefusesHostileWorkers) {
        [](auto& m) {
          for (int i = 0; i < kScenesPerWorkerMax; ++i) *m.add_scenes() = m.scenes(0);
        }},
+      {"tags", [](auto& m) { m.add_tags("two words"); }},
+      {"tags", [](auto& m) { m.add_tags(""); }},
+      {"tags", [](auto& m) { m.add_tags(std::string(kTagBytesMax + 1, 'a')); }},
+      {"tags",
+       [](auto& m) {
+         for (size_t i = 0; i < kTagsMax; ++i) m.add_tags("t" + std::to_string(i));
+       }},
   };
   for (const auto& [field, spoil] : table) {
     proto::WorkerState message;
@@ -239,6 +266,14 @@ TEST(Convert, RefusesHostileJobs) {
       {"name", [](auto& m) { m.set_name(std::string("a\0b", 3)); }},
       {"priority", [](auto& m) { m.set_priority(kPriorityMax + 1); }},
       {"package", [](auto& m) { m.set_package(""); }},
+      {"required_tags", [](auto& m) { m.add_required_tags("g\xffu"); }},
+      {"required_tags",
+       [](auto& m) {
+         for (size_t i = 0; i < kTagsMax; ++i) m.add_required_tags("t" + std::to_string(i));
+       }},
+      {"verify_share", [](auto& m) { m.set_verify_share(1.01); }},
+      {"verify_share", [](auto& m) { m.set_verify_share(-0.01); }},
+      {"verify_share", [](auto& m) { m.set_verify_share(std::nan("")); }},
       {"frames", [](auto& m) { m.clear_frames(); }},
       {"scene_file", [](auto& m) { m.mutable_frames(0)->set_scene_file("../../etc/passwd"); }},
       {"options", [](auto& m) { m.mutable_frames(0)->set_options(std::string(kOptionsBytesMax + 1, 'x')); }},
@@ -264,6 +299,19 @@ TEST(Convert, ASceneOrderMustHaveItsOwnKey) {
   EXPECT_TRUE(read->needs_all);
   message.set_options("other");
   EXPECT_FALSE(ReadSceneOrder(message));
+}
+
+TEST(Convert, TagsAreSetsOfWords) {
+  proto::WorkerState message;
+  Write(GoodState(), message);
+  message.add_tags("gpu");  // once more
+  EXPECT_EQ(ReadWorkerState(message)->tags, GoodState().tags);
+}
+
+TEST(Convert, PrioritiesHaveTheirLimits) {
+  EXPECT_EQ(*ReadPriority(-kPriorityMax), -kPriorityMax);
+  EXPECT_FALSE(ReadPriority(kPriorityMax + 1));
+  EXPECT_FALSE(ReadPriority(-kPriorityMax - 1));
 }
 
 TEST(Convert, WordsForPeopleAreOneLineAndBounded) {

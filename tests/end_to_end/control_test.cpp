@@ -1,0 +1,101 @@
+// What people change while jobs run: pauses, priorities, who works for what, and who checks whom.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/end_to_end/farm_fixture.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+using Controls = EndToEnd;
+
+TEST_F(Controls, APausedJobRestsThroughARestartAndItsPictureIsTheSame) {
+  StartCoordinator();
+  StartWorker("only");
+  const std::vector<std::string> options{"--spp", "256"};
+  const std::string job = Submit(BoxScene(), options);
+  const Outcome paused = Ask({"pause", job, "--json"});
+  EXPECT_EQ(paused.code, 0) << paused.errors;
+  EXPECT_THAT(paused.output, HasSubstr("\"state\":\"paused\",\"reason\":\"by the user\""));
+  EXPECT_TRUE(Eventually([&] { return Figure(job, "workers") == 0; })) << "what runs is finished";
+  const double done = Figure(job, "samples_done");
+  StartCoordinator();
+  EXPECT_TRUE(Eventually([&] { return Ask({"workers"}).output.find("only") != std::string::npos; }));
+  EXPECT_THAT(Ask({"status", job}).output, HasSubstr("paused"));
+  EXPECT_LE(Figure(job, "samples_done"), done);
+  EXPECT_EQ(Figure(job, "workers"), 0);
+  EXPECT_EQ(Ask({"resume", job}).code, 0);
+  EXPECT_EQ(Ask({"watch", job}).code, 0);
+  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
+  EXPECT_TRUE(Bytes("picture.exr") == Oracle(BoxScene(), options));
+  const Outcome late = Ask({"pause", job});
+  EXPECT_EQ(late.code, 2);
+  EXPECT_THAT(late.errors, HasSubstr("it cannot be paused any more"));
+}
+
+TEST_F(Controls, APriorityIsChangedWhileTheJobRuns) {
+  StartCoordinator();
+  const std::string job = Submit(BoxScene(), {"--priority", "5"});
+  const Outcome changed = Ask({"priority", job, "-7", "--json"});
+  EXPECT_EQ(changed.code, 0) << changed.errors;
+  EXPECT_THAT(changed.output, HasSubstr("\"priority\":-7"));
+  StartCoordinator();
+  EXPECT_EQ(Figure(job, "priority"), -7);
+}
+
+TEST_F(Controls, AJobThatRequiresATagWaitsForAWorkerThatHasIt) {
+  StartCoordinator();
+  StartWorker("plain");
+  const std::string job = Submit(BoxScene(), {"--require", "gpu"});
+  EXPECT_THAT(Ask({"status", job}).output, HasSubstr("waiting"));
+  EXPECT_THAT(Ask({"jobs"}).output, HasSubstr("no worker has tag gpu"));
+  StartWorker("special", 1, {"--tag", "gpu", "--tag", "big"});
+  EXPECT_EQ(Ask({"watch", job}).code, 0);
+  const std::string workers = Ask({"workers"}).output;
+  EXPECT_THAT(workers, HasSubstr("[big gpu]"));
+  EXPECT_THAT(Ask({"workers", "--json"}).output, HasSubstr("\"units_finished\":0")) << "the plain one";
+}
+
+TEST_F(Controls, AVerifiedPictureHasTheSameBitsAndSaysWhatWasCompared) {
+  StartCoordinator();
+  StartWorker("one");
+  const std::string job = Submit(BoxScene(), {"--verify", "100%"});
+  EXPECT_TRUE(Eventually([&] {
+    return Ask({"status", job}).output.find("to be verified by another worker") != std::string::npos;
+  }));
+  StartWorker("two");
+  EXPECT_EQ(Ask({"watch", job}).code, 0);
+  EXPECT_GT(Figure(job, "units_verified"), 0);
+  EXPECT_EQ(Figure(job, "units_disputed"), 0);
+  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
+  EXPECT_TRUE(Bytes("picture.exr") == Oracle(BoxScene(), {}));
+}
+
+TEST_F(Controls, ALocalFarmVerifiesWithTwoProcesses) {
+  const Outcome rendered = Tessera({"render", BoxScene(), "--verify", "50%", "-o", "picture.exr"});
+  EXPECT_EQ(rendered.code, 0) << rendered.errors;
+  EXPECT_TRUE(Bytes("picture.exr") == Oracle(BoxScene(), {}));
+  for (const char* alone : {"--workers=1", "--in-process"}) {
+    const Outcome refused = Tessera({"render", BoxScene(), "--verify", "50%", alone});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_THAT(refused.errors, HasSubstr("at least two workers"));
+  }
+}
+
+TEST_F(Controls, ADrainedWorkerRestsUntilItIsReleased) {
+  StartCoordinator();
+  StartWorker("tired");
+  EXPECT_TRUE(Eventually([&] { return Ask({"drain", "tired"}).code == 0; }));
+  const std::string job = Submit(BoxScene(), {});
+  EXPECT_THAT(Ask({"workers"}).output, HasSubstr("draining"));
+  EXPECT_EQ(Figure(job, "workers"), 0);
+  EXPECT_EQ(Ask({"release", "tired"}).code, 0);
+  EXPECT_EQ(Ask({"watch", job}).code, 0);
+  const Outcome nobody = Ask({"drain", "nobody"});
+  EXPECT_EQ(nobody.code, 2);
+  EXPECT_THAT(nobody.errors, HasSubstr("there is no worker \"nobody\""));
+}
+
+}  // namespace
+}  // namespace tessera
