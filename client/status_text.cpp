@@ -98,7 +98,7 @@ std::string WorkerRemark(const WorkerStatus& status) {
   const auto add = [&](const std::string& text) { remark += (remark.empty() ? "" : "  ") + text; };
   if (!status.tags.empty()) add(fmt::format("[{}]", fmt::join(status.tags, " ")));
   if (status.quarantined) add("quarantined: " + status.reason);
-  if (status.draining) add("draining");
+  if (status.draining) add(status.leases > 0 ? "draining" : "drained");
   return remark;
 }
 
@@ -133,18 +133,20 @@ Progress ProgressOf(const JobStatus& status) {
 }
 
 std::string JobText(const JobStatus& status) {
-  return fmt::format("job {} \"{}\": {}  {}", Number(status.job), status.name, JobStateName(status.state),
-                     ProgressText(ProgressOf(status), "worker"));
+  const std::string priority = status.priority == 0 ? "" : fmt::format(", priority {}", status.priority);
+  return fmt::format("job {} \"{}\"{}: {}  {}", Number(status.job), status.name, priority,
+                     JobStateName(status.state), ProgressText(ProgressOf(status), "worker"));
 }
 
 std::string JobTable(const std::vector<JobStatus>& jobs) {
-  std::string table = fmt::format("{:>6}  {:<24}  {:<9}  {:>7}  {:>11}  {:>12}  {:>7}  {:>12}\n", "JOB",
-                                  "NAME", "STATE", "DONE", "FRAMES", "SAMPLES/S", "WORKERS", "ELAPSED");
+  std::string table =
+      fmt::format("{:>6}  {:<24}  {:>8}  {:<9}  {:>7}  {:>11}  {:>12}  {:>7}  {:>12}\n", "JOB", "NAME",
+                  "PRIORITY", "STATE", "DONE", "FRAMES", "SAMPLES/S", "WORKERS", "ELAPSED");
   for (const JobStatus& job : jobs) {
     const std::string frames = fmt::format("{}/{}", job.frames_finished, job.frames_total);
-    table += fmt::format("{:>6}  {:<24}  {:<9}  {:>5.1f} %  {:>11}  {:>12.0f}  {:>7}  {:>12}{}\n",
-                         Number(job.job), job.name, JobStateName(job.state), Percent(job), frames,
-                         job.samples_per_second, job.workers, DurationText(Seconds(job.elapsed)),
+    table += fmt::format("{:>6}  {:<24}  {:>8}  {:<9}  {:>5.1f} %  {:>11}  {:>12.0f}  {:>7}  {:>12}{}\n",
+                         Number(job.job), job.name, job.priority, JobStateName(job.state), Percent(job),
+                         frames, job.samples_per_second, job.workers, DurationText(Seconds(job.elapsed)),
                          job.reason.empty() ? "" : "  " + job.reason);
   }
   return table;

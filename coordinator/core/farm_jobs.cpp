@@ -175,10 +175,8 @@ JobStatus Farm::StatusOf(Instant now, const JobEntry& job) const {
   status.paused_by_user = job.paused;
   if (job.paused) status.reason = PausedReason(status.reason);
   status.state = !status.reason.empty() ? JobState::kPaused : begun ? JobState::kRunning : JobState::kWaiting;
-  if (status.reason.empty() && status.workers == 0) {
-    status.reason = scheduler_.Obstacle(job.id);
-    if (!status.reason.empty()) status.state = JobState::kWaiting;
-  }
+  const bool wants_workers = status.workers == 0 && job.samples_done < job.samples_total;
+  if (status.reason.empty() && wants_workers) status.reason = scheduler_.Obstacle(job.id);
   if (!job.progress.empty() && now > job.progress.front().at) {
     const Progress& past = job.progress.front();
     status.samples_per_second = static_cast<double>(job.samples_done - past.samples) / Seconds(now - past.at);

@@ -6,6 +6,25 @@
 #include "core/scheduler.h"
 
 namespace tessera {
+namespace {
+
+// Why nobody works at all.
+std::string NobodyWorks(const std::map<WorkerId, WorkerRecord>& workers) {
+  size_t drained = 0, quarantined = 0, leaving = 0;
+  for (const auto& [id, worker] : workers) {
+    if (!worker.live) continue;
+    ++(worker.quarantined() ? quarantined : worker.drained ? drained : leaving);
+  }
+  if (drained + quarantined + leaving == 0) return "no worker is connected";
+  std::string why;
+  for (const auto& [count, what] : {std::pair(drained, "drained"), std::pair(quarantined, "quarantined"),
+                                    std::pair(leaving, "about to leave")}) {
+    if (count > 0) why += fmt::format("{}{} {}", why.empty() ? "" : ", ", count, what);
+  }
+  return fmt::format("no worker takes work: {}", why);
+}
+
+}  // namespace
 
 // From now on workers are given to the job.
 void Scheduler::Enlist(JobRecord& job) {
@@ -175,9 +194,10 @@ std::string Scheduler::Obstacle(JobId id) const {
   const auto found = jobs_.find(id);
   if (found == jobs_.end()) return {};
   const JobRecord& job = found->second;
+  if (total_slots_ == 0 && job.spec->required_tags.empty()) return NobodyWorks(workers_);
   if (job.spec->required_tags.empty() && job.spec->verify_share <= 0) return {};  // the common case is cheap
   const std::set<WorkerId> able = AbleFor(job);
-  if (able.empty()) return job.spec->required_tags.empty() ? "" : MissingTags(job);
+  if (able.empty()) return MissingTags(job);
   size_t stuck = 0;
   for (const auto& [index, frame] : job.frames) stuck += frame.verification.CountStuck(able);
   if (stuck == 0) return {};

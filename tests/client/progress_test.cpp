@@ -60,6 +60,24 @@ TEST(StatusText, JsonIsValidForNamesThatAreNoUtf8) {
   EXPECT_THAT(json, HasSubstr("\"left_s\":null"));
 }
 
+TEST(StatusText, APriorityIsToldWhereItWasGiven) {
+  JobStatus status;
+  status.name = "shot";
+  EXPECT_EQ(JobText(status).find("priority"), std::string::npos);
+  status.priority = -7;
+  EXPECT_THAT(JobText(status), HasSubstr("\"shot\", priority -7: "));
+  EXPECT_THAT(JobTable({status}), HasSubstr("      -7  "));
+}
+
+TEST(StatusText, ADrainedWorkerIsToldFromOneThatStillHoldsSomething) {
+  WorkerStatus worker;
+  worker.draining = true;
+  worker.leases = 2;
+  EXPECT_THAT(WorkerTable({worker}), HasSubstr("  draining\n"));
+  worker.leases = 0;
+  EXPECT_THAT(WorkerTable({worker}), HasSubstr("  drained\n"));
+}
+
 TEST(StatusText, TablesShowWhyAWorkerIdles) {
   WorkerStatus worker;
   worker.name = "slow";

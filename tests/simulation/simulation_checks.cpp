@@ -135,7 +135,8 @@ void Simulation::CheckGrants(const FarmOutput& output) {
       if (!ledger_.IsNew(lease.id)) continue;
       Trace(fmt::format("lease {} {}", Number(lease.id), lease.unit.Text()));
       const auto status = farm_->Status(FarmNow(), lease.unit.job);
-      if (status && status->paused_by_user) Violation("a unit of a paused job is leased: " + lease.unit.Text());
+      if (status && status->paused_by_user)
+        Violation("a unit of a paused job is leased: " + lease.unit.Text());
       if (options_.verify_share > 0) continue;  // what is verified is rendered more than once
       if (ledger_.Holds(lease.unit)) Violation("leased though acknowledged: " + lease.unit.Text());
     }

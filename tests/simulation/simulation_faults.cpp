@@ -45,8 +45,8 @@ void Simulation::PlanFaults() {
   queue_.After(FromSeconds(options_.faults_s), [this] { Heal(); });
 }
 
-// All is repaired, and a sound machine joins, so that no fault of the others can hold up the farm; and as many as
-// it takes to agree on what others dispute.
+// All is repaired, and a sound machine joins, so that no fault of the others can hold up the farm; and as
+// many as it takes to agree on what others dispute.
 void Simulation::Heal() {
   Trace("heal");
   SetDiskFull(false);

@@ -31,11 +31,11 @@ struct SimulationOptions {
   bool one_damages_results = false;
   bool poison = false;  // one job has a unit that everybody fails
   bool cancel_one = false;
-  double verify_share = 0;         // of every job
-  bool one_lies = false;           // a worker returns wrong sums of the right form; all units are verified then
-  double pause_interval_s = 0;     // of some job, or its going on
+  double verify_share = 0;      // of every job
+  bool one_lies = false;        // a worker returns wrong sums of the right form; all units are verified then
+  double pause_interval_s = 0;  // of some job, or its going on
   double priority_interval_s = 0;  // another one for some job
-  double faults_s = 40;  // then all that is broken heals
+  double faults_s = 40;            // then all that is broken heals
 
   std::string Text() const;
 };

@@ -19,7 +19,9 @@ TEST(Farm, AJobGoesFromSubmissionToPicture) {
   EXPECT_EQ(stage.Status(job).state, JobState::kRunning);
   EXPECT_EQ(stage.Status(job).samples_done, 128u);
   EXPECT_EQ(stage.Status(job).samples_total, 256u);
+  EXPECT_EQ(stage.Status(job).reason, "no worker is connected");
   EXPECT_EQ(stage.Return(job, {0, 2}, Ones({0, 2})), Verdict::kAccepted);
+  EXPECT_EQ(stage.Status(job).reason, "") << "what is left to do needs no worker";
   ASSERT_EQ(stage.output.pictures.size(), 1u);
   EXPECT_EQ(stage.output.pictures[0].picture.values, std::vector<float>(64, 1.0f));
   EXPECT_FALSE(stage.farm.FinishedFile(job, 0));

@@ -211,6 +211,22 @@ TEST(SchedulerControl, AJobThatNobodyCanServeSaysWhatIsMissing) {
   EXPECT_EQ(stage.scheduler.Obstacle(one), "no worker has tag gpu");
 }
 
+TEST(SchedulerControl, AJobSaysWhyNobodyWorksAtAll) {
+  SchedulerStage stage;
+  const JobId job = stage.AddJob(64);
+  EXPECT_EQ(stage.scheduler.Obstacle(job), "no worker is connected");
+  for (uint64_t w = 1; w <= 3; ++w) stage.Join(w);
+  EXPECT_EQ(stage.scheduler.Obstacle(job), "");
+  stage.scheduler.Drain(WorkerId{1});
+  stage.scheduler.Drain(WorkerId{2});
+  EXPECT_EQ(stage.scheduler.Obstacle(job), "") << "one is left";
+  stage.Worker(3).draining = true;
+  stage.Say(3);
+  EXPECT_EQ(stage.scheduler.Obstacle(job), "no worker takes work: 2 drained, 1 about to leave");
+  stage.scheduler.Release(WorkerId{2});
+  EXPECT_EQ(stage.scheduler.Obstacle(job), "");
+}
+
 TEST(SchedulerControl, ADrainedWorkerFinishesWhatItHoldsAndGetsNothingNew) {
   SchedulerStage stage;
   const JobId job = stage.AddJob(64);
