@@ -153,10 +153,9 @@ std::string JobTable(const std::vector<JobStatus>& jobs) {
 }
 
 std::string WorkerTable(const std::vector<WorkerStatus>& workers) {
-  std::string table =
-      fmt::format("{:<16}  {:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5}  {:>5}  {:>12}  {:>9}  {}\n", "WORKER",
-                  "NAME", "SLOTS", "LEASES", "FINISHED", "FAILED", "SPEED", "BUSY", "SAMPLES/S", "SILENT",
-                  "VERSION");
+  std::string table = fmt::format(
+      "{:<16}  {:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5}  {:>5}  {:>12}  {:>9}  {}\n", "WORKER", "NAME",
+      "SLOTS", "LEASES", "FINISHED", "FAILED", "SPEED", "BUSY", "SAMPLES/S", "SILENT", "VERSION");
   for (const WorkerStatus& worker : workers) {
     const std::string remark = WorkerRemark(worker);
     table += fmt::format(

@@ -105,8 +105,12 @@ struct FrameRecord {
         work(frame, samples_done),
         verification(submitted.verify_share, Hash(submitted.submission, index)) {}
   static SceneOrder OrderFor(const JobSpec& job, const FrameOrder& order, bool has_one_scene) {
-    return {SceneKey(job.package, order.scene_file, order.options), job.package, order.scene_file,
-            order.options, order.spec, has_one_scene};
+    return {SceneKey(job.package, order.scene_file, order.options),
+            job.package,
+            order.scene_file,
+            order.options,
+            order.spec,
+            has_one_scene};
   }
 
   SceneOrder scene;
@@ -121,7 +125,7 @@ struct JobRecord {
   std::shared_ptr<const JobSpec> submitted;
   std::shared_ptr<const JobSpec> spec;  // as submitted, or extended since
   int priority = 0;
-  bool has_one_scene = true;               // all frames are of the same file
+  bool has_one_scene = true;  // all frames are of the same file
   bool paused = false;
   std::map<uint32_t, FrameRecord> frames;  // those active: begun and not complete
   std::set<uint32_t> frames_ahead;         // not begun
@@ -136,8 +140,7 @@ struct JobRecord {
     frames_ahead.erase(frame);
     const auto done = kept.extract(frame);
     const uint32_t samples_done = done.empty() ? 0 : done.mapped();
-    return frames
-        .try_emplace(frame, *submitted, frame, spec->frames[frame].spec, samples_done, has_one_scene)
+    return frames.try_emplace(frame, *submitted, frame, spec->frames[frame].spec, samples_done, has_one_scene)
         .first->second;
   }
   bool HasOpen() const {
