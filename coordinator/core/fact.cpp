@@ -49,6 +49,8 @@ void Add(ByteWriter& out, const FrameSpec& spec) {
     out.AddText(name);
     out.AddText(value);
   }
+  out.Add64(std::bit_cast<uint64_t>(spec.noise_threshold));
+  out.Add32(spec.samples_aov ? 1 : 0);
 }
 
 bool Read(ByteReader& in, FrameSpec& spec) {
@@ -66,6 +68,10 @@ bool Read(ByteReader& in, FrameSpec& spec) {
     std::string name = in.ReadText();
     spec.attributes[std::move(name)] = in.ReadText();
   }
+  spec.noise_threshold = std::bit_cast<double>(in.Read64());
+  const uint32_t samples_aov = in.Read32();
+  if (samples_aov > 1) return false;
+  spec.samples_aov = samples_aov == 1;
   return in.ok() && spec.Check().has_value();
 }
 

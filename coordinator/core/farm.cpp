@@ -160,12 +160,15 @@ Verdict Farm::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::
 void Farm::Merge(JobEntry& job, const WorkUnit& unit, RadianceTile tile) {
   output_.accepted.push_back({{job.id, unit.frame}, {unit.tile, tile.range, tile.sums}});
   Merger& merger = MergerOf(job, unit.frame);
-  const uint64_t before = merger.samples_merged();
+  const uint64_t merged = merger.samples_merged();
+  const uint64_t total = merger.samples_total();
+  const PixelBounds bounds = tile.bounds;
   const auto outcome = merger.Add(static_cast<int>(unit.tile), std::move(tile));
   TESSERA_CHECK(outcome && *outcome == Merger::Outcome::kMerged);  // as the scheduler said
-  job.samples_done += merger.samples_merged() - before;
-  const PixelBounds bounds = merger.spec().TileBounds(static_cast<int>(unit.tile));
+  job.samples_done += merger.samples_merged() - merged;  // may shrink, if the tile stops before some of them
+  job.samples_total -= total - merger.samples_total();
   job.samples_accepted += static_cast<uint64_t>(bounds.area()) * unit.range.size;
+  if (merger.spec().IsAdaptive()) scheduler_.SetGoal(unit, merger.Goal(static_cast<int>(unit.tile)));
   if (job.loading.contains(unit.frame)) return;
   TESSERA_CHECK(merger.Complete() == scheduler_.IsComplete(job.id, unit.frame));
   if (merger.Complete()) CompleteFrame(job, unit.frame);

@@ -8,26 +8,29 @@
 
 namespace tessera {
 
-FrameWork::FrameWork(const FrameSpec& spec, uint32_t samples_done) : samples_per_pixel_(samples_done) {
+FrameWork::FrameWork(const FrameSpec& spec, uint32_t samples_done)
+    : samples_per_pixel_(spec.samples_per_pixel), first_unit_max_(FirstUnitMax(spec)) {
   TESSERA_CHECK(samples_done < spec.samples_per_pixel);
   tiles_.resize(static_cast<size_t>(spec.TileCount()));
   for (uint32_t t = 0; t < tiles_.size(); ++t) {
-    tiles_[t].pixels = static_cast<uint32_t>(spec.TileBounds(static_cast<int>(t)).area());
-    samples_done_ += uint64_t{tiles_[t].pixels} * samples_done;
-    if (samples_done > 0) tiles_[t].done.Add(SampleSet::Interval{0, samples_done});
+    Tile& tile = tiles_[t];
+    tile.pixels = static_cast<uint32_t>(spec.TileBounds(static_cast<int>(t)).area());
+    tile.wanted = samples_done;
+    samples_done_ += uint64_t{tile.pixels} * samples_done;
+    samples_total_ += uint64_t{tile.pixels} * samples_per_pixel_;
+    if (samples_done > 0) tile.done.Add(SampleSet::Interval{0, samples_done});
+    SetGoal(t, FirstGoal(spec));
   }
-  samples_total_ = samples_done_;
-  Extend(spec.samples_per_pixel);
 }
 
 void FrameWork::Extend(uint32_t samples_per_pixel) {
-  TESSERA_CHECK(samples_per_pixel > samples_per_pixel_);
-  const SampleSet::Interval added{samples_per_pixel_, samples_per_pixel};
+  TESSERA_CHECK(first_unit_max_ == samples_per_pixel_ && samples_per_pixel > samples_per_pixel_);
+  const uint32_t added = samples_per_pixel - samples_per_pixel_;
+  samples_per_pixel_ = first_unit_max_ = samples_per_pixel;
   for (uint32_t t = 0; t < tiles_.size(); ++t) {
-    samples_total_ += uint64_t{tiles_[t].pixels} * (added.end - added.begin);
-    ChangeOpen(t, [&](SampleSet& open) { open.Add(added); });
+    samples_total_ += uint64_t{tiles_[t].pixels} * added;
+    SetGoal(t, {samples_per_pixel, true});
   }
-  samples_per_pixel_ = samples_per_pixel;
 }
 
 template <typename Change>
@@ -60,6 +63,7 @@ uint32_t FrameWork::PieceSize(const Tile& tile, double cost_max) const {
   const double per_sample = CostPerPixelSample(tile) * tile.pixels;
   const double limit = first.begin == 0 ? std::min(cost_max, kFirstPassDuration_s) : cost_max;
   uint32_t size = DyadicSizeMax(first.begin, first.end);
+  if (first.begin == 0) size = std::min(size, first_unit_max_);
   while (size > 1 && per_sample * size > limit) size /= 2;
   return size;
 }
@@ -114,6 +118,34 @@ bool FrameWork::IsDone(TileSamples samples) const {
 
 bool FrameWork::HasDone(TileSamples samples) const {
   return tiles_[samples.tile].done.Overlaps(samples.range);
+}
+
+bool FrameWork::SetGoal(uint32_t tile_index, TileGoal goal) {
+  Tile& tile = tiles_[tile_index];
+  SampleSet opened;
+  if (goal.samples > tile.wanted) {
+    opened.Add(SampleSet::Interval{tile.wanted, goal.samples});
+    opened.Remove(tile.done);  // results of a former process's leases
+    tile.wanted = goal.samples;
+  }
+  if (!opened.empty()) {
+    ChangeOpen(tile_index, [&](SampleSet& open) {
+      for (const auto& interval : opened.intervals()) open.Add(interval);
+    });
+  }
+  if (goal.is_final && goal.samples < samples_per_pixel_ && !tile.stopped) Stop(tile);
+  return !opened.empty();
+}
+
+// What is beyond the goal counts as done, but neither among the samples done nor in the total.
+void FrameWork::Stop(Tile& tile) {
+  tile.stopped = true;
+  samples_total_ -= uint64_t{samples_per_pixel_ - tile.wanted} * tile.pixels;
+  samples_done_ -= uint64_t{tile.done.Count()} * tile.pixels;
+  const SampleSet::Interval beyond{tile.wanted, samples_per_pixel_};
+  tile.done.Remove(beyond);
+  samples_done_ += uint64_t{tile.done.Count()} * tile.pixels;
+  tile.done.Add(beyond);
 }
 
 void FrameWork::RecordCost(TileSamples samples, double cost) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/sample_set.h"
+#include "film/adaptive.h"
 #include "film/frame_spec.h"
 
 namespace tessera {
@@ -22,12 +23,13 @@ struct TileSamples {
   auto operator<=>(const TileSamples&) const = default;
 };
 
-// A cost in seconds is what a worker of speed 1 takes on one slot.
+// Of an adaptive frame only those samples are open that its tiles want by now; a tile that stops has no
+// others. A cost in seconds is what a worker of speed 1 takes on one slot.
 class FrameWork {
  public:
   // The first `samples_done` samples of every tile are done already.
   explicit FrameWork(const FrameSpec& spec, uint32_t samples_done = 0);
-  // Every tile gets more samples.
+  // Every tile gets more samples. Not of an adaptive frame.
   void Extend(uint32_t samples_per_pixel);
 
   // Takes open samples, those first that complete the image at the fewest samples per pixel (a doubling), and
@@ -40,8 +42,11 @@ class FrameWork {
   bool TakeExactly(TileSamples samples);
   // Marks as done; false if all were done before.
   bool Finish(TileSamples samples);
+  // Also of samples that the tile stopped before.
   bool IsDone(TileSamples samples) const;
   bool HasDone(TileSamples samples) const;  // any of them
+  // What the tile wants by now: never less than it was told before. True if samples opened.
+  bool SetGoal(uint32_t tile, TileGoal goal);
 
   // A measurement.
   void RecordCost(TileSamples samples, double cost);
@@ -55,13 +60,16 @@ class FrameWork {
   bool HasOpen() const { return !order_.empty(); }
   bool HasOpen(const std::function<bool(uint32_t tile)>& may) const;
   bool Complete() const { return samples_done_ == samples_total_; }
-  uint64_t samples_done() const { return samples_done_; }    // pixel samples
-  uint64_t samples_total() const { return samples_total_; }  // pixel samples
+  uint64_t samples_done() const { return samples_done_; }  // pixel samples
+  // Pixel samples; of tiles that have not stopped, as many as they may come to.
+  uint64_t samples_total() const { return samples_total_; }
 
  private:
   struct Tile {
     uint32_t pixels = 0;
     SampleSet open, done;
+    uint32_t wanted = 0;  // samples [0, wanted) have been opened
+    bool stopped = false;
     double measured_samples = 0;  // pixel samples
     double measured_cost = 0;
   };
@@ -69,12 +77,14 @@ class FrameWork {
   using Order = std::set<std::pair<int, uint32_t>>;
 
   double CostPerPixelSample(const Tile& tile) const;
+  void Stop(Tile& tile);
   uint32_t PieceSize(const Tile& tile, double cost_max) const;
   // Changes the tile's open samples and all that follows from them.
   template <typename Change>
   void ChangeOpen(uint32_t tile, Change change);
 
   uint32_t samples_per_pixel_;
+  uint32_t first_unit_max_;  // samples of a unit that begins with sample 0
   std::vector<Tile> tiles_;
   Order order_;
   uint64_t samples_done_ = 0, samples_total_ = 0;

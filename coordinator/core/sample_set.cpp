@@ -1,9 +1,6 @@
 #include "core/sample_set.h"
 
 #include <algorithm>
-#include <bit>
-
-#include "util/check.h"
 
 namespace tessera {
 
@@ -60,13 +57,6 @@ uint32_t SampleSet::Count() const {
   uint32_t count = 0;
   for (const Interval& each : intervals_) count += each.end - each.begin;
   return count;
-}
-
-uint32_t DyadicSizeMax(uint32_t begin, uint32_t end) {
-  TESSERA_CHECK(begin < end);
-  const uint32_t fitting = std::bit_floor(end - begin);
-  const uint32_t aligned = begin == 0 ? fitting : begin & (~begin + 1);
-  return std::min(fitting, aligned);
 }
 
 }  // namespace tessera

@@ -18,6 +18,7 @@ class SampleSet {
   void Add(SampleRange range) { Add(Interval{range.begin, range.end()}); }
   void Remove(SampleRange range);
   void Remove(const SampleSet& other);
+  void Remove(Interval removed);
   bool Contains(SampleRange range) const;
   bool Overlaps(SampleRange range) const;
   bool empty() const { return intervals_.empty(); }
@@ -32,12 +33,8 @@ class SampleSet {
   void Add(Interval added);
 
  private:
-  void Remove(Interval removed);
   std::vector<Interval>::const_iterator EndingAfter(uint32_t sample) const;
   std::vector<Interval> intervals_;  // in order, neither touching nor empty
 };
-
-// The size of the largest dyadic range that begins at `begin` and ends by `end`; begin < end.
-uint32_t DyadicSizeMax(uint32_t begin, uint32_t end);
 
 }  // namespace tessera

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/policy.h"
+#include "film/adaptive.h"
 #include "util/check.h"
 
 namespace tessera {
@@ -94,8 +95,7 @@ bool Scheduler::IsKnown(const WorkUnit& unit) const {
   const JobRecord& record = job->second;
   if (!record.frames.contains(unit.frame) && !record.frames_ahead.contains(unit.frame)) return false;
   const FrameSpec& spec = record.spec->frames[unit.frame].spec;
-  return unit.range.IsDyadic() && unit.range.end() <= spec.samples_per_pixel &&
-         unit.tile < static_cast<uint32_t>(spec.TileCount());
+  return IsUnitRange(spec, unit.range) && unit.tile < static_cast<uint32_t>(spec.TileCount());
 }
 
 PixelBounds Scheduler::Bounds(const WorkUnit& unit) const {
@@ -121,12 +121,8 @@ bool Scheduler::Finish(Instant now, WorkerId worker_id, LeaseId lease, const Wor
       Strike(now, at_fault, "failed units that others finished");
     }
   }
-  DropMoot(unit, frame);
-  if (frame.work.Complete()) {
-    JobRecord& job = *FindJob(unit.job);
-    job.frames.erase(unit.frame);
-    if (!job.frames_ahead.empty()) AnnounceWork();  // there is room for another
-  }
+  DropMoot(unit.tile, frame);
+  Retire(unit.job, unit.frame);
   return true;
 }
 
@@ -157,13 +153,31 @@ void Scheduler::Credit(WorkerRecord& worker, FrameRecord& frame, const WorkUnit&
   if (render_seconds > 0) MeasureSpeed(worker, frame, unit, render_seconds);
 }
 
+void Scheduler::SetGoal(const WorkUnit& unit, TileGoal goal) {
+  JobRecord* const job = FindJob(unit.job);
+  if (job == nullptr || !job->frames.contains(unit.frame)) return;
+  FrameRecord& frame = job->frames.at(unit.frame);
+  if (frame.work.SetGoal(unit.tile, goal)) AnnounceWork();
+  if (!goal.is_final) return;
+  DropMoot(unit.tile, frame);
+  Retire(unit.job, unit.frame);
+}
+
+// The frame is forgotten if it is complete.
+void Scheduler::Retire(JobId id, uint32_t index) {
+  JobRecord& job = *FindJob(id);
+  if (!job.frames.at(index).work.Complete()) return;
+  job.frames.erase(index);
+  if (!job.frames_ahead.empty()) AnnounceWork();  // there is room for another
+}
+
 // Leases of the tile whose samples are all done by now are void.
-void Scheduler::DropMoot(const WorkUnit& unit, FrameRecord& frame) {
-  const auto leases = frame.leases.find(unit.tile);
+void Scheduler::DropMoot(uint32_t tile, FrameRecord& frame) {
+  const auto leases = frame.leases.find(tile);
   if (leases == frame.leases.end()) return;
   std::vector<LeaseId> moot;
   for (const auto& [lease, range] : leases->second) {
-    if (range.Overlaps(unit.range) && frame.work.IsDone({unit.tile, range})) moot.push_back(lease);
+    if (frame.work.IsDone({tile, range})) moot.push_back(lease);
   }
   for (const LeaseId lease : moot) {
     ++counters_.leases_moot;

@@ -111,6 +111,9 @@ class Scheduler {
   void RestoreOpinion(const WorkUnit& unit, const Opinion& opinion);
   // Workers that were alone in a dispute, since last asked.
   std::vector<WorkerId> TakeDisbelieved() { return std::exchange(disbelieved_, {}); }
+  // What the tile of a begun frame wants by now, after its results were merged: opens samples, or makes void
+  // the leases beyond its end. Nothing if the frame is complete.
+  void SetGoal(const WorkUnit& unit, TileGoal goal);
   // Whether all samples of the frame are done; true for a frame that is not begun only if it was finished
   // before.
   bool IsComplete(JobId job, uint32_t frame) const;
@@ -179,7 +182,8 @@ class Scheduler {
   WorkerRecord* FindWorker(WorkerId id);
   JobRecord* FindJob(JobId id);
   FrameRecord* FindFrame(const WorkUnit& unit);
-  void DropMoot(const WorkUnit& unit, FrameRecord& frame);
+  void DropMoot(uint32_t tile, FrameRecord& frame);
+  void Retire(JobId job, uint32_t frame);
   void MeasureSpeed(WorkerRecord& worker, FrameRecord& frame, const WorkUnit& unit, double render_seconds);
   void EndLease(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit);
   void Credit(WorkerRecord& worker, FrameRecord& frame, const WorkUnit& unit, double render_seconds);

@@ -91,6 +91,8 @@ Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message) {
     return BadField("exr_type", "is unknown");
   }
   spec.exr_type = message.exr_type() == proto::EXR_TYPE_FLOAT ? ExrType::kFloat : ExrType::kHalf;
+  spec.noise_threshold = message.noise_threshold();
+  spec.samples_aov = message.samples_aov();
   if (const auto checked = spec.Check(); !checked) return checked.error();
   const int64_t sums = int64_t{spec.tile_size} * spec.tile_size * spec.channel_count();
   if (sums * static_cast<int64_t>(sizeof(float)) > kResultBytesMax) {
@@ -107,6 +109,8 @@ void Write(const FrameSpec& value, proto::FrameSpec& message) {
   message.set_tile_size(value.tile_size);
   for (const std::string& channel : value.channels) message.add_channels(channel);
   message.set_exr_type(value.exr_type == ExrType::kFloat ? proto::EXR_TYPE_FLOAT : proto::EXR_TYPE_HALF);
+  message.set_noise_threshold(value.noise_threshold);
+  message.set_samples_aov(value.samples_aov);
   for (const auto& [name, text] : value.attributes) (*message.mutable_attributes())[name] = text;
 }
 

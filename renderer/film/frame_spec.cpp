@@ -38,6 +38,18 @@ Result<void> CheckChannels(const std::vector<std::string>& channels) {
   return {};
 }
 
+Result<void> CheckAdaptive(const FrameSpec& spec) {
+  if (!(spec.noise_threshold >= 0 && spec.noise_threshold <= kNoiseThresholdMax)) {
+    return BadInput(fmt::format("the noise threshold is {}; it must be 0 (none) to {}", spec.noise_threshold,
+                                kNoiseThresholdMax));
+  }
+  if (spec.IsAdaptive() && std::ranges::none_of(spec.channels, IsColorChannel))
+    return BadInput("a noise threshold needs a channel R, G or B to look at");
+  if (spec.samples_aov && std::ranges::find(spec.channels, kSamplesChannel) != spec.channels.end())
+    return BadInput(fmt::format("channel \"{}\" appears twice in the frame", kSamplesChannel));
+  return {};
+}
+
 Result<void> CheckAttributes(const std::map<std::string, std::string>& attributes) {
   if (attributes.size() > kAttributesMax) {
     return BadInput(
@@ -60,6 +72,10 @@ int64_t CeilDivide(int64_t a, int64_t b) {
 }
 
 }  // namespace
+
+bool IsColorChannel(const std::string& name) {
+  return name == "R" || name == "G" || name == "B";
+}
 
 Result<void> FrameSpec::Check() const {
   if (width < 1 || height < 1 || width > kResolutionMax || height > kResolutionMax) {
@@ -88,6 +104,7 @@ Result<void> FrameSpec::Check() const {
                                 tile_size, tiles, kTileCountMax));
   }
   if (auto channels_ok = CheckChannels(channels); !channels_ok) return channels_ok;
+  if (auto adaptive_ok = CheckAdaptive(*this); !adaptive_ok) return adaptive_ok;
   return CheckAttributes(attributes);
 }
 

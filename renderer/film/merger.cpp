@@ -33,18 +33,22 @@ void AppendMissing(const Nodes& nodes, SampleRange range, std::vector<SampleRang
 }
 
 // The sum, in order, of the nodes that make a prefix [0, n) if there is one, of all nodes otherwise.
+struct NodeSum {
+  std::vector<float> sums;
+  uint32_t samples = 0;
+};
+
 template <typename Nodes>
-std::vector<float> SumOfNodes(const Nodes& nodes) {
-  std::vector<float> total;
+NodeSum SumOfNodes(const Nodes& nodes) {
+  NodeSum total;
   const bool has_prefix = !nodes.empty() && nodes.begin()->first.begin == 0;
-  uint32_t end = 0;
   for (const auto& [range, sums] : nodes) {
-    if (has_prefix && range.begin != end) break;
-    end = range.end();
-    if (total.empty()) {
-      total = sums;
+    if (has_prefix && range.begin != total.samples) break;
+    total.samples += range.size;
+    if (total.sums.empty()) {
+      total.sums = sums;
     } else {
-      AddInto(total, sums);
+      AddInto(total.sums, sums);
     }
   }
   return total;
@@ -62,47 +66,36 @@ uint32_t SampleCount(const Nodes& nodes) {
 Merger::Merger(FrameSpec spec) : spec_(std::move(spec)) {
   TESSERA_CHECK(spec_.Check().has_value());
   partition_ = DyadicPartition(spec_.samples_per_pixel);
-  tiles_.resize(static_cast<size_t>(spec_.TileCount()));
+  tiles_.resize(static_cast<size_t>(spec_.TileCount()), Tile{{}, FirstGoal(spec_)});
+  samples_total_ = static_cast<uint64_t>(spec_.crop.area()) * spec_.samples_per_pixel;
 }
 
-Result<Merger::Outcome> Merger::Add(int tile, RadianceTile result) {
-  if (tile < 0 || tile >= spec_.TileCount()) {
-    return Failed(fmt::format("tile {} is not one of the frame's {}", tile, spec_.TileCount()));
+Result<Merger::Outcome> Merger::Add(int tile_index, RadianceTile result) {
+  if (tile_index < 0 || tile_index >= spec_.TileCount()) {
+    return Failed(fmt::format("tile {} is not one of the frame's {}", tile_index, spec_.TileCount()));
   }
-  if (result.bounds != spec_.TileBounds(tile))
-    return Failed(fmt::format("tile {}: its bounds are wrong", tile));
+  if (result.bounds != spec_.TileBounds(tile_index))
+    return Failed(fmt::format("tile {}: its bounds are wrong", tile_index));
   if (result.channels != spec_.channel_count() ||
       static_cast<int64_t>(result.sums.size()) != result.bounds.area() * result.channels) {
-    return Failed(fmt::format("tile {}: its channels are not the frame's {}", tile, spec_.channel_count()));
+    return Failed(
+        fmt::format("tile {}: its channels are not the frame's {}", tile_index, spec_.channel_count()));
   }
   if (!result.range.IsDyadic() || !IsInside(partition_, result.range)) {
-    return Failed(fmt::format("tile {}: samples {} are no part of the frame", tile, result.range.Text()));
+    return Failed(
+        fmt::format("tile {}: samples {} are no part of the frame", tile_index, result.range.Text()));
   }
-  if (Has(tile, result.range)) return Outcome::kDuplicate;
+  if (Has(tile_index, result.range)) return Outcome::kDuplicate;
 
-  Nodes& nodes = tiles_[static_cast<size_t>(tile)];
-  uint32_t replaced = 0;
-  for (auto it = nodes.begin(); it != nodes.end();) {
-    const bool covered = result.range.Contains(it->first);
-    replaced += covered ? it->first.size : 0;
-    it = covered ? nodes.erase(it) : std::next(it);
-  }
-  const uint64_t gained = result.range.size - replaced;
-  samples_merged_ += gained * static_cast<uint64_t>(result.bounds.area());
-
-  // Siblings become their parent as long as the parent is a part of the frame's sum.
-  SampleRange range = result.range;
-  std::vector<float> sums = std::move(result.sums);
-  while (IsInside(partition_, range.Parent())) {
-    const auto sibling = nodes.find(range.Sibling());
-    if (sibling == nodes.end()) break;
-    std::vector<float> other = std::move(sibling->second);
-    nodes.erase(sibling);
-    if (!range.IsLeft()) std::swap(sums, other);
-    AddInto(sums, other);
-    range = range.Parent();
-  }
-  nodes.emplace(range, std::move(sums));
+  Tile& tile = tiles_[static_cast<size_t>(tile_index)];
+  const uint64_t pixels = static_cast<uint64_t>(result.bounds.area());
+  samples_merged_ -= SampleCount(tile.nodes) * pixels;
+  Insert(tile.nodes, std::move(result));
+  const bool was_final = tile.goal.is_final;
+  Decide(tile);
+  if (tile.goal.is_final && !was_final)
+    samples_total_ -= (spec_.samples_per_pixel - tile.goal.samples) * pixels;
+  samples_merged_ += SampleCount(tile.nodes) * pixels;
   return Outcome::kMerged;
 }
 
@@ -114,22 +107,78 @@ Result<Merger::Outcome> Merger::Add(TileNode node) {
              RadianceTile{spec_.TileBounds(tile), node.range, spec_.channel_count(), std::move(node.sums)});
 }
 
-bool Merger::Has(int tile, SampleRange range) const {
+// Whether the halves of `range` decide if the tile stops at its end.
+bool Merger::IsDecision(SampleRange range) const {
+  return range.begin == 0 && range.size > FirstUnitMax(spec_);
+}
+
+void Merger::Insert(Nodes& nodes, RadianceTile result) const {
+  std::erase_if(nodes, [&](const auto& node) { return result.range.Contains(node.first); });
+  // Siblings become their parent as long as the parent is a part of the frame's sum.
+  SampleRange range = result.range;
+  std::vector<float> sums = std::move(result.sums);
+  while (IsInside(partition_, range.Parent()) && !IsDecision(range.Parent())) {
+    const auto sibling = nodes.find(range.Sibling());
+    if (sibling == nodes.end()) break;
+    std::vector<float> other = std::move(sibling->second);
+    nodes.erase(sibling);
+    if (!range.IsLeft()) std::swap(sums, other);
+    AddInto(sums, other);
+    range = range.Parent();
+  }
+  nodes.emplace(range, std::move(sums));
+}
+
+// Takes the decisions that the nodes allow, in order of the doublings.
+void Merger::Decide(Tile& tile) const {
+  Nodes& nodes = tile.nodes;
+  while (true) {
+    const auto left = nodes.begin();
+    const SampleRange whole = left->first.Parent();
+    if (left->first.begin != 0 || !IsDecision(whole)) return;
+    // Halves that were joined belong to a tile that went on.
+    while (tile.goal.samples < whole.size && !tile.goal.is_final)
+      tile.goal = NextGoal(spec_, tile.goal.samples);
+    const auto right = nodes.find(left->first.Sibling());
+    if (right == nodes.end()) return;
+    if (tile.goal.samples == whole.size && !tile.goal.is_final) {
+      if (IsEnough(spec_, whole.size, left->second, right->second)) {
+        tile.goal = {whole.size, true};
+        nodes.erase(std::next(right), nodes.end());
+        return;
+      }
+      tile.goal = NextGoal(spec_, whole.size);
+    }
+    if (!nodes.contains(whole.Sibling())) return;
+    std::vector<float> sums = std::move(left->second);
+    AddInto(sums, right->second);
+    nodes.erase(left, std::next(right));
+    nodes.emplace(whole, std::move(sums));
+  }
+}
+
+bool Merger::Has(int tile_index, SampleRange range) const {
+  TESSERA_CHECK(tile_index >= 0 && tile_index < spec_.TileCount());
+  const Tile& tile = tiles_[static_cast<size_t>(tile_index)];
+  if (tile.goal.is_final && range.begin >= tile.goal.samples) return true;
+  uint32_t held = 0;
+  for (const auto& [node, sums] : tile.nodes) {
+    if (node.Contains(range)) return true;
+    if (range.Contains(node)) held += node.size;
+  }
+  return held == range.size;
+}
+
+TileGoal Merger::Goal(int tile) const {
   TESSERA_CHECK(tile >= 0 && tile < spec_.TileCount());
-  const Nodes& nodes = tiles_[static_cast<size_t>(tile)];
-  // Nodes are as large as they can be, so a range whose samples are all there lies inside one of them.
-  return std::ranges::any_of(nodes, [&](const auto& node) { return node.first.Contains(range); });
+  return tiles_[static_cast<size_t>(tile)].goal;
 }
 
 std::vector<SampleRange> Merger::Missing(int tile) const {
-  TESSERA_CHECK(tile >= 0 && tile < spec_.TileCount());
   std::vector<SampleRange> missing;
-  for (SampleRange term : partition_) AppendMissing(tiles_[static_cast<size_t>(tile)], term, missing);
+  for (SampleRange term : UnitPartition(spec_, Goal(tile).samples))
+    AppendMissing(tiles_[static_cast<size_t>(tile)].nodes, term, missing);
   return missing;
-}
-
-uint64_t Merger::samples_total() const {
-  return static_cast<uint64_t>(spec_.crop.area()) * spec_.samples_per_pixel;
 }
 
 FramePicture Merger::Picture() const {
@@ -137,31 +186,37 @@ FramePicture Merger::Picture() const {
   picture.bounds = spec_.crop;
   picture.channels.assign(spec_.channels.begin(), spec_.channels.end() - 1);
   picture.samples_min = spec_.samples_per_pixel;
-  const size_t written = picture.channels.size();
-  picture.values.assign(static_cast<size_t>(spec_.crop.area()) * written, 0.0f);
-  for (int tile = 0; tile < spec_.TileCount(); ++tile) {
-    const Nodes& nodes = tiles_[static_cast<size_t>(tile)];
-    picture.samples_min = std::min(picture.samples_min, SampleCount(nodes));
-    const std::vector<float> sums = SumOfNodes(nodes);
-    if (sums.empty()) continue;
-    const PixelBounds bounds = spec_.TileBounds(tile);
-    const float* pixel = sums.data();
-    for (int y = bounds.y0; y < bounds.y1; ++y) {
-      const int64_t row =
-          static_cast<int64_t>(y - spec_.crop.y0) * spec_.crop.width() + (bounds.x0 - spec_.crop.x0);
-      float* out = &picture.values[static_cast<size_t>(row) * written];
-      for (int x = bounds.x0; x < bounds.x1; ++x, pixel += written + 1) {
-        const float weight = pixel[written];
-        for (size_t c = 0; c < written; ++c) *out++ = weight != 0 ? pixel[c] / weight : 0.0f;
-      }
-    }
-  }
+  const size_t pixels = static_cast<size_t>(spec_.crop.area());
+  picture.values.assign(pixels * picture.channels.size(), 0.0f);
+  if (spec_.samples_aov) picture.samples.assign(pixels, 0.0f);
+  for (int tile = 0; tile < spec_.TileCount(); ++tile) Paint(tile, picture);
   return picture;
+}
+
+void Merger::Paint(int tile, FramePicture& picture) const {
+  const Nodes& nodes = tiles_[static_cast<size_t>(tile)].nodes;
+  picture.samples_min = std::min(picture.samples_min, SampleCount(nodes));
+  const NodeSum shown = SumOfNodes(nodes);
+  if (shown.samples == 0) return;
+  const size_t written = picture.channels.size();
+  const PixelBounds bounds = spec_.TileBounds(tile);
+  const float* pixel = shown.sums.data();
+  for (int y = bounds.y0; y < bounds.y1; ++y) {
+    const int64_t row =
+        static_cast<int64_t>(y - spec_.crop.y0) * spec_.crop.width() + (bounds.x0 - spec_.crop.x0);
+    float* out = &picture.values[static_cast<size_t>(row) * written];
+    for (int x = bounds.x0; x < bounds.x1; ++x, pixel += written + 1) {
+      const float weight = pixel[written];
+      for (size_t c = 0; c < written; ++c) *out++ = weight != 0 ? pixel[c] / weight : 0.0f;
+    }
+    if (spec_.samples_aov)
+      std::fill_n(picture.samples.begin() + row, bounds.width(), static_cast<float>(shown.samples));
+  }
 }
 
 void Merger::VisitNodes(const VisitNode& visit) const {
   for (uint32_t tile = 0; tile < tiles_.size(); ++tile) {
-    for (const auto& [range, sums] : tiles_[tile]) visit(tile, range, sums);
+    for (const auto& [range, sums] : tiles_[tile].nodes) visit(tile, range, sums);
   }
 }
 
@@ -178,16 +233,15 @@ std::vector<TileNode> Merger::TakeNodes() {
   std::vector<TileNode> all;
   all.reserve(node_count());
   for (uint32_t tile = 0; tile < tiles_.size(); ++tile) {
-    for (auto& [range, sums] : tiles_[tile]) all.push_back({tile, range, std::move(sums)});
-    tiles_[tile].clear();
+    for (auto& [range, sums] : tiles_[tile].nodes) all.push_back({tile, range, std::move(sums)});
   }
-  samples_merged_ = 0;
+  *this = Merger(std::move(spec_));
   return all;
 }
 
 size_t Merger::node_count() const {
   size_t count = 0;
-  for (const Nodes& nodes : tiles_) count += nodes.size();
+  for (const Tile& tile : tiles_) count += tile.nodes.size();
   return count;
 }
 

@@ -1,11 +1,16 @@
-// Adds radiance tiles into a frame. The result depends on the set of tiles added, never on their order or
-// copies.
+// Adds radiance tiles into a frame, and says of an adaptive frame which samples it still wants. All of that
+// depends on the set of tiles added, never on their order or copies.
+//
+// The two halves of a doubling of an adaptive frame, from which it is decided whether the tile stops there,
+// are kept apart until the next doubling is whole: so a merger that is given the nodes of another comes to
+// the same decisions, and nothing but nodes needs to be kept anywhere.
 #pragma once
 
 #include <functional>
 #include <map>
 #include <vector>
 
+#include "film/adaptive.h"
 #include "film/radiance_tile.h"
 
 namespace tessera {
@@ -14,8 +19,9 @@ namespace tessera {
 struct FramePicture {
   PixelBounds bounds;  // data window
   std::vector<std::string> channels;
-  std::vector<float> values;  // [(y * width + x) * channels + c]
-  uint32_t samples_min = 0;   // of the tile that has the fewest
+  std::vector<float> values;   // [(y * width + x) * channels + c]
+  std::vector<float> samples;  // of each pixel, if the frame asks for it: those its values are made of
+  uint32_t samples_min = 0;    // of the tile that has the fewest
 };
 
 // Sums of samples `range` of every pixel of a tile, as RadianceTile has them: a node of its tree.
@@ -35,19 +41,23 @@ class Merger {
   explicit Merger(FrameSpec spec);
 
   const FrameSpec& spec() const { return spec_; }
-  // Adds the node `result.range` of tile `tile`. kDuplicate if all its samples are there already. A node that
-  // covers nodes already there replaces them: it is their sum. Refuses bounds, range or channel count that
-  // are not the frame's.
+  // Adds the node `result.range` of tile `tile`, of a unit or of another merger. kDuplicate if all its
+  // samples are there already, or if the tile has stopped before them. A node that covers nodes already there
+  // replaces them: it is their sum. A tile that would stop at n and has samples beyond drops those. Refuses
+  // bounds, range or channel count that are not the frame's.
   Result<Outcome> Add(int tile, RadianceTile result);
   // The same for a node that another merger of the frame gave out.
   Result<Outcome> Add(TileNode node);
-  // Whether every sample of `range` of the tile is merged.
+  // Whether every sample of `range` of the tile is merged, or will never be wanted.
   bool Has(int tile, SampleRange range) const;
-  // Dyadic ranges of the tile that are not merged, largest first in order of begin.
+  // What is wanted of the tile by now.
+  TileGoal Goal(int tile) const;
+  // The ranges that the tile wants by now and that are not merged, as large as units can be, in order.
   std::vector<SampleRange> Missing(int tile) const;
   uint64_t samples_merged() const { return samples_merged_; }  // pixel samples
-  uint64_t samples_total() const;
-  bool Complete() const { return samples_merged_ == samples_total(); }
+  // Of tiles that have not stopped: as many as they may come to.
+  uint64_t samples_total() const { return samples_total_; }
+  bool Complete() const { return samples_merged_ == samples_total_; }
   // Of what is merged; a tile with a complete prefix [0, n) shows that, any other what it has; black where
   // nothing.
   FramePicture Picture() const;
@@ -63,10 +73,19 @@ class Merger {
 
  private:
   using Nodes = std::map<SampleRange, std::vector<float>>;  // disjoint ranges
+  struct Tile {
+    Nodes nodes;
+    TileGoal goal;
+  };
+  bool IsDecision(SampleRange range) const;
+  void Insert(Nodes& nodes, RadianceTile result) const;
+  void Decide(Tile& tile) const;
+  void Paint(int tile, FramePicture& picture) const;
+
   FrameSpec spec_;
   std::vector<SampleRange> partition_;
-  std::vector<Nodes> tiles_;
-  uint64_t samples_merged_ = 0;
+  std::vector<Tile> tiles_;
+  uint64_t samples_merged_ = 0, samples_total_ = 0;
 };
 
 }  // namespace tessera

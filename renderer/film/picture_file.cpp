@@ -68,6 +68,8 @@ Result<void> CheckPicture(const FrameSpec& spec, const FramePicture& picture) {
   if (picture.channels.empty() || picture.values.size() != count) {
     return Failed("the picture's values do not fill its window");
   }
+  if (!picture.samples.empty() && picture.samples.size() != static_cast<size_t>(picture.bounds.area()))
+    return Failed("the picture's samples do not fill its window");
   return spec.Check();
 }
 
@@ -89,6 +91,11 @@ std::string EncodeChecked(const FrameSpec& spec, const FramePicture& picture) {
     header.channels().insert(picture.channels[c], Imf::Channel(type));
     char* first = const_cast<char*>(base) + c * size;  // OpenEXR only reads when it writes a file
     buffer.insert(picture.channels[c], ValueSlice(type, first, size, picture.bounds, channels));
+  }
+  if (!picture.samples.empty()) {  // counts stay exact, whatever the type of the rest
+    header.channels().insert(kSamplesChannel, Imf::Channel(Imf::FLOAT));
+    char* first = const_cast<char*>(reinterpret_cast<const char*>(picture.samples.data()));
+    buffer.insert(kSamplesChannel, ValueSlice(Imf::FLOAT, first, sizeof(float), picture.bounds, 1));
   }
   MemoryOutput output;
   {

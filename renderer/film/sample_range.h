@@ -36,6 +36,9 @@ struct SampleRange {
   std::string Text() const;  // "[begin,end)"
 };
 
+// The size of the largest dyadic range that begins at `begin` and ends by `end`; begin < end.
+uint32_t DyadicSizeMax(uint32_t begin, uint32_t end);
+
 // [0, samples) as its largest dyadic ranges, in order: the terms of a finished pixel's sum.
 std::vector<SampleRange> DyadicPartition(uint32_t samples);
 

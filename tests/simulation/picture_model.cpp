@@ -16,6 +16,7 @@ FrameSpec SmallFrame(int width, int height, int tile_size, uint32_t samples_per_
   return spec;
 }
 
+// Tiles differ in noise: in adaptive frames they stop at different counts of samples.
 RadianceTile RenderModel(uint64_t seed, PixelBounds bounds, SampleRange range) {
   RadianceTile tile{bounds, range, 2, {}};
   for (int y = bounds.y0; y < bounds.y1; ++y) {
@@ -24,7 +25,8 @@ RadianceTile RenderModel(uint64_t seed, PixelBounds bounds, SampleRange range) {
       for (uint32_t s = range.begin; s < range.end(); ++s) {
         const uint64_t place = Hash(seed, static_cast<uint64_t>(x), static_cast<uint64_t>(y), s);
         const float w = 0.5f + UniformFloat(static_cast<uint32_t>(place));
-        radiance.Add(w * UniformFloat(static_cast<uint32_t>(place >> 32)));
+        const float spread = 1 / static_cast<float>(1 + x / 8 * 2);
+        radiance.Add(w * (0.5f + spread * (UniformFloat(static_cast<uint32_t>(place >> 32)) - 0.5f)));
         weight.Add(w);
       }
       tile.sums.push_back(radiance.Node());
@@ -37,8 +39,9 @@ RadianceTile RenderModel(uint64_t seed, PixelBounds bounds, SampleRange range) {
 FramePicture ReferencePicture(uint64_t seed, const FrameSpec& spec) {
   Merger merger(spec);
   for (int tile = 0; tile < spec.TileCount(); ++tile) {
-    for (const SampleRange range : DyadicPartition(spec.samples_per_pixel)) {
-      TESSERA_CHECK(merger.Add(tile, RenderModel(seed, spec.TileBounds(tile), range)).has_value());
+    for (auto missing = merger.Missing(tile); !missing.empty(); missing = merger.Missing(tile)) {
+      for (const SampleRange range : missing)
+        TESSERA_CHECK(merger.Add(tile, RenderModel(seed, spec.TileBounds(tile), range)).has_value());
     }
   }
   return merger.Picture();

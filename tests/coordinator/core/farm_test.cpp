@@ -254,5 +254,48 @@ TEST(Farm, APreviewShowsWhatIsThere) {
   EXPECT_FALSE(stage.farm.Preview(JobId{9}, 0));
 }
 
+// One tile without any noise: it stops at the first decision.
+std::shared_ptr<JobSpec> AdaptiveJob(uint64_t submission) {
+  auto spec = SmallJob(submission);
+  spec->frames[0].spec.samples_per_pixel = kDecisionSamplesMin * 4;
+  spec->frames[0].spec.noise_threshold = 0.01;
+  return spec;
+}
+
+TEST(Farm, AnAdaptiveJobEndsWhenItsTilesHaveStopped) {
+  constexpr uint32_t kHalf = kDecisionSamplesMin / 2;
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, AdaptiveJob(1));
+  EXPECT_EQ(stage.Status(job).samples_total, kHalf * 8 * 64u);
+  EXPECT_EQ(stage.Return(job, {kHalf, kHalf}, Ones({kHalf, kHalf})), Verdict::kAccepted);
+  EXPECT_EQ(stage.Return(job, {0, kHalf}, Ones({0, kHalf})), Verdict::kAccepted);
+  ASSERT_EQ(stage.output.pictures.size(), 1u);
+  EXPECT_EQ(stage.output.pictures[0].picture.values, std::vector<float>(64, 1.0f));
+  EXPECT_EQ(stage.Status(job).samples_done, kHalf * 2 * 64u);
+  EXPECT_EQ(stage.Status(job).samples_total, kHalf * 2 * 64u) << "the progress reaches its end";
+  EXPECT_EQ(stage.Return(job, {kHalf * 2, kHalf}, Ones({kHalf * 2, kHalf})), Verdict::kDuplicate);
+}
+
+TEST(Farm, AResultThatReachesOverADoublingIsNoUnitOfAnAdaptiveJob) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, AdaptiveJob(1));
+  const SampleRange over{0, kDecisionSamplesMin};
+  EXPECT_EQ(stage.Return(job, over, Ones(over)), Verdict::kRefused);
+  EXPECT_THAT(stage.reason, HasSubstr("no such unit"));
+}
+
+TEST(Farm, AnEarlyResultIsKeptUntilItsTileStopsBeforeIt) {
+  constexpr uint32_t kHalf = kDecisionSamplesMin / 2;
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, AdaptiveJob(1));
+  const SampleRange early{kHalf * 4, kHalf * 4};
+  EXPECT_EQ(stage.Return(job, early, Ones(early)), Verdict::kAccepted);
+  EXPECT_EQ(stage.Status(job).samples_done, kHalf * 4 * 64u);
+  EXPECT_EQ(stage.Return(job, {0, kHalf}, Ones({0, kHalf})), Verdict::kAccepted);
+  EXPECT_EQ(stage.Return(job, {kHalf, kHalf}, Ones({kHalf, kHalf})), Verdict::kAccepted);
+  EXPECT_EQ(stage.output.pictures.size(), 1u);
+  EXPECT_EQ(stage.Status(job).samples_done, kHalf * 2 * 64u);
+}
+
 }  // namespace
 }  // namespace tessera

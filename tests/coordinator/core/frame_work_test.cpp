@@ -125,5 +125,75 @@ TEST(FrameWork, TakesOnlyTilesThatAreAllowed) {
   EXPECT_TRUE(work.HasOpen());
 }
 
+constexpr uint32_t kFirst = kDecisionSamplesMin;
+
+FrameSpec AdaptiveFrame(uint32_t samples) {
+  FrameSpec spec = Frame(samples);
+  spec.noise_threshold = 0.1;
+  return spec;
+}
+
+// Takes and finishes all that is open.
+std::vector<TileSamples> RenderAll(FrameWork& work) {
+  std::vector<TileSamples> taken;
+  while (const auto samples = work.Take(kPlenty, kAnyTile)) {
+    taken.push_back(*samples);
+    work.RecordCost(*samples, 1e-6 * samples->range.size);
+    EXPECT_TRUE(work.Finish(*samples));
+  }
+  return taken;
+}
+
+TEST(FrameWork, AnAdaptiveTileIsOpenOnlyToItsGoal) {
+  const FrameSpec spec = AdaptiveFrame(kFirst * 3);
+  FrameWork work(spec);
+  for (const TileSamples& samples : RenderAll(work)) {
+    EXPECT_LE(samples.range.end(), kFirst);
+    EXPECT_TRUE(IsUnitRange(spec, samples.range)) << samples.range.Text();
+  }
+  EXPECT_FALSE(work.HasOpen());
+  EXPECT_FALSE(work.Complete());
+  EXPECT_TRUE(work.SetGoal(2, {kFirst * 2, false}));
+  EXPECT_FALSE(work.SetGoal(2, {kFirst * 2, false})) << "nothing new";
+  EXPECT_EQ(RenderAll(work), (std::vector<TileSamples>{{2, {kFirst, kFirst}}}));
+  EXPECT_TRUE(work.SetGoal(2, {kFirst * 3, true}));
+  EXPECT_EQ(RenderAll(work), (std::vector<TileSamples>{{2, {kFirst * 2, kFirst}}}));
+}
+
+TEST(FrameWork, TilesThatStopCompleteTheFrame) {
+  FrameWork work(AdaptiveFrame(kFirst * 4));
+  EXPECT_EQ(work.samples_total(), kFirst * 4 * 256u);
+  RenderAll(work);
+  for (uint32_t tile = 0; tile < 4; ++tile) {
+    EXPECT_FALSE(work.Complete());
+    EXPECT_FALSE(work.SetGoal(tile, {kFirst, true}));
+  }
+  EXPECT_TRUE(work.Complete());
+  EXPECT_EQ(work.samples_done(), kFirst * 256u);
+  EXPECT_EQ(work.samples_total(), kFirst * 256u);
+}
+
+TEST(FrameWork, WhatIsBeyondAStopIsDoneAndNeverOpens) {
+  FrameWork work(AdaptiveFrame(kFirst * 4));
+  const TileSamples early{1, {kFirst * 2, kFirst}};
+  EXPECT_TRUE(work.Finish(early)) << "a former process's lease";
+  EXPECT_EQ(work.samples_done(), kFirst * 64u);
+  EXPECT_FALSE(work.SetGoal(1, {kFirst, true}));
+  EXPECT_EQ(work.samples_done(), 0u);
+  const TileSamples beyond{1, {kFirst, kFirst}};
+  EXPECT_TRUE(work.IsDone(beyond));
+  EXPECT_FALSE(work.Finish(beyond));
+  work.GiveBack(beyond, {});
+  for (const TileSamples& samples : RenderAll(work)) EXPECT_LE(samples.range.end(), kFirst);
+}
+
+TEST(FrameWork, EarlySamplesAreNotOpenedAgain) {
+  FrameWork work(AdaptiveFrame(kFirst * 4));
+  EXPECT_TRUE(work.Finish({0, {kFirst, kFirst / 2}}));
+  RenderAll(work);
+  EXPECT_TRUE(work.SetGoal(0, {kFirst * 2, false}));
+  EXPECT_EQ(RenderAll(work), (std::vector<TileSamples>{{0, {kFirst + kFirst / 2, kFirst / 2}}}));
+}
+
 }  // namespace
 }  // namespace tessera

@@ -24,6 +24,8 @@ FrameSpec GoodFrame() {
   spec.samples_per_pixel = 12;
   spec.tile_size = 16;
   spec.exr_type = ExrType::kFloat;
+  spec.noise_threshold = 0.07;
+  spec.samples_aov = true;
   spec.attributes = {{"seed", "7"}, {"scene", "x"}};
   return spec;
 }
@@ -172,6 +174,17 @@ TEST(Convert, RefusesHostileFrames) {
       {"nameless channel", [](auto& m) { m.set_channels(0, ""); }},
       {"channel of two lines", [](auto& m) { m.set_channels(0, "a\nb"); }},
       {"unknown type", [](auto& m) { m.set_exr_type(static_cast<proto::ExrType>(9)); }},
+      {"negative threshold", [](auto& m) { m.set_noise_threshold(-0.1); }},
+      {"large threshold", [](auto& m) { m.set_noise_threshold(1.5); }},
+      {"no threshold at all",
+       [](auto& m) { m.set_noise_threshold(std::numeric_limits<double>::quiet_NaN()); }},
+      {"threshold without colour",
+       [](auto& m) {
+         m.clear_channels();
+         m.add_channels("depth");
+         m.add_channels("W");
+       }},
+      {"samples twice", [](auto& m) { m.set_channels(0, kSamplesChannel); }},
       {"attribute without name", [](auto& m) { (*m.mutable_attributes())[""] = "x"; }},
       {"long attribute",
        [](auto& m) { (*m.mutable_attributes())["x"] = std::string(kAttributesBytesMax, 'x'); }},

@@ -95,6 +95,20 @@ TEST_F(PictureFile, HalvesAreRoundedAndClampedToTheLargestOne) {
   }
 }
 
+TEST_F(PictureFile, CountsOfSamplesStayExactBesideHalves) {
+  const FrameSpec spec = Spec(ExrType::kHalf);
+  FramePicture picture = Picture(spec);
+  picture.samples.assign(static_cast<size_t>(spec.crop.area()), 65537.0f);
+  picture.samples[7] = 3;
+  const auto loaded = SaveAndLoad(EncodeExr(spec, picture).value());
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_THAT(loaded->channels, testing::UnorderedElementsAre("R", "G", "B", "samples"));
+  EXPECT_EQ(ValueOf(*loaded, "samples", 0), 65537.0f);
+  EXPECT_EQ(ValueOf(*loaded, "samples", 7), 3.0f);
+  picture.samples.pop_back();
+  EXPECT_FALSE(EncodeExr(spec, picture));
+}
+
 TEST_F(PictureFile, EqualPicturesGiveEqualBytes) {
   for (ExrType type : {ExrType::kHalf, ExrType::kFloat}) {
     const FrameSpec spec = Spec(type);
