@@ -1,6 +1,7 @@
 #include "client/command_line.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -9,6 +10,7 @@
 #include <cstdlib>
 
 #include "client/option_values.h"
+#include "film/adaptive.h"
 #include "terms/terms.h"
 #include "util/text.h"
 
@@ -41,7 +43,7 @@ void AddInteger(CLI::App& app, const std::string& flag, const std::string& help,
 
 // What DESIGN.md promises and is not there yet is refused by name, not as an unknown flag.
 void AddFutureFlags(CLI::App& app) {
-  for (const char* flag : {"--camera", "--aov", "--noise-threshold"}) {
+  for (const char* flag : {"--camera"}) {
     app.add_option_function<std::string>(
            flag,
            [flag](const std::string&) {
@@ -65,8 +67,19 @@ void AddFrames(CLI::App& app, Options& options) {
           });
 }
 
+void AddNoiseOptions(CLI::App& app, RenderOptions& render) {
+  AddWord(
+      app, "--noise-threshold",
+      fmt::format("stop each tile once the root of the relMSE expected of it is below E x sqrt(n / {}) at n "
+                  "samples per pixel; 0.2 is a draft, 0.05 clean [default: 0, all samples everywhere]",
+                  kThresholdSamples),
+      "E", [&render](const std::string& word) {
+        render.noise_threshold = Take(ParseNumber("--noise-threshold", word, 0, kNoiseThresholdMax));
+      });
+}
+
 CLI::Option* AddSamples(CLI::App& app, RenderOptions& render) {
-  return AddWord(app, "--spp", "samples per pixel", "N", [&render](const std::string& word) {
+  return AddWord(app, "--spp", "samples per pixel; with --noise-threshold at most", "N", [&render](const std::string& word) {
     render.samples_per_pixel =
         static_cast<uint32_t>(Take(ParseUnsigned("--spp", word, 1, kSamplesPerPixelMax)));
   });
@@ -95,9 +108,17 @@ void AddRenderOptions(CLI::App& app, Options& options) {
   AddWord(app, "--max-depth", "longest path, bounces", "N", [&render](const std::string& word) {
     render.max_depth = static_cast<int>(Take(ParseInteger("--max-depth", word, 0, kPathDepthMax)));
   });
-  AddInteger(app, "--tile-size", "pixels along the side of a tile", 1, kTileSizeMax, render.tile_size);
+  AddWord(app, "--tile-size",
+          fmt::format("pixels along the side of a tile [default: {}, with --noise-threshold {}]",
+                      kTileSizeDefault, kAdaptiveTileSizeDefault),
+          "N", [&render](const std::string& word) {
+            render.tile_size = static_cast<int>(Take(ParseInteger("--tile-size", word, 1, kTileSizeMax)));
+          });
   AddWord(app, "--exr-type", "half (default) or float", "TYPE",
           [&render](const std::string& word) { render.exr_type = Take(ParseExrType(word)); });
+  AddNoiseOptions(app, render);
+  AddWord(app, "--aov", fmt::format("channels to add to the picture, of: {}", fmt::join(kAovs, ", ")), "LIST",
+          [&render](const std::string& word) { render.aovs = Take(ParseNames("--aov", word, kAovs)); });
   AddFutureFlags(app);
 }
 

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <atomic>
-#include <climits>
+#include <bit>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
+
+#include "film/adaptive.h"
 
 namespace tessera {
 namespace {
@@ -16,32 +19,32 @@ namespace {
 constexpr int64_t kUnitSamplesMax = 1 << 16;
 constexpr std::chrono::milliseconds kReportInterval{100};
 
-// The ranges in which every tile is rendered, in order.
-std::vector<SampleRange> CutSamples(const FrameSpec& spec) {
+// The largest unit of a frame.
+uint32_t UnitSizeMax(const FrameSpec& spec) {
   const int64_t tile_area = std::min(spec.TileBounds(0).area(), kUnitSamplesMax);
-  const uint32_t size_max = std::bit_floor(static_cast<uint32_t>(kUnitSamplesMax / tile_area));
-  std::vector<SampleRange> ranges;
-  for (SampleRange term : DyadicPartition(spec.samples_per_pixel)) {
-    const uint32_t size = std::min(term.size, size_max);
-    for (uint32_t begin = term.begin; begin < term.end(); begin += size) ranges.push_back({begin, size});
-  }
-  return ranges;
+  return std::bit_floor(static_cast<uint32_t>(kUnitSamplesMax / tile_area));
 }
 
 // Threads that take units one after another and merge what they render.
 class Crew {
  public:
   Crew(const Scene& scene, const FrameSpec& spec, int threads)
-      : scene_(scene), merger_(spec), ranges_(CutSamples(spec)), running_(threads) {
+      : scene_(scene), merger_(spec), unit_size_max_(UnitSizeMax(spec)), running_(threads) {
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Work(); });
   }
   ~Crew() { Join(); }
-  void Stop() { stop_ = true; }
-  // Waits a moment; whether all threads are done. `merged` becomes the count of pixel samples merged.
-  bool WaitForEnd(uint64_t& merged) {
+  void Stop() {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+    work_.notify_all();
+  }
+  // Waits a moment; whether all threads are done. Says in `progress` how many pixel samples are merged and
+  // how many there may come to be.
+  bool WaitForEnd(Progress& progress) {
     std::unique_lock lock(mutex_);
     done_.wait_for(lock, kReportInterval, [this] { return running_ == 0; });
-    merged = merger_.samples_merged();
+    progress.samples_done = merger_.samples_merged();
+    progress.samples_total = merger_.samples_total();
     return running_ == 0;
   }
   const Merger& TakeMerger() {
@@ -50,32 +53,69 @@ class Crew {
   }
 
  private:
+  struct Unit {
+    int tile;
+    SampleRange range;
+  };
+  // Samples of a tile that nobody has taken yet.
+  struct Open {
+    int tile;
+    uint32_t begin, end;
+  };
+
   void Join() {
     for (std::thread& thread : threads_) {
       if (thread.joinable()) thread.join();
     }
   }
   void Work() {
-    while (!stop_) {
-      const uint64_t index = next_.fetch_add(1);
-      const int tile = static_cast<int>(std::min<uint64_t>(index / ranges_.size(), INT_MAX));
-      if (tile >= merger_.spec().TileCount()) break;
-      auto sums = scene_.Render(merger_.spec().TileBounds(tile), ranges_[index % ranges_.size()], &stop_);
+    std::unique_lock lock(mutex_);
+    while (const auto unit = Take(lock)) {
+      lock.unlock();
+      auto sums = scene_.Render(merger_.spec().TileBounds(unit->tile), unit->range, &stop_);
+      lock.lock();
       if (!sums) break;
-      const std::lock_guard lock(mutex_);
-      TESSERA_CHECK(merger_.Add(tile, std::move(*sums)).has_value());
+      Merge(unit->tile, std::move(*sums));
     }
-    const std::lock_guard lock(mutex_);
+    work_.notify_all();
     if (--running_ == 0) done_.notify_all();
+  }
+  // Waits while others render what may open more. Nothing if there is nothing left to do.
+  std::optional<Unit> Take(std::unique_lock<std::mutex>& lock) {
+    const auto tile_count = merger_.spec().TileCount();
+    work_.wait(lock, [&] { return stop_ || !open_.empty() || tile_next_ < tile_count || taken_ == 0; });
+    if (stop_ || (open_.empty() && tile_next_ == tile_count)) return std::nullopt;
+    if (open_.empty()) {
+      open_.push_back({tile_next_, 0, merger_.Goal(tile_next_).samples});
+      ++tile_next_;
+    }
+    Open& open = open_.back();
+    uint32_t size = std::min(unit_size_max_, DyadicSizeMax(open.begin, open.end));
+    if (open.begin == 0) size = std::min(size, FirstUnitMax(merger_.spec()));
+    const Unit unit{open.tile, {open.begin, size}};
+    open.begin += size;
+    if (open.begin == open.end) open_.pop_back();
+    ++taken_;
+    return unit;
+  }
+  void Merge(int tile, RadianceTile sums) {
+    --taken_;
+    const TileGoal before = merger_.Goal(tile);
+    TESSERA_CHECK(merger_.Add(tile, std::move(sums)).has_value());
+    const TileGoal after = merger_.Goal(tile);
+    if (after.samples > before.samples) open_.push_back({tile, before.samples, after.samples});
+    work_.notify_all();
   }
 
   const Scene& scene_;
-  Merger merger_;  // guarded by mutex_, its spec aside
-  const std::vector<SampleRange> ranges_;
-  std::atomic<uint64_t> next_ = 0;  // unit: tile by tile, in each range by range
+  Merger merger_;  // guarded by mutex_, its spec aside, as all that follows
+  const uint32_t unit_size_max_;
+  std::vector<Open> open_;  // a stack: a tile begun is ended before another begins
+  int tile_next_ = 0;       // those from here on have not begun
+  int taken_ = 0;           // units being rendered
   std::atomic<bool> stop_ = false;
   std::mutex mutex_;
-  std::condition_variable done_;
+  std::condition_variable work_, done_;
   int running_;
   std::vector<std::thread> threads_;
 };
@@ -93,10 +133,9 @@ Result<FramePicture> RenderInProcess(const Scene& scene, const FrameSpec& spec, 
   Crew crew(scene, spec, threads);
   const std::stop_callback on_stop(stop, [&crew] { crew.Stop(); });
   Progress progress;
-  progress.samples_total = static_cast<uint64_t>(spec.crop.area()) * spec.samples_per_pixel;
   progress.workers = threads;
   for (bool done = false; !done;) {
-    done = crew.WaitForEnd(progress.samples_done);
+    done = crew.WaitForEnd(progress);
     progress.elapsed_s = SecondsSince(start);
     progress.samples_per_second = static_cast<double>(progress.samples_done) / progress.elapsed_s;
     const double left = static_cast<double>(progress.samples_total - progress.samples_done);

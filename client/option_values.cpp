@@ -50,10 +50,12 @@ Result<uint64_t> ParseUnsigned(std::string_view flag, std::string_view word, uin
   return ParseBounded<uint64_t>(flag, word, min, max);
 }
 
-Result<double> ParseNumber(std::string_view flag, std::string_view word, double min) {
+Result<double> ParseNumber(std::string_view flag, std::string_view word, double min, double max) {
   double number = 0;
-  if (!ParseWhole(word, number) || !std::isfinite(number) || number < min) {
-    return BadInput(fmt::format("{}: \"{}\" is not a number of at least {}", flag, word, min));
+  if (!ParseWhole(word, number) || !std::isfinite(number) || number < min || number > max) {
+    const std::string bound =
+        std::isfinite(max) ? fmt::format("from {} to {}", min, max) : fmt::format("of at least {}", min);
+    return BadInput(fmt::format("{}: \"{}\" is not a number {}", flag, word, bound));
   }
   return number;
 }
@@ -110,6 +112,17 @@ Result<std::string> ParseChoice(std::string_view flag, std::string_view word,
   }
   return BadInput(fmt::format("{}: \"{}\" is none of {}{}", flag, word, fmt::join(choices, ", "),
                               DidYouMean(word, choices)));
+}
+
+Result<std::set<std::string>> ParseNames(std::string_view flag, std::string_view word,
+                                         std::span<const std::string_view> known) {
+  std::set<std::string> names;
+  for (std::string_view name : Split(word, ',')) {
+    auto chosen = ParseChoice(flag, name, known);
+    if (!chosen) return chosen.error();
+    names.insert(std::move(*chosen));
+  }
+  return names;
 }
 
 }  // namespace tessera

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -9,8 +10,10 @@ namespace tessera {
 namespace {
 
 constexpr size_t kTextSizeMax = 4096;  // bytes: all keys with the longest values fit
-constexpr std::string_view kKeys[] = {"accelerator", "crop", "exr-type",  "height", "integrator", "max-depth",
-                                      "seed",        "spp",  "tile-size", "time",   "width"};
+constexpr std::string_view kKeys[] = {"accelerator", "aov",        "crop",      "exr-type",
+                                      "height",      "integrator", "max-depth", "noise-threshold",
+                                      "seed",        "spp",        "tile-size", "time",
+                                      "width"};
 
 template <typename T>
 std::string NumberText(T value) {
@@ -51,16 +54,36 @@ bool ReadExrType(std::string_view text, std::optional<ExrType>* type) {
   return true;
 }
 
+// Names separated by commas.
+bool ReadAovs(std::string_view text, std::set<std::string>* aovs) {
+  while (!text.empty()) {
+    const size_t end = std::min(text.find(','), text.size());
+    const std::string_view name = text.substr(0, end);
+    if (std::ranges::find(kAovs, name) == std::end(kAovs)) return false;
+    aovs->emplace(name);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return !aovs->empty();
+}
+
+std::string AovsText(const std::set<std::string>& aovs) {
+  std::string text;
+  for (const std::string& name : aovs) text += (text.empty() ? "" : ",") + name;
+  return text;
+}
+
 bool ReadOption(std::string_view key, std::string_view value, RenderOptions* options) {
   if (key == "accelerator") return options->accelerator = value, true;
+  if (key == "aov") return ReadAovs(value, &options->aovs);
   if (key == "crop") return ReadCrop(value, &options->crop);
   if (key == "exr-type") return ReadExrType(value, &options->exr_type);
   if (key == "height") return ReadOptional(value, &options->height);
   if (key == "integrator") return options->integrator = value, true;
   if (key == "max-depth") return ReadOptional(value, &options->max_depth);
+  if (key == "noise-threshold") return ReadNumber(value, &options->noise_threshold);
   if (key == "seed") return ReadOptional(value, &options->seed);
   if (key == "spp") return ReadOptional(value, &options->samples_per_pixel);
-  if (key == "tile-size") return ReadNumber(value, &options->tile_size);
+  if (key == "tile-size") return ReadOptional(value, &options->tile_size);
   if (key == "time") return ReadOptional(value, &options->time) && std::isfinite(*options->time);
   if (key == "width") return ReadOptional(value, &options->width);
   return false;
@@ -71,6 +94,7 @@ bool ReadOption(std::string_view key, std::string_view value, RenderOptions* opt
 std::string EncodeRenderOptions(const RenderOptions& options) {
   std::map<std::string, std::string> lines;
   if (!options.accelerator.empty()) lines["accelerator"] = options.accelerator;
+  if (!options.aovs.empty()) lines["aov"] = AovsText(options.aovs);
   if (options.crop) {
     const std::array<float, 4>& c = *options.crop;
     lines["crop"] =
@@ -80,9 +104,10 @@ std::string EncodeRenderOptions(const RenderOptions& options) {
   if (options.height) lines["height"] = NumberText(*options.height);
   if (!options.integrator.empty()) lines["integrator"] = options.integrator;
   if (options.max_depth) lines["max-depth"] = NumberText(*options.max_depth);
+  if (options.noise_threshold != 0) lines["noise-threshold"] = NumberText(options.noise_threshold);
   if (options.seed) lines["seed"] = NumberText(*options.seed);
   if (options.samples_per_pixel) lines["spp"] = NumberText(*options.samples_per_pixel);
-  lines["tile-size"] = NumberText(options.tile_size);
+  if (options.tile_size) lines["tile-size"] = NumberText(*options.tile_size);
   if (options.time) lines["time"] = NumberText(*options.time);
   if (options.width) lines["width"] = NumberText(*options.width);
   std::string text;

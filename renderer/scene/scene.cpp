@@ -1,5 +1,7 @@
 #include "scene/scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 
@@ -32,23 +34,29 @@ Result<void> CheckOptions(const RenderOptions& options) {
       (*options.samples_per_pixel < 1 || *options.samples_per_pixel > kSamplesPerPixelMax)) {
     return BadInput("--spp: must lie between 1 and " + std::to_string(kSamplesPerPixelMax));
   }
-  if (options.tile_size < 1 || options.tile_size > kTileSizeMax) {
+  if (options.tile_size && (*options.tile_size < 1 || *options.tile_size > kTileSizeMax)) {
     return BadInput("--tile-size: must lie between 1 and " + std::to_string(kTileSizeMax));
   }
+  if (!(options.noise_threshold >= 0 && options.noise_threshold <= kNoiseThresholdMax))
+    return BadInput(fmt::format("--noise-threshold: must lie between 0 and {}", kNoiseThresholdMax));
   return {};
 }
 
 // The header of the picture: what its values depend on, and nothing that differs between runs.
 std::map<std::string, std::string> HeaderAttributes(const Scene::Data& data,
                                                     const IntegratorChoice& integrator) {
-  return {{"tessera:version", std::string(kVersion)},
-          {"tessera:seed", std::to_string(data.sampler.seed)},
-          {kSamplesAttribute, std::to_string(data.sampler.samples_per_pixel)},
-          {kSamplerAttribute, data.summary.sampler},
-          {"tessera:integrator", integrator.name},
-          {"tessera:maxDepth", std::to_string(integrator.max_depth)},
-          {"tessera:camera", data.summary.camera},
-          {"tessera:filter", data.summary.filter}};
+  std::map<std::string, std::string> attributes{
+      {"tessera:version", std::string(kVersion)},
+      {"tessera:seed", std::to_string(data.sampler.seed)},
+      {kSamplesAttribute, std::to_string(data.sampler.samples_per_pixel)},
+      {kSamplerAttribute, data.summary.sampler},
+      {"tessera:integrator", integrator.name},
+      {"tessera:maxDepth", std::to_string(integrator.max_depth)},
+      {"tessera:camera", data.summary.camera},
+      {"tessera:filter", data.summary.filter}};
+  if (data.frame.IsAdaptive())
+    attributes["tessera:noiseThreshold"] = fmt::format("{}", data.frame.noise_threshold);
+  return attributes;
 }
 
 }  // namespace
@@ -140,8 +148,11 @@ Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const Integrat
   data.frame.height = film.height;
   data.frame.crop = film.crop;
   data.frame.samples_per_pixel = data.sampler.samples_per_pixel;
-  data.frame.tile_size = options_.tile_size;
   data.frame.exr_type = film.exr_type;
+  data.frame.noise_threshold = options_.noise_threshold;
+  data.frame.tile_size =
+      options_.tile_size.value_or(data.frame.IsAdaptive() ? kAdaptiveTileSizeDefault : kTileSizeDefault);
+  data.frame.samples_aov = options_.aovs.contains(kSamplesChannel);
   data.summary.camera = scene_.camera.kind;
   data.summary.film = scene_.film.kind;
   data.summary.filter = scene_.filter.kind;

@@ -5,7 +5,9 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "film/frame_spec.h"
@@ -13,6 +15,9 @@
 #include "language/file_source.h"
 
 namespace tessera {
+
+// Further channels that a picture may get.
+inline constexpr std::string_view kAovs[] = {kSamplesChannel};
 
 // What the command line may override of a scene (DESIGN.md section 8).
 struct RenderOptions {
@@ -25,8 +30,10 @@ struct RenderOptions {
   std::string integrator;   // empty: the scene's
   std::string accelerator;  // empty: "embree"
   std::optional<int> max_depth;
-  int tile_size = kTileSizeDefault;
+  std::optional<int> tile_size;
   std::optional<ExrType> exr_type;
+  double noise_threshold = 0;  // FrameSpec::noise_threshold
+  std::set<std::string> aovs;  // of kAovs
 
   bool operator==(const RenderOptions&) const = default;
 };

@@ -21,7 +21,7 @@ TEST(CommandLine, ReadsEveryRenderOption) {
   const auto parsed = Parse(
       "render s.pbrt -o o.exr --png o.png --workers 3 --threads 2 --in-process --spp 64 --resolution 640x480 "
       "--crop 0,0.5,0.25,1 --seed 18446744073709551615 --integrator volpath --accelerator bvh --max-depth 9 "
-      "--tile-size 64 --exr-type float --json");
+      "--tile-size 64 --exr-type float --noise-threshold 0.05 --aov samples --json");
   ASSERT_TRUE(parsed) << parsed.error().message;
   const Options& options = parsed->options;
   EXPECT_EQ(options.command, "render");
@@ -43,6 +43,8 @@ TEST(CommandLine, ReadsEveryRenderOption) {
   EXPECT_EQ(render.max_depth, 9);
   EXPECT_EQ(render.tile_size, 64);
   EXPECT_EQ(render.exr_type, ExrType::kFloat);
+  EXPECT_EQ(render.noise_threshold, 0.05);
+  EXPECT_EQ(render.aovs, std::set<std::string>{"samples"});
 }
 
 TEST(CommandLine, LeavesAloneWhatIsNotSaid) {
@@ -108,8 +110,12 @@ TEST(CommandLine, BadWordsAreNamedWithWhatWasExpected) {
       {"render s.pbrt --workers 0", "--workers: \"0\""},
       {"render s.pbrt --frames 3-1", "--frames 3-1: the last frame comes before the first"},
       {"render s.pbrt --camera main", "--camera is not supported yet"},
-      {"render s.pbrt --aov N", "--aov is not supported yet"},
-      {"render s.pbrt --noise-threshold 0.1", "--noise-threshold is not supported yet"},
+      {"render s.pbrt --aov N", "--aov: \"N\" is none of samples"},
+      {"render s.pbrt --aov sample", "(did you mean \"samples\"?)"},
+      {"render s.pbrt --aov samples,", "--aov: \"\" is none of samples"},
+      {"render s.pbrt --noise-threshold -0.1", "--noise-threshold: \"-0.1\" is not a number from 0 to 1"},
+      {"render s.pbrt --noise-threshold 2", "--noise-threshold: \"2\""},
+      {"render s.pbrt --noise-threshold nan", "--noise-threshold: \"nan\""},
       {"status", "JOB is required"},
       {"status soon", "JOB: \"soon\""},
       {"status 0", "JOB: \"0\""},

@@ -47,6 +47,40 @@ TEST_F(Bits, SurviveCropsAndSampleCountsThatAreNoPowerOfTwo) {
   EXPECT_TRUE(Bytes("picture.exr") == oracle);
 }
 
+// The tiles of the box stop at different counts: those in the shadow late.
+const std::vector<std::string> kAdaptive{"--noise-threshold", "0.05", "--spp", "300", "--aov", "samples"};
+
+TEST_F(Bits, OfAnAdaptiveFrameAreTheSameForAnyNumberOfWorkers) {
+  const std::string oracle = Oracle(BoxScene(), kAdaptive);
+  EXPECT_FALSE(oracle == Oracle(BoxScene(), {"--spp", "300", "--aov", "samples"}));
+  const std::vector<std::vector<std::string>> ways{{"--in-process", "--threads", "1"},
+                                                   {"--in-process", "--threads", "3"},
+                                                   {"--workers", "1", "--threads", "1"},
+                                                   {"--workers", "3", "--threads", "2"}};
+  for (const auto& way : ways) {
+    const Outcome outcome = Tessera(With(With({"render", BoxScene(), "-o", "picture.exr"}, way), kAdaptive));
+    ASSERT_EQ(outcome.code, 0) << outcome.errors;
+    EXPECT_TRUE(Bytes("picture.exr") == oracle) << testing::PrintToString(way);
+  }
+}
+
+TEST_F(Bits, OfAnAdaptiveFrameSurviveKilledWorkersAndCoordinator) {
+  const std::string oracle = Oracle(BoxScene(), kAdaptive);
+  StartCoordinator();
+  Process& doomed = StartWorker("doomed");
+  StartWorker("steady");
+  const std::string job = Submit(BoxScene(), kAdaptive);
+  AwaitShare(job, 0.05);
+  doomed.Signal(SIGKILL);
+  coordinator().Signal(SIGKILL);
+  EXPECT_EQ(coordinator().Wait(), -SIGKILL);
+  StartCoordinator();
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
+  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+  EXPECT_EQ(Figure(job, "samples_done"), Figure(job, "samples_total"));
+}
+
 TEST_F(Bits, SurviveAWorkerKilledInMidFrameWhileAnotherJoins) {
   const std::string oracle = Oracle(BoxScene(), kLongRender);
   StartCoordinator();

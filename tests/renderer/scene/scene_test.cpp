@@ -234,12 +234,14 @@ TEST(Scene, RenderOptionsSurviveTheirCodec) {
   options.max_depth = 3;
   options.tile_size = 17;
   options.exr_type = ExrType::kFloat;
+  options.noise_threshold = 0.1;
+  options.aovs = {"samples"};
   const Result<RenderOptions> decoded = DecodeRenderOptions(EncodeRenderOptions(options));
   ASSERT_TRUE(decoded) << decoded.error().message;
   EXPECT_EQ(*decoded, options);
   EXPECT_EQ(*DecodeRenderOptions(EncodeRenderOptions({})), RenderOptions{});
   for (const char* bad : {"spp=x\n", "spp\n", "sppp=4\n", "crop=0,1,0\n", "crop=0,1,0,1,2\n", "spp=-4\n",
-                          "exr-type=double\n"}) {
+                          "exr-type=double\n", "aov=\n", "aov=sample\n", "noise-threshold=x\n"}) {
     EXPECT_FALSE(DecodeRenderOptions(bad)) << bad;
   }
 }
