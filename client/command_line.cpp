@@ -79,10 +79,11 @@ void AddNoiseOptions(CLI::App& app, RenderOptions& render) {
 }
 
 CLI::Option* AddSamples(CLI::App& app, RenderOptions& render) {
-  return AddWord(app, "--spp", "samples per pixel; with --noise-threshold at most", "N", [&render](const std::string& word) {
-    render.samples_per_pixel =
-        static_cast<uint32_t>(Take(ParseUnsigned("--spp", word, 1, kSamplesPerPixelMax)));
-  });
+  return AddWord(app, "--spp", "samples per pixel; with --noise-threshold at most", "N",
+                 [&render](const std::string& word) {
+                   render.samples_per_pixel =
+                       static_cast<uint32_t>(Take(ParseUnsigned("--spp", word, 1, kSamplesPerPixelMax)));
+                 });
 }
 
 void AddRenderOptions(CLI::App& app, Options& options) {

@@ -20,6 +20,10 @@ uint64_t SumsBytes(const FrameSpec& spec) {
   return static_cast<uint64_t>(spec.crop.area()) * spec.channels.size() * sizeof(float) * terms;
 }
 
+bool IsExtendable(const FrameOrder& frame) {
+  return frame.extendable && !frame.spec.IsAdaptive();
+}
+
 std::shared_ptr<const JobSpec> ExtendedSpec(const JobSpec& spec, uint32_t samples_per_pixel) {
   auto extended = std::make_shared<JobSpec>(spec);
   for (FrameOrder& frame : extended->frames) {

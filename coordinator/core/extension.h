@@ -11,6 +11,9 @@ uint64_t SamplesOf(const FrameSpec& spec);  // pixel samples
 uint64_t SamplesOf(const JobSpec& spec);
 // Bytes of the sums of a finished frame.
 uint64_t SumsBytes(const FrameSpec& spec);
+// Whether the frame may get more samples later. Not if its tiles stop by themselves: some have, and whether
+// others would is decided from halves of their sums.
+bool IsExtendable(const FrameOrder& frame);
 // The job as if it had been submitted with so many samples per pixel: the headers of its pictures say so.
 // Frames that have as many or more stay as they are.
 std::shared_ptr<const JobSpec> ExtendedSpec(const JobSpec& spec, uint32_t samples_per_pixel);

@@ -168,7 +168,8 @@ void Farm::Merge(JobEntry& job, const WorkUnit& unit, RadianceTile tile) {
   job.samples_done += merger.samples_merged() - merged;  // may shrink, if the tile stops before some of them
   job.samples_total -= total - merger.samples_total();
   job.samples_accepted += static_cast<uint64_t>(bounds.area()) * unit.range.size;
-  if (merger.spec().IsAdaptive()) scheduler_.SetGoal(unit, merger.Goal(static_cast<int>(unit.tile)));
+  if (merger.spec().IsAdaptive())
+    scheduler_.SetGoal(job.id, unit.frame, unit.tile, merger.Goal(static_cast<int>(unit.tile)));
   if (job.loading.contains(unit.frame)) return;
   TESSERA_CHECK(merger.Complete() == scheduler_.IsComplete(job.id, unit.frame));
   if (merger.Complete()) CompleteFrame(job, unit.frame);

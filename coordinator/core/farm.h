@@ -206,6 +206,7 @@ class Farm {
 
   // farm_recovery.cpp
   void ResumeJob(Instant now, JobEntry& job);
+  void RestoreWork(JobId id, uint32_t frame, const Merger& merger);
   void RestoreKept();
   void RestoreExtension(JobEntry& job, uint32_t samples_per_pixel);
   void AppendHistory(const JobEntry& job, std::vector<Fact>& facts) const;

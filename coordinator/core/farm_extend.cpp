@@ -26,8 +26,7 @@ std::string SamplerOf(const FrameSpec& spec) {
 
 bool Farm::MayKeep(const JobEntry& job) const {
   const auto& frames = job.spec->frames;
-  return kept_sums_.keeps_any() &&
-         std::all_of(frames.begin(), frames.end(), [](const FrameOrder& frame) { return frame.extendable; });
+  return kept_sums_.keeps_any() && std::all_of(frames.begin(), frames.end(), IsExtendable);
 }
 
 void Farm::KeepSums(const JobEntry& job, uint32_t frame) {
@@ -56,7 +55,13 @@ Result<void> Farm::CheckExtension(const JobEntry& job, uint32_t samples_per_pixe
     return Failed(fmt::format("job {} cannot be extended: {}", Number(job.id), why));
   };
   for (const FrameOrder& frame : job.spec->frames) {
-    if (frame.extendable) continue;
+    if (IsExtendable(frame)) continue;
+    if (frame.spec.IsAdaptive()) {
+      return refuse(
+          fmt::format("with --noise-threshold its tiles stop by themselves; submit the scene again "
+                      "with --spp {} or a lower threshold",
+                      samples_per_pixel));
+    }
     return refuse(
         fmt::format("{} chooses its samples by how many there will be; submit the scene again with "
                     "--spp {}, or with Sampler \"sobol\", \"paddedsobol\" or \"independent\", whose "
@@ -84,7 +89,7 @@ Result<JobStatus> Farm::Extend(Instant now, JobId id, uint32_t samples_per_pixel
   JobEntry* const job = FindJob(id);
   if (job == nullptr) return BadInput(fmt::format("there is no job {}", Number(id)));
   TESSERA_CHECK(!IsMovingSums(id));
-  const bool is_done = job->spec->frames.front().extendable && samples_per_pixel == SamplesMax(*job->spec);
+  const bool is_done = IsExtendable(job->spec->frames.front()) && samples_per_pixel == SamplesMax(*job->spec);
   if (!is_done) {
     if (const auto checked = CheckExtension(*job, samples_per_pixel); !checked) return checked.error();
     ExtendFrames(*job, ExtendedSpec(*job->spec, samples_per_pixel));

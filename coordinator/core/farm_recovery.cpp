@@ -109,9 +109,8 @@ void Farm::ResumeJob(Instant now, JobEntry& job) {
   std::vector<uint32_t> complete;
   for (const auto& [frame, merger] : job.mergers) {
     restored += merger.samples_merged();
-    merger.VisitNodes([&, f = frame](uint32_t tile, SampleRange range, const std::vector<float>&) {
-      scheduler_.RestoreDone(job.id, f, {tile, range});
-    });
+    job.samples_total -= SamplesOf(merger.spec()) - merger.samples_total();
+    RestoreWork(job.id, frame, merger);
     if (merger.Complete()) complete.push_back(frame);
   }
   scheduler_.SetPriority(job.id, job.priority);
@@ -124,6 +123,17 @@ void Farm::ResumeJob(Instant now, JobEntry& job) {
                                     Number(job.id), finished.size(), restored));
   for (const uint32_t frame : complete) CompleteFrame(job, frame);
   if (finished.size() == job.spec->frames.size()) EndJob(now, job, JobState::kFinished, "");
+}
+
+// The scheduler learns what is merged, and which tiles have decided by it to stop.
+void Farm::RestoreWork(JobId id, uint32_t frame, const Merger& merger) {
+  merger.VisitNodes([&](uint32_t tile, SampleRange range, const std::vector<float>&) {
+    scheduler_.RestoreDone(id, frame, {tile, range});
+  });
+  if (!merger.spec().IsAdaptive()) return;
+  for (int tile = 0; tile < merger.spec().TileCount(); ++tile) {
+    scheduler_.SetGoal(id, frame, static_cast<uint32_t>(tile), merger.Goal(tile));
+  }
 }
 
 // A job as it was submitted, then what it was extended to, with the frames that were finished before.

@@ -153,14 +153,14 @@ void Scheduler::Credit(WorkerRecord& worker, FrameRecord& frame, const WorkUnit&
   if (render_seconds > 0) MeasureSpeed(worker, frame, unit, render_seconds);
 }
 
-void Scheduler::SetGoal(const WorkUnit& unit, TileGoal goal) {
-  JobRecord* const job = FindJob(unit.job);
-  if (job == nullptr || !job->frames.contains(unit.frame)) return;
-  FrameRecord& frame = job->frames.at(unit.frame);
-  if (frame.work.SetGoal(unit.tile, goal)) AnnounceWork();
+void Scheduler::SetGoal(JobId id, uint32_t index, uint32_t tile, TileGoal goal) {
+  JobRecord* const job = FindJob(id);
+  if (job == nullptr || !job->frames.contains(index)) return;
+  FrameRecord& frame = job->frames.at(index);
+  if (frame.work.SetGoal(tile, goal)) AnnounceWork();
   if (!goal.is_final) return;
-  DropMoot(unit.tile, frame);
-  Retire(unit.job, unit.frame);
+  DropMoot(tile, frame);
+  Retire(id, index);
 }
 
 // The frame is forgotten if it is complete.

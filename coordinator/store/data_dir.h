@@ -1,5 +1,5 @@
 // The folder in which a coordinator keeps everything that outlives it. Held by one process at a time.
-//   version    "tessera-data 2"
+//   version    "tessera-data 3"
 //   lock       locked while a coordinator runs
 //   journal    facts (file_journal.h)
 //   blobs/     scene files by digest (blob_store.h)

@@ -10,10 +10,9 @@ namespace tessera {
 namespace {
 
 constexpr size_t kTextSizeMax = 4096;  // bytes: all keys with the longest values fit
-constexpr std::string_view kKeys[] = {"accelerator", "aov",        "crop",      "exr-type",
-                                      "height",      "integrator", "max-depth", "noise-threshold",
-                                      "seed",        "spp",        "tile-size", "time",
-                                      "width"};
+constexpr std::string_view kKeys[] = {
+    "accelerator",     "aov",  "crop", "exr-type",  "height", "integrator", "max-depth",
+    "noise-threshold", "seed", "spp",  "tile-size", "time",   "width"};
 
 template <typename T>
 std::string NumberText(T value) {

@@ -36,7 +36,7 @@ RadianceTile RenderModel(uint64_t seed, PixelBounds bounds, SampleRange range) {
   return tile;
 }
 
-FramePicture ReferencePicture(uint64_t seed, const FrameSpec& spec) {
+Merger ReferenceMerger(uint64_t seed, const FrameSpec& spec) {
   Merger merger(spec);
   for (int tile = 0; tile < spec.TileCount(); ++tile) {
     for (auto missing = merger.Missing(tile); !missing.empty(); missing = merger.Missing(tile)) {
@@ -44,7 +44,7 @@ FramePicture ReferencePicture(uint64_t seed, const FrameSpec& spec) {
         TESSERA_CHECK(merger.Add(tile, RenderModel(seed, spec.TileBounds(tile), range)).has_value());
     }
   }
-  return merger.Picture();
+  return merger;
 }
 
 }  // namespace tessera

@@ -12,7 +12,7 @@ namespace tessera {
 FrameSpec SmallFrame(int width, int height, int tile_size, uint32_t samples_per_pixel);
 // The sums of a unit of the picture named by `seed`.
 RadianceTile RenderModel(uint64_t seed, PixelBounds bounds, SampleRange range);
-// The whole picture, merged tile by tile in one piece each.
-FramePicture ReferencePicture(uint64_t seed, const FrameSpec& spec);
+// The whole picture, merged tile by tile, in pieces as large as can be.
+Merger ReferenceMerger(uint64_t seed, const FrameSpec& spec);
 
 }  // namespace tessera

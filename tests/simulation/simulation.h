@@ -55,7 +55,8 @@ class Simulation {
   struct JobModel {
     JobId id{};  // as the farm last journalled it
     std::shared_ptr<const JobSpec> spec;
-    double cost = 0;  // seconds per pixel sample
+    std::vector<Merger> reference;  // of each frame
+    double cost = 0;                // seconds per pixel sample
     bool poisoned = false;
     bool acknowledged = false;           // the client knows that the farm has it
     bool cancelled = false;              // the client asked for it
@@ -90,7 +91,9 @@ class Simulation {
   void ResumeAll();
   JobModel* ModelOf(JobId id);
   void NoteFact(const Fact& fact);
+  FrameSpec DrawFrame();
   void CheckGrants(const FarmOutput& output);
+  void CheckGrant(const WorkUnit& unit);
   void CheckPicture(const FinishedPicture& finished);
   void CheckMemory();
   bool AllEnded();

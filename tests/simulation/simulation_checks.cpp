@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "film/adaptive.h"
 #include "tests/simulation/simulation.h"
 
 namespace tessera {
@@ -27,11 +28,10 @@ void Simulation::MakeJobs() {
     spec->verify_share = options_.verify_share;
     const int frames = random_.Int(1, 2);
     for (int f = 0; f < frames; ++f) {
-      const auto samples = static_cast<uint32_t>(random_.Int(1, 64));
-      const int width = random_.Int(5, 24);
-      const int height = random_.Int(5, 24);
-      spec->frames.push_back({fmt::format("scene{}.pbrt", f), "", SmallFrame(width, height, 8, samples), f});
-      report_.samples_needed += static_cast<uint64_t>(width) * static_cast<uint64_t>(height) * samples;
+      spec->frames.push_back({fmt::format("scene{}.pbrt", f), "", DrawFrame(), f});
+      const uint64_t seed = Hash(spec->submission, static_cast<uint64_t>(f));
+      model.reference.push_back(ReferenceMerger(seed, spec->frames.back().spec));
+      report_.samples_needed += model.reference.back().samples_total();
     }
     model.spec = spec;
     model.cost = random_.Real(0.00005, 0.001);
@@ -40,6 +40,17 @@ void Simulation::MakeJobs() {
     queue_.After(random_.Duration(0, 10), [this, job = jobs_.size() - 1] { Submit(job); });
   }
   if (options_.cancel_one) queue_.After(random_.Duration(0, 20), [this] { Cancel(0); });
+}
+
+FrameSpec Simulation::DrawFrame() {
+  const auto samples = static_cast<uint32_t>(random_.Int(1, 64));
+  const int width = random_.Int(5, 24);
+  const int height = random_.Int(5, 24);
+  FrameSpec frame = SmallFrame(width, height, 8, samples);
+  if (options_.noise_threshold == 0 || random_.Chance(0.5)) return frame;
+  frame.noise_threshold = options_.noise_threshold;
+  frame.samples_per_pixel += kDecisionSamplesMin;  // so that there is something to decide
+  return frame;
 }
 
 // A client submits the same again until it is told that the farm has it.
@@ -128,17 +139,26 @@ void Simulation::NoteFact(const Fact& fact) {
   }
 }
 
-// I4: what was acknowledged is not rendered again.
+// I4: what was acknowledged is not rendered again. Nor is anything that one machine alone would not have
+// rendered, since the tile stops before.
+void Simulation::CheckGrant(const WorkUnit& unit) {
+  const auto status = farm_->Status(FarmNow(), unit.job);
+  if (status && status->paused_by_user) Violation("a unit of a paused job is leased: " + unit.Text());
+  // What is verified is rendered more than once.
+  if (options_.verify_share == 0 && ledger_.Holds(unit))
+    Violation("leased though acknowledged: " + unit.Text());
+  const uint64_t submission = farm_->Spec(unit.job)->submission;  // the job may not be journalled yet
+  const Merger& reference = jobs_[submission - 1].reference[unit.frame];
+  if (unit.range.end() > reference.Goal(static_cast<int>(unit.tile)).samples)
+    Violation("leased though its tile stops before: " + unit.Text());
+}
+
 void Simulation::CheckGrants(const FarmOutput& output) {
   const auto check = [&](const std::vector<Lease>& leases) {
     for (const Lease& lease : leases) {
       if (!ledger_.IsNew(lease.id)) continue;
       Trace(fmt::format("lease {} {}", Number(lease.id), lease.unit.Text()));
-      const auto status = farm_->Status(FarmNow(), lease.unit.job);
-      if (status && status->paused_by_user)
-        Violation("a unit of a paused job is leased: " + lease.unit.Text());
-      if (options_.verify_share > 0) continue;  // what is verified is rendered more than once
-      if (ledger_.Holds(lease.unit)) Violation("leased though acknowledged: " + lease.unit.Text());
+      CheckGrant(lease.unit);
     }
   };
   for (const auto& each : output.directives) check(each.directive.leases);
@@ -147,9 +167,7 @@ void Simulation::CheckGrants(const FarmOutput& output) {
 
 // I2 and I3: whatever came in whatever order, the picture is that of one machine, to the last bit.
 void Simulation::CheckPicture(const FinishedPicture& finished) {
-  const JobModel& model = *ModelOf(finished.job);
-  const uint64_t seed = Hash(model.spec->submission, finished.frame);
-  const FramePicture wanted = ReferencePicture(seed, model.spec->frames[finished.frame].spec);
+  const FramePicture wanted = ModelOf(finished.job)->reference[finished.frame].Picture();
   Trace(fmt::format("picture job={} frame={}", Number(finished.job), finished.frame));
   if (finished.picture.values != wanted.values) Violation("a picture is not the reference");
 }

@@ -37,6 +37,7 @@ SimulationOptions DrawOptions(uint64_t seed) {
   if (options.one_lies) options.verify_share = 1;
   options.pause_interval_s = maybe(0.3, 1, 10);
   options.priority_interval_s = maybe(0.3, 1, 10);
+  options.noise_threshold = maybe(0.5, 0.02, 0.3);
   return options;
 }
 
@@ -46,11 +47,12 @@ std::string SimulationOptions::Text() const {
       "partition_interval_s={:.1f} slow_share={:.2f} death_interval_s={:.1f} drain_interval_s={:.1f} "
       "hang_interval_s={:.1f} crash_interval_s={:.1f} blackout_interval_s={:.1f} full_disk_interval_s={:.1f} "
       "clock_jump_interval_s={:.1f} one_fails_units={} one_damages_results={} poison={} cancel_one={} "
-      "verify_share={:.2f} one_lies={} pause_interval_s={:.1f} priority_interval_s={:.1f}",
+      "verify_share={:.2f} one_lies={} pause_interval_s={:.1f} priority_interval_s={:.1f} "
+      "noise_threshold={:.3f}",
       workers, jobs, loss, duplication, reordering, delay_max_s, partition_interval_s, slow_share,
       death_interval_s, drain_interval_s, hang_interval_s, crash_interval_s, blackout_interval_s,
       full_disk_interval_s, clock_jump_interval_s, one_fails_units, one_damages_results, poison, cancel_one,
-      verify_share, one_lies, pause_interval_s, priority_interval_s);
+      verify_share, one_lies, pause_interval_s, priority_interval_s, noise_threshold);
 }
 
 }  // namespace tessera

@@ -27,6 +27,7 @@ struct SimulationOptions {
   double full_disk_interval_s = 0;   // the coordinator's
   double clock_jump_interval_s = 0;  // forwards, of any machine: it was asleep
   // ---- Work
+  double noise_threshold = 0;  // of half the frames, which are adaptive then; 0: of none
   bool one_fails_units = false;
   bool one_damages_results = false;
   bool poison = false;  // one job has a unit that everybody fails

@@ -51,6 +51,21 @@ TEST(FarmExtend, ARunningJobKeepsWhatIsDone) {
   EXPECT_EQ(process.pictures[0].picture.values, Reference(Job(16)->frames[0].spec, 0).values);
 }
 
+TEST(FarmExtend, AnAdaptiveJobIsRefusedAndKeepsNoSums) {
+  Disk disk;
+  Process process(disk);
+  auto spec = Job(4);
+  spec->frames[0].spec.noise_threshold = 0.1;
+  const JobId job = *process.farm.Submit(process.now, spec);
+  process.Step();
+  const auto extended = process.farm.Extend(process.now, job, 8);
+  ASSERT_FALSE(extended);
+  EXPECT_THAT(extended.error().message, HasSubstr("with --noise-threshold its tiles stop by themselves"));
+  EXPECT_THAT(extended.error().message, HasSubstr("submit the scene again with --spp 8"));
+  process.Finish(job, 4);
+  EXPECT_TRUE(disk.base.empty() && disk.results.empty());
+}
+
 // Extension and compaction, in all stages of a job of two frames, survive.
 TEST(FarmExtend, SurvivesARestartAtEveryStep) {
   const auto run = [](int restart_at, bool compact) {

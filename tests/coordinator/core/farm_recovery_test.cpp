@@ -45,6 +45,48 @@ TEST(FarmRecovery, EveryCrashPointLeadsToTheSamePicture) {
   }
 }
 
+TEST(FarmRecovery, TilesOfAnAdaptiveFrameStopAfterARestartWhereTheyWouldHave) {
+  auto spec = Job(128);
+  spec->frames[0].spec.noise_threshold = 0.2;
+  Merger wanted(spec->frames[0].spec);
+  std::vector<std::pair<uint32_t, SampleRange>> units;  // doubling by doubling
+  while (!wanted.Complete()) {
+    for (uint32_t tile = 0; tile < kTiles; ++tile) {
+      for (const SampleRange range : wanted.Missing(static_cast<int>(tile))) {
+        units.emplace_back(tile, range);
+        ASSERT_TRUE(wanted.Add(static_cast<int>(tile), Rendered(wanted.spec(), 0, tile, range)));
+      }
+    }
+  }
+  std::set<uint32_t> stops;
+  for (int tile = 0; tile < kTiles; ++tile) stops.insert(wanted.Goal(tile).samples);
+  ASSERT_GT(stops.size(), 1u) << "the tiles do not differ: choose another threshold";
+  for (size_t crash = 0; crash <= units.size(); ++crash) {
+    Disk disk;
+    JobId job{};
+    {
+      Process before(disk);
+      job = *before.farm.Submit(before.now, spec);
+      before.Step();
+      for (size_t u = 0; u < crash; ++u) {
+        ASSERT_EQ(before.Return(job, 0, units[u].first, units[u].second), Verdict::kAccepted);
+      }
+    }
+    Process after(disk);
+    uint64_t restored = 0;
+    for (size_t u = 0; u < crash; ++u) restored += 4 * units[u].second.size;
+    EXPECT_EQ(after.Status(job).samples_done, restored);
+    for (size_t u = 0; u < units.size(); ++u) {
+      EXPECT_EQ(after.Return(job, 0, units[u].first, units[u].second),
+                u < crash ? Verdict::kDuplicate : Verdict::kAccepted)
+          << crash << " " << u;
+    }
+    EXPECT_EQ(after.Status(job).samples_total, wanted.samples_total()) << crash;
+    ASSERT_EQ(after.pictures.size(), 1u) << crash;
+    EXPECT_EQ(after.pictures[0].picture.values, wanted.Picture().values) << crash;
+  }
+}
+
 TEST(FarmRecovery, NothingAcknowledgedIsLeasedAgain) {
   Disk disk;
   JobId job{};

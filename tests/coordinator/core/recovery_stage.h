@@ -44,8 +44,9 @@ inline RadianceTile Rendered(const FrameSpec& spec, uint32_t frame, uint32_t til
 inline FramePicture Reference(const FrameSpec& spec, uint32_t frame) {
   Merger merger(spec);
   for (int tile = 0; tile < spec.TileCount(); ++tile) {
-    for (const SampleRange range : DyadicPartition(spec.samples_per_pixel)) {
-      EXPECT_TRUE(merger.Add(tile, Rendered(spec, frame, static_cast<uint32_t>(tile), range)));
+    for (auto missing = merger.Missing(tile); !missing.empty(); missing = merger.Missing(tile)) {
+      for (const SampleRange range : missing)
+        EXPECT_TRUE(merger.Add(tile, Rendered(spec, frame, static_cast<uint32_t>(tile), range)));
     }
   }
   return merger.Picture();
