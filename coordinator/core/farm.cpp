@@ -153,7 +153,8 @@ Verdict Farm::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::
   if (!is_verified && job->spec->verify_share > 0) ++job->unconfirmed[worker];
   const uint64_t before = job->samples_done;
   Merge(*job, unit, std::move(*returned.tile));
-  scheduler_.CountAccepted(worker, job->samples_done - before, returned.render_seconds);
+  scheduler_.CountAccepted(worker, job->samples_done > before ? job->samples_done - before : 0,
+                           returned.render_seconds);
   return Verdict::kAccepted;
 }
 

@@ -179,7 +179,9 @@ JobStatus Farm::StatusOf(Instant now, const JobEntry& job) const {
   if (status.reason.empty() && wants_workers) status.reason = scheduler_.Obstacle(job.id);
   if (!job.progress.empty() && now > job.progress.front().at) {
     const Progress& past = job.progress.front();
-    status.samples_per_second = static_cast<double>(job.samples_done - past.samples) / Seconds(now - past.at);
+    status.samples_per_second =
+        std::max(0.0, static_cast<double>(job.samples_done) - static_cast<double>(past.samples)) /
+        Seconds(now - past.at);
   }
   if (status.samples_per_second > 0 && status.state == JobState::kRunning) {
     const double left_s =
