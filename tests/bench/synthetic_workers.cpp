@@ -100,6 +100,7 @@ class SyntheticWorkers::One {
         state_.leases.push_back({id, lease.unit, LeaseStage::kRunning, {}});
       Write(state_, call->request);
     }
+    call->context.set_wait_for_ready(true);  // a thousand at once are more than it takes at once
     SetDeadline(call->context, kWait + kPatience);
     stub_->async()->Synchronize(&call->context, &call->request, &call->answer,
                                 [this, call](grpc::Status status) {
