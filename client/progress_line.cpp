@@ -54,7 +54,7 @@ std::string ProgressText(const Progress& progress, const char* worker_word) {
   if (progress.frames.total > 1) {
     text += fmt::format("  {} of {} frames", progress.frames.finished, progress.frames.total);
   }
-  if (progress.samples_done < progress.samples_total) {
+  if (progress.samples_done < progress.samples_total && !progress.has_ended) {
     text += progress.left_s >= 0 ? fmt::format("  {} left", DurationText(progress.left_s))
                                  : "  time left not known yet";
   }

@@ -16,9 +16,10 @@ struct Progress {
   double samples_per_second = 0;
   int workers = 0;
   double elapsed_s = 0;
-  double left_s = -1;  // negative: not known yet
-  std::string remark;  // why nothing moves and the like, or empty
-  FrameCount frames;   // told if there are several
+  double left_s = -1;      // negative: not known yet
+  std::string remark;      // why nothing moves and the like, or empty
+  FrameCount frames;       // told if there are several
+  bool has_ended = false;  // nothing more will come, whether all is done or not
 };
 
 // "  43.1 %  12.3/28.6 Msamples  1.42 Msamples/s  2 workers  8.7 s elapsed  11 s left"

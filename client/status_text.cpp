@@ -126,6 +126,7 @@ Progress ProgressOf(const JobStatus& status) {
   progress.left_s = status.left.count() >= 0 ? Seconds(status.left) : -1;
   progress.remark = status.reason;
   progress.frames = {status.frames_finished, status.frames_total};
+  progress.has_ended = HasEnded(status.state);
   if (const std::string text = VerificationText(status); !text.empty()) {
     progress.remark += (progress.remark.empty() ? "" : "; ") + text;
   }

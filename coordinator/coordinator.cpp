@@ -38,6 +38,7 @@ Result<std::unique_ptr<WebServer>> StartWeb(const CoordinatorOptions& options, C
     auto view = LookAtFarm(core);
     if (!view) return view;
     view->traffic = {work.bytes_in(), blobs.bytes_in(), blobs.bytes_out()};
+    view->intake = {work.intake().bytes(), work.intake().waiting()};
     view->blob_bytes = store.bytes();
     return view;
   });

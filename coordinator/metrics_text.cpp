@@ -127,6 +127,10 @@ void AddCoordinator(const FarmView& view, Families& out) {
   out.Counter(bytes, help, D(view.traffic.results_in), {{"direction", "in"}, {"what", "results"}});
   out.Counter(bytes, help, D(view.traffic.blobs_in), {{"direction", "in"}, {"what", "blobs"}});
   out.Counter(bytes, help, D(view.traffic.blobs_out), {{"direction", "out"}, {"what", "blobs"}});
+  out.Gauge("tessera_intake_bytes", "Bytes of returned results in memory that are not on disk yet.",
+            D(view.intake.bytes));
+  out.Gauge("tessera_intake_waiting", "Calls that wait for room in memory to return results.",
+            D(view.intake.waiting));
   out.Gauge("tessera_blob_bytes", "Bytes of scene files kept on disk.", D(view.blob_bytes));
 }
 

@@ -1,15 +1,12 @@
 #include "coordinator/work_service.h"
 
-#include <cmath>
-
 #include "coordinator/core_thread.h"
+#include "coordinator/results_call.h"
 #include "wire/channel.h"
 #include "wire/convert.h"
 
 namespace tessera {
 namespace {
-
-constexpr double kRenderSecondsMax = 1e6;  // a measurement beyond it is nonsense
 
 // A call that waits for news. Its break is the news that the worker is gone.
 class SynchronizeCall final : public grpc::ServerUnaryReactor {
@@ -30,38 +27,6 @@ class SynchronizeCall final : public grpc::ServerUnaryReactor {
   CoreThread& core_;
   CallId id_;
 };
-
-Result<std::vector<ReturnedUnit>> ReadResults(const proto::ResultsRequest& request) {
-  if (request.worker() == 0) return BadInput("message refused: worker is missing");
-  if (request.results_size() > kResultsPerCallMax) return BadInput("message refused: results are too many");
-  std::vector<ReturnedUnit> units;
-  for (const proto::UnitResult& result : request.results()) {
-    const auto unit = ReadWorkUnit(result.unit());
-    if (!unit) return unit.error();
-    const double seconds = result.render_seconds();
-    const bool is_sane = std::isfinite(seconds) && seconds >= 0 && seconds <= kRenderSecondsMax;
-    units.push_back(
-        {LeaseId{result.lease()}, *unit, is_sane ? seconds : 0, DecodeRadianceTile(result.tile())});
-  }
-  return units;
-}
-
-proto::ResultsAnswer::Verdict WriteVerdict(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kAccepted: return proto::ResultsAnswer::ACCEPTED;
-    case Verdict::kDuplicate: return proto::ResultsAnswer::DUPLICATE;
-    case Verdict::kObsolete: return proto::ResultsAnswer::OBSOLETE;
-    case Verdict::kRefused: return proto::ResultsAnswer::REFUSED;
-  }
-  TESSERA_CHECK(false);
-}
-
-void WriteResults(const FarmOutput::Results& results, proto::ResultsAnswer& answer) {
-  for (const Verdict verdict : results.verdicts) answer.add_verdicts(WriteVerdict(verdict));
-  for (const std::string& reason : results.reasons) answer.add_reasons(reason);
-  for (const Lease& lease : results.grants.leases) Write(lease, *answer.add_leases());
-  for (const LeaseId lease : results.grants.drop) answer.add_drop(Number(lease));
-}
 
 }  // namespace
 
@@ -90,27 +55,9 @@ grpc::ServerUnaryReactor* WorkService::Synchronize(grpc::CallbackServerContext* 
   return call;
 }
 
-grpc::ServerUnaryReactor* WorkService::ReturnResults(grpc::CallbackServerContext* context,
-                                                     const proto::ResultsRequest* request,
-                                                     proto::ResultsAnswer* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  bytes_in_ += request->ByteSizeLong();
-  auto units = ReadResults(*request);  // here, so that checking and copying pixels uses many threads
-  if (!units) {
-    reactor->Finish(ToStatus(units.error()));
-    return reactor;
-  }
-  const CallId id{call_next_++};
-  const WorkerId worker{request->worker()};
-  const auto shared = std::make_shared<std::vector<ReturnedUnit>>(std::move(*units));
-  core_.Post([=](CoreContext& core) {
-    core.answers.AwaitResults(id, [reactor, answer](const FarmOutput::Results* results) {
-      if (results != nullptr) WriteResults(*results, *answer);
-      reactor->Finish(results != nullptr ? grpc::Status::OK : CoordinatorEnds());
-    });
-    core.farm.ReturnResults(core.now, id, worker, std::move(*shared));
-  });
-  return reactor;
+grpc::ServerReadReactor<proto::ResultsRequest>* WorkService::ReturnResults(grpc::CallbackServerContext*,
+                                                                           proto::ResultsAnswer* answer) {
+  return new ResultsCall(core_, intake_, CallId{call_next_++}, *answer, bytes_in_);
 }
 
 grpc::ServerUnaryReactor* WorkService::ReturnFailure(grpc::CallbackServerContext* context,

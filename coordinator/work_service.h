@@ -3,6 +3,7 @@
 
 #include <atomic>
 
+#include "coordinator/results_intake.h"
 #include "proto/work.grpc.pb.h"
 
 namespace tessera {
@@ -14,19 +15,20 @@ class WorkService final : public proto::Work::CallbackService {
   explicit WorkService(CoreThread& core) : core_(core) {}
   // Of results, since the start.
   uint64_t bytes_in() const { return bytes_in_; }
+  const ResultsIntake& intake() const { return intake_; }
 
   grpc::ServerUnaryReactor* Synchronize(grpc::CallbackServerContext* context,
                                         const proto::WorkerState* request,
                                         proto::WorkerDirective* answer) override;
-  grpc::ServerUnaryReactor* ReturnResults(grpc::CallbackServerContext* context,
-                                          const proto::ResultsRequest* request,
-                                          proto::ResultsAnswer* answer) override;
+  grpc::ServerReadReactor<proto::ResultsRequest>* ReturnResults(grpc::CallbackServerContext* context,
+                                                                proto::ResultsAnswer* answer) override;
   grpc::ServerUnaryReactor* ReturnFailure(grpc::CallbackServerContext* context,
                                           const proto::FailureRequest* request,
                                           proto::FailureAnswer* answer) override;
 
  private:
   CoreThread& core_;
+  ResultsIntake intake_{kIntakeBytesMax};
   std::atomic<uint64_t> call_next_{1};
   std::atomic<uint64_t> bytes_in_{0};
 };

@@ -17,7 +17,7 @@
 
 namespace tessera {
 
-constexpr uint32_t kProtocolVersion = 1;           // counts changes that old programs would misread
+constexpr uint32_t kProtocolVersion = 2;           // counts changes that old programs would misread
 constexpr const char* kSoftwareVersion = "0.1.0";  // farms mix no versions: pictures are exact per release
 
 constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message

@@ -60,7 +60,6 @@ class Courier {
 
   grpc::Status Send(const std::vector<FinishedUnit>& results) {
     proto::ResultsRequest request;
-    request.set_worker(Number(worker_));
     for (const FinishedUnit& result : results) {
       proto::UnitResult& message = *request.add_results();
       message.set_lease(Number(result.lease));
@@ -69,8 +68,11 @@ class Courier {
       message.set_render_seconds(result.render_seconds);
     }
     proto::ResultsAnswer answer;
-    const grpc::Status status =
-        Call([&](grpc::ClientContext* context) { return stub_->ReturnResults(context, request, &answer); });
+    const grpc::Status status = Call([&](grpc::ClientContext* context) {
+      const auto writer = stub_->ReturnResults(context, &answer);
+      if (writer->Write(Announcement(worker_, request))) writer->WriteLast(request, {});
+      return writer->Finish();
+    });
     if (!status.ok()) return status;
     LogVerdicts(answer, results);
     bench_.AddLeases(ReadLeases(answer.leases()), ReadIds(answer.drop()));

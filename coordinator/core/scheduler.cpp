@@ -263,6 +263,7 @@ void Scheduler::Strike(Instant, WorkerId worker_id, const std::string& reason) {
 
 void Scheduler::Quarantine(WorkerRecord& worker, const std::string& reason) {
   worker.quarantine = reason;
+  worker.wanted.clear();
   NoteBar(worker);
   Log(fmt::format("worker_quarantined worker={:016x} name=\"{}\" reason=\"{}\"", Number(worker.id),
                   worker.name, reason));

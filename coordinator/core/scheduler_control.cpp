@@ -8,20 +8,25 @@
 namespace tessera {
 namespace {
 
-// Why nobody works at all.
-std::string NobodyWorks(const std::map<WorkerId, WorkerRecord>& workers) {
+// Why those who are connected and have the tags take no work, counted; empty if there are none.
+std::string WhyIdle(const std::map<WorkerId, WorkerRecord>& workers, const std::set<std::string>& tags) {
   size_t drained = 0, quarantined = 0, leaving = 0;
   for (const auto& [id, worker] : workers) {
-    if (!worker.live) continue;
+    if (!worker.live || !worker.HasTags(tags)) continue;
     ++(worker.quarantined() ? quarantined : worker.drained ? drained : leaving);
   }
-  if (drained + quarantined + leaving == 0) return "no worker is connected";
   std::string why;
   for (const auto& [count, what] : {std::pair(drained, "drained"), std::pair(quarantined, "quarantined"),
                                     std::pair(leaving, "about to leave")}) {
     if (count > 0) why += fmt::format("{}{} {}", why.empty() ? "" : ", ", count, what);
   }
-  return fmt::format("no worker takes work: {}", why);
+  return why;
+}
+
+// Why nobody works at all.
+std::string NobodyWorks(const std::map<WorkerId, WorkerRecord>& workers) {
+  const std::string why = WhyIdle(workers, {});
+  return why.empty() ? "no worker is connected" : "no worker takes work: " + why;
 }
 
 }  // namespace
@@ -179,15 +184,19 @@ std::set<WorkerId> Scheduler::AbleFor(const JobRecord& job) const {
   return able;
 }
 
-// Which of the job's tags nobody has; or that nobody has all.
+// Why nobody may work for the job, that requires tags.
 std::string Scheduler::MissingTags(const JobRecord& job) const {
-  std::set<std::string> missing = job.spec->required_tags;
+  const std::set<std::string>& tags = job.spec->required_tags;
+  const std::string all = fmt::format("{}", fmt::join(tags, ", "));
+  if (const std::string why = WhyIdle(workers_, tags); !why.empty())
+    return fmt::format("no worker with tag{} {} takes work: {}", tags.size() == 1 ? "" : "s", all, why);
+  std::set<std::string> missing = tags;
   for (const auto& [id, worker] : workers_) {
-    if (!worker.MayWork()) continue;
+    if (!worker.live) continue;
     for (const std::string& tag : worker.tags) missing.erase(tag);
   }
   if (!missing.empty()) return fmt::format("no worker has tag {}", *missing.begin());
-  return fmt::format("no worker has all of the tags {}", fmt::join(job.spec->required_tags, ", "));
+  return fmt::format("no worker has all of the tags {}", all);
 }
 
 std::string Scheduler::Obstacle(JobId id) const {

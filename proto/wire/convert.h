@@ -16,6 +16,7 @@ class JobSpec;
 class JobStatus;
 class Lease;
 class PixelBounds;
+class ResultsRequest;
 class SampleRange;
 class SceneOrder;
 class WorkUnit;
@@ -55,5 +56,8 @@ void Write(const JobSpec& value, proto::JobSpec& message);
 void Write(const JobStatus& value, proto::JobStatus& message);
 void Write(const std::vector<FrameStatus>& value, proto::FramesAnswer& message);
 void Write(const WorkerStatus& value, proto::WorkerStatus& message);
+
+// The message of ReturnResults that goes before `results`.
+proto::ResultsRequest Announcement(WorkerId worker, const proto::ResultsRequest& results);
 
 }  // namespace tessera

@@ -165,4 +165,11 @@ void Write(const WorkerDirective& value, proto::WorkerDirective& message) {
   message.set_notice(value.notice);
 }
 
+proto::ResultsRequest Announcement(WorkerId worker, const proto::ResultsRequest& results) {
+  proto::ResultsRequest message;
+  message.set_worker(Number(worker));
+  message.set_bytes(results.ByteSizeLong());
+  return message;
+}
+
 }  // namespace tessera

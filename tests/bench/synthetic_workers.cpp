@@ -83,10 +83,34 @@ class SyntheticWorkers::One {
     proto::WorkerState request;
     proto::WorkerDirective answer;
   };
-  struct ResultsCall {
-    grpc::ClientContext context;
-    proto::ResultsRequest request;
-    proto::ResultsAnswer answer;
+  // Deletes itself when the call is over.
+  class ResultsCall final : public grpc::ClientWriteReactor<proto::ResultsRequest> {
+   public:
+    ResultsCall(One& one, std::vector<LeaseId> sent, proto::ResultsRequest results)
+        : one_(one), sent_(std::move(sent)), results_(std::move(results)) {
+      announcement_ = Announcement(one_.state_.worker, results_);
+      SetDeadline(context_, kPatience);
+      one_.stub_->async()->ReturnResults(&context_, &answer_, this);
+      StartWrite(&announcement_);
+      StartCall();
+    }
+
+   private:
+    void OnWriteDone(bool ok) override {
+      if (ok && !std::exchange(is_sent_, true)) StartWriteLast(&results_, {});
+    }
+    void OnDone(const grpc::Status& status) override {
+      if (status.ok()) one_.Answered(answer_, sent_);
+      one_.shared_.EndCall(status);
+      delete this;
+    }
+
+    One& one_;
+    std::vector<LeaseId> sent_;
+    grpc::ClientContext context_;
+    proto::ResultsRequest announcement_, results_;
+    proto::ResultsAnswer answer_;
+    bool is_sent_ = false;
   };
 
   void Synchronize() {
@@ -132,25 +156,19 @@ class SyntheticWorkers::One {
 
   // Sends what is there, one call at a time.
   void Return() {
-    auto call = std::make_shared<ResultsCall>();
+    proto::ResultsRequest results;
     std::vector<LeaseId> sent;
     {
       const std::lock_guard lock(mutex_);
       if (is_returning_ || waiting_.empty()) return;
       if (!shared_.BeginCall()) return;
       is_returning_ = true;
-      call->request.set_worker(Number(state_.worker));
       for (; !waiting_.empty() && sent.size() < kResultsPerCall; waiting_.pop_front()) {
-        AddResult(waiting_.front(), call->request);
+        AddResult(waiting_.front(), results);
         sent.push_back(waiting_.front().id);
       }
     }
-    SetDeadline(call->context, kPatience);
-    stub_->async()->ReturnResults(&call->context, &call->request, &call->answer,
-                                  [this, call, sent = std::move(sent)](grpc::Status status) {
-                                    if (status.ok()) Answered(call->answer, sent);
-                                    shared_.EndCall(status);
-                                  });
+    new ResultsCall(*this, std::move(sent), std::move(results));
   }
 
   void AddResult(const Lease& lease, proto::ResultsRequest& request) {

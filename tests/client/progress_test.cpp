@@ -20,6 +20,8 @@ TEST(Progress, IsToldInFiguresThatPeopleRead) {
             "100.0 %  100 samples of 100 samples  950 samples/s  1 thread  3 min 12 s elapsed");
   progress = {0, 100, 0, 0, 0, -1, "disk full", {}};
   EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("time left not known yet  (disk full)"));
+  progress.has_ended = true;
+  EXPECT_THAT(ProgressText(progress, "worker"), testing::Not(HasSubstr("left")));
 }
 
 TEST(Progress, CountsTheFramesOfASequence) {

@@ -207,6 +207,9 @@ TEST(SchedulerControl, AJobThatNobodyCanServeSaysWhatIsMissing) {
   EXPECT_EQ(stage.scheduler.Obstacle(two), "no worker has tag linux");
   stage.Say(2);
   EXPECT_EQ(stage.scheduler.Obstacle(two), "no worker has all of the tags gpu, linux");
+  stage.scheduler.Drain(WorkerId{1});
+  EXPECT_EQ(stage.scheduler.Obstacle(one), "no worker with tag gpu takes work: 1 drained");
+  EXPECT_EQ(stage.scheduler.Obstacle(two), "no worker has all of the tags gpu, linux");
   stage.scheduler.Disconnect(stage.now, WorkerId{1});
   EXPECT_EQ(stage.scheduler.Obstacle(one), "no worker has tag gpu");
 }

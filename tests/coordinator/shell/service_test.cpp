@@ -73,13 +73,8 @@ TEST_F(Services, AJobGoesFromSubmissionToFile) {
 
 TEST_F(Services, DamagedResultsAreRefused) {
   const uint64_t job = Submit();
-  proto::ResultsRequest request;
-  request.set_worker(7);
-  proto::UnitResult& result = *request.add_results();
-  Write(WorkUnit{JobId{job}, 0, 0, {0, 4}}, *result.mutable_unit());
-  result.set_tile("not a tile");
   proto::ResultsAnswer answer;
-  ASSERT_TRUE(Call(*work, &proto::Work::Stub::ReturnResults, request, answer).ok());
+  ASSERT_TRUE(Return(ResultOf(job, 0, {0, 4}, "not a tile"), answer).ok());
   EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::REFUSED);
   ASSERT_EQ(answer.reasons_size(), 1);
   EXPECT_THAT(answer.reasons(0), HasSubstr("tile 0"));

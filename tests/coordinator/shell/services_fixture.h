@@ -132,13 +132,27 @@ class Services : public testing::Test {
       for (int c = 0; c < 3; ++c) radiance.sums.push_back(value * static_cast<float>(range.size));
       radiance.sums.push_back(static_cast<float>(range.size));
     }
+    return Return(ResultOf(job, tile, range, EncodeRadianceTile(radiance)), answer);
+  }
+  static proto::ResultsRequest ResultOf(uint64_t job, uint32_t tile, SampleRange range,
+                                        const std::string& encoded) {
     proto::ResultsRequest request;
-    request.set_worker(7);
     proto::UnitResult& result = *request.add_results();
     Write(WorkUnit{JobId{job}, 0, tile, range}, *result.mutable_unit());
-    result.set_tile(EncodeRadianceTile(radiance));
+    result.set_tile(encoded);
     result.set_render_seconds(0.01);
-    return Call(*work, &proto::Work::Stub::ReturnResults, request, answer);
+    return request;
+  }
+  grpc::Status Return(const proto::ResultsRequest& results, proto::ResultsAnswer& answer) {
+    return Return(Announcement(WorkerId{7}, results), results, answer);
+  }
+  grpc::Status Return(const proto::ResultsRequest& announcement, const proto::ResultsRequest& results,
+                      proto::ResultsAnswer& answer) {
+    grpc::ClientContext context;
+    SetDeadline(context, kPatience);
+    const auto writer = work->ReturnResults(&context, &answer);
+    if (writer->Write(announcement)) writer->WriteLast(results, {});
+    return writer->Finish();
   }
   proto::JobStatus Status(uint64_t job) {
     proto::JobRequest request;

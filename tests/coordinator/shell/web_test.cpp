@@ -32,6 +32,7 @@ FarmView SomeView() {
   view.counters.units_duplicate = 7;
   view.counters.journal_s = 1.5;
   view.traffic.blobs_in = 99;
+  view.intake = {12, 5};
   return view;
 }
 
@@ -46,6 +47,8 @@ TEST(MetricsText, NamesEveryCounterWithItsValue) {
   EXPECT_THAT(text, HasSubstr("tessera_journal_sync_seconds_total 1.5\n"));
   EXPECT_THAT(text, HasSubstr("tessera_jobs{state=\"running\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("tessera_bytes_total{direction=\"in\",what=\"blobs\"} 99\n"));
+  EXPECT_THAT(text, HasSubstr("tessera_intake_bytes 12\n"));
+  EXPECT_THAT(text, HasSubstr("tessera_intake_waiting 5\n"));
   EXPECT_THAT(text,
               HasSubstr("tessera_worker_utilisation{worker=\"000000000000000a\",name=\"a\\\"b\\n<i>\"} 0.5"));
 }
