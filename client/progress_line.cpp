@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace tessera {
@@ -34,7 +35,7 @@ std::string WithPrefix(double value) {
 std::string DurationText(double seconds) {
   seconds = std::max(seconds, 0.0);
   if (seconds < 60) return fmt::format("{:.1f} s", seconds);
-  const int64_t whole = static_cast<int64_t>(seconds + 0.5);
+  const int64_t whole = std::llround(seconds);
   if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
   return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
 }
