@@ -32,7 +32,7 @@ Rgb ToneMap(Rgb color) {
 // IEC 61966-2-1.
 uint8_t EncodeSrgb(float linear) {
   const float encoded = linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
-  return static_cast<uint8_t>(std::clamp(encoded, 0.0f, 1.0f) * 255 + 0.5f);
+  return static_cast<uint8_t>(std::lround(std::clamp(encoded, 0.0f, 1.0f) * 255));
 }
 
 // Where red, green and blue are among the channels.

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <thread>
 
 #include "tests/end_to_end/process.h"
 #include "util/file.h"
@@ -13,6 +14,9 @@ namespace tessera {
 namespace {
 
 constexpr std::chrono::minutes kJobPatience{10};  // of a farm that is being hurt
+// A full disk refuses a scene's files, and says so: people make room and try again.
+constexpr const char* kNoRoom = "No space left on device";
+constexpr std::chrono::milliseconds kNoRoomPause{200};
 constexpr uint64_t kPictureBytesMax = uint64_t{1} << 30;
 constexpr int kFrames = 3;
 
@@ -88,17 +92,24 @@ bool Customers::Do(const ChaosJob& job, size_t customer) {
 
 bool Customers::Ask(std::vector<std::string> arguments, std::string* answer) {
   arguments.insert(arguments.end(), {"--coordinator", address_, "--patience", "120"});
-  Process process(folder_, "tessera", arguments);
-  std::optional<int> code;
   const auto deadline = std::chrono::steady_clock::now() + kJobPatience;
-  while (!code && !gave_up_ && std::chrono::steady_clock::now() < deadline) {
-    code = process.Wait(std::chrono::milliseconds(200));
+  while (true) {
+    Process process(folder_, "tessera", arguments);
+    std::optional<int> code;
+    while (!code && !gave_up_ && std::chrono::steady_clock::now() < deadline) {
+      code = process.Wait(std::chrono::milliseconds(200));
+    }
+    *answer = process.Output();
+    if (code == 0) return true;
+    const std::string errors = process.Errors();
+    if (code == 1 && errors.find(kNoRoom) != std::string::npos && !gave_up_) {
+      std::this_thread::sleep_for(kNoRoomPause);
+      continue;
+    }
+    Complain(fmt::format("tessera {} {} {}: {}", arguments[0], arguments[1],
+                         code ? fmt::format("ended with {}", *code) : "took too long", errors));
+    return false;
   }
-  *answer = process.Output();
-  if (code == 0) return true;
-  Complain(fmt::format("tessera {} {} {}: {}", arguments[0], arguments[1],
-                       code ? fmt::format("ended with {}", *code) : "took too long", process.Errors()));
-  return false;
 }
 
 void Customers::Complain(const std::string& problem) {
