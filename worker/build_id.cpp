@@ -35,6 +35,7 @@ int VisitObject(dl_phdr_info* info, size_t, void* result) {
   for (int i = 0; i < info->dlpi_phnum; ++i) {
     const ElfW(Phdr)& segment = info->dlpi_phdr[i];
     if (segment.p_type != PT_NOTE) continue;
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader gives addresses as numbers.
     const char* notes = reinterpret_cast<const char*>(info->dlpi_addr + segment.p_vaddr);
     std::string id = FindBuildId(notes, segment.p_memsz);
     if (!id.empty()) {

@@ -79,7 +79,9 @@ void Farm::RestoreKept() {
   }
   finished_.clear();
   for (auto& [id, job] : jobs_) {
-    std::erase_if(job.kept, [&](const auto& each) { return !found_kept_.contains({id, each.first}); });
+    std::erase_if(job.kept, [&, job_id = id](const auto& each) {
+      return !found_kept_.contains({job_id, each.first});
+    });
   }
   found_kept_.clear();
 }

@@ -31,8 +31,8 @@ struct Bin {
   }
   // Of testing all of them.
   float Cost() const {
-    return static_cast<float>((triangles + TriangleBlock::kLanes - 1) / TriangleBlock::kLanes) +
-           kOtherCost * static_cast<float>(others);
+    const auto blocks = (triangles + TriangleBlock::kLanes - 1) / TriangleBlock::kLanes;
+    return static_cast<float>(blocks) + kOtherCost * static_cast<float>(others);
   }
   bool FitsInLeaf() const {
     return others == 0 ? triangles <= TriangleBlock::kLanes

@@ -70,7 +70,8 @@ double EstimateNoise(const FrameSpec& spec, const std::vector<float>& left, cons
       total += error * error / (mean * mean + kRelativeFloor);
     }
   }
-  return total / static_cast<double>(left.size() / channels * colors.size());
+  const size_t values = left.size() / channels * colors.size();
+  return total / static_cast<double>(values);
 }
 
 bool IsEnough(const FrameSpec& spec, uint32_t samples, const std::vector<float>& left,

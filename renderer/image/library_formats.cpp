@@ -48,7 +48,7 @@ Error Damaged(const std::string& name, ImageFormat format, std::string reason) {
 }
 
 // What the values are read as.
-OIIO::TypeDesc ReadType(OIIO::TypeDesc stored) {
+OIIO::TypeDesc ReadType(const OIIO::TypeDesc& stored) {
   switch (stored.basetype) {
     case OIIO::TypeDesc::UINT8: return OIIO::TypeDesc::UINT8;
     case OIIO::TypeDesc::UINT16: return OIIO::TypeDesc::UINT16;

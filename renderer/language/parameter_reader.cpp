@@ -280,11 +280,11 @@ SourceLocation ParameterReader::LocationOf(std::string_view name) const {
   return found ? found->location : entity_->location;
 }
 
-void ParameterReader::Fail(std::string message) {
+void ParameterReader::Fail(const std::string& message) {
   Fail(ErrorAt(entity_->location, message));
 }
 
-void ParameterReader::FailAt(std::string_view name, std::string message) {
+void ParameterReader::FailAt(std::string_view name, const std::string& message) {
   Fail(ErrorAt(LocationOf(name), message));
 }
 

@@ -70,8 +70,8 @@ class ParameterReader {
   SourceLocation LocationOf(std::string_view name) const;
 
   // Remembers an error at the entity, or at one of its parameters. Only the first is kept.
-  void Fail(std::string message);
-  void FailAt(std::string_view name, std::string message);
+  void Fail(const std::string& message);
+  void FailAt(std::string_view name, const std::string& message);
   void Fail(const Error& error);  // already has its place
   bool failed() const { return error_.has_value(); }
   // Counts every parameter as read: for kinds that ignore theirs.

@@ -56,6 +56,7 @@ bool SceneParser::Option(const Statement& statement) {
   const KnownOption* known = FindOption(option.name);
   if (!known) {
     std::vector<std::string_view> names;
+    names.reserve(std::size(kOptions));
     for (const KnownOption& o : kOptions) names.push_back(o.name);
     return builder_->Fail(location, "unknown option " + Quoted(name) + DidYouMean(option.name, names));
   }

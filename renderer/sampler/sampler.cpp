@@ -49,8 +49,10 @@ Point2 Sampler::Stratified2D() {
   const uint64_t bits = Hash(seed, index_);
   const float dx = settings_.jitter ? UniformFloat(static_cast<uint32_t>(bits >> 32)) : 0.5f;
   const float dy = settings_.jitter ? UniformFloat(static_cast<uint32_t>(bits)) : 0.5f;
-  return {std::min((stratum % settings_.strata_x + dx) / settings_.strata_x, kOneMinusEpsilon),
-          std::min((stratum / settings_.strata_x + dy) / settings_.strata_y, kOneMinusEpsilon)};
+  const uint32_t column = stratum % settings_.strata_x;
+  const uint32_t row = stratum / settings_.strata_x;
+  return {std::min((column + dx) / settings_.strata_x, kOneMinusEpsilon),
+          std::min((row + dy) / settings_.strata_y, kOneMinusEpsilon)};
 }
 
 void Sampler::StartZSobol() {

@@ -110,7 +110,7 @@ std::string EncodeRenderOptions(const RenderOptions& options) {
   if (options.time) lines["time"] = NumberText(*options.time);
   if (options.width) lines["width"] = NumberText(*options.width);
   std::string text;
-  for (const auto& [key, value] : lines) text += key + "=" + value + "\n";
+  for (const auto& [key, value] : lines) text.append(key).append("=").append(value).append("\n");
   return text;
 }
 

@@ -18,7 +18,7 @@ SpectrumInput SpectrumAt(int texture) {
 }  // namespace
 
 int TextureAssembly::AddMapping(TextureMapping mapping) {
-  return Append(nodes_.mappings, std::move(mapping));
+  return Append(nodes_.mappings, mapping);
 }
 int TextureAssembly::AddNoise(NoiseSettings settings) {
   return Append(nodes_.noises, settings);

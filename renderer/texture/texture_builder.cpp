@@ -19,6 +19,7 @@ constexpr int kUseCount = 3;
 template <typename Map>
 std::vector<std::string_view> NamesOf(const Map& map) {
   std::vector<std::string_view> names;
+  names.reserve(map.size());
   for (const auto& [name, value] : map) names.push_back(name);
   return names;
 }

@@ -14,6 +14,7 @@ inline bool Remap(int& x, int& y, int width, int height, WrapMode wrap) {
       static_cast<unsigned>(y) < static_cast<unsigned>(height)) {
     return true;
   }
+  if (width <= 0 || height <= 0) return false;  // no texels at all
   switch (wrap) {
     case WrapMode::kBlack: return false;
     case WrapMode::kRepeat:

@@ -26,6 +26,7 @@ EndingSignals::EndingSignals(std::function<void(int count)> action) : action_(st
 
 EndingSignals::~EndingSignals() {
   closing_ = true;
+  // NOLINTNEXTLINE(bugprone-bad-signal-to-kill-thread): it is blocked there and ends a wait, not the process.
   pthread_kill(thread_.native_handle(), SIGTERM);
   thread_.join();
 }
