@@ -19,6 +19,12 @@ struct Line {
   void Enter(int call, uint64_t bytes) {
     intake.Enter(CallId{static_cast<uint64_t>(call)}, bytes, [this, call] { admitted.push_back(call); });
   }
+  // One is in, a large one waits, and a small one behind it.
+  void EnterWithALargeOneWaiting() {
+    Enter(1, 60);
+    Enter(2, 90);
+    Enter(3, 1);
+  }
   ResultsIntake intake{100};
   std::vector<int> admitted;
 };
@@ -36,9 +42,7 @@ TEST(ResultsIntake, LetsInAsMuchAsThereIsRoomForAndTheNextWhenSomebodyLeaves) {
 
 TEST(ResultsIntake, NobodyOvertakes) {
   Line line;
-  line.Enter(1, 60);
-  line.Enter(2, 90);
-  line.Enter(3, 1);
+  line.EnterWithALargeOneWaiting();
   EXPECT_THAT(line.admitted, ElementsAre(1));
   line.intake.Leave(60);
   EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
@@ -58,9 +62,7 @@ TEST(ResultsIntake, WhatIsMoreThanAllRoomIsLetInAlone) {
 
 TEST(ResultsIntake, WhoeverWithdrawsMakesWayForThoseBehind) {
   Line line;
-  line.Enter(1, 60);
-  line.Enter(2, 90);
-  line.Enter(3, 1);
+  line.EnterWithALargeOneWaiting();
   EXPECT_FALSE(line.intake.Withdraw(CallId{1})) << "it is in already";
   EXPECT_TRUE(line.intake.Withdraw(CallId{2}));
   EXPECT_FALSE(line.intake.Withdraw(CallId{2}));
