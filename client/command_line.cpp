@@ -70,7 +70,7 @@ void AddFrames(CLI::App& app, Options& options) {
 void AddNoiseOptions(CLI::App& app, RenderOptions& render) {
   AddWord(
       app, "--noise-threshold",
-      fmt::format("stop each tile once the root of the relMSE expected of it is below E x sqrt(n / {}) at n "
+      fmt::format("stop each pixel once the root of the relMSE expected of it is below E x sqrt(n / {}) at n "
                   "samples per pixel; 0.2 is a draft, 0.05 clean [default: 0, all samples everywhere]",
                   kThresholdSamples),
       "E", [&render](const std::string& word) {
@@ -109,9 +109,7 @@ void AddRenderOptions(CLI::App& app, Options& options) {
   AddWord(app, "--max-depth", "longest path, bounces", "N", [&render](const std::string& word) {
     render.max_depth = static_cast<int>(Take(ParseInteger("--max-depth", word, 0, kPathDepthMax)));
   });
-  AddWord(app, "--tile-size",
-          fmt::format("pixels along the side of a tile [default: {}, with --noise-threshold {}]",
-                      kTileSizeDefault, kAdaptiveTileSizeDefault),
+  AddWord(app, "--tile-size", fmt::format("pixels along the side of a tile [default: {}]", kTileSizeDefault),
           "N", [&render](const std::string& word) {
             render.tile_size = static_cast<int>(Take(ParseInteger("--tile-size", word, 1, kTileSizeMax)));
           });

@@ -29,7 +29,7 @@ uint32_t UnitSizeMax(const FrameSpec& spec) {
 class Crew {
  public:
   Crew(const Scene& scene, const FrameSpec& spec, int threads)
-      : scene_(scene), merger_(spec), unit_size_max_(UnitSizeMax(spec)), running_(threads) {
+      : scene_(scene), spec_(spec), merger_(spec), unit_size_max_(UnitSizeMax(spec)), running_(threads) {
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Work(); });
   }
   ~Crew() { Join(); }
@@ -56,6 +56,7 @@ class Crew {
   struct Unit {
     int tile;
     SampleRange range;
+    PixelMask pixels;
   };
   // Samples of a tile that nobody has taken yet.
   struct Open {
@@ -72,7 +73,7 @@ class Crew {
     std::unique_lock lock(mutex_);
     while (const auto unit = Take(lock)) {
       lock.unlock();
-      auto sums = scene_.Render(merger_.spec().TileBounds(unit->tile), unit->range, &stop_);
+      auto sums = scene_.Render(spec_.TileBounds(unit->tile), unit->pixels, unit->range, &stop_);
       lock.lock();
       if (!sums) break;
       Merge(unit->tile, std::move(*sums));
@@ -82,7 +83,7 @@ class Crew {
   }
   // Waits while others render what may open more. Nothing if there is nothing left to do.
   std::optional<Unit> Take(std::unique_lock<std::mutex>& lock) {
-    const auto tile_count = merger_.spec().TileCount();
+    const int tile_count = spec_.TileCount();
     work_.wait(lock, [&] { return stop_ || !open_.empty() || tile_next_ < tile_count || taken_ == 0; });
     if (stop_ || (open_.empty() && tile_next_ == tile_count)) return std::nullopt;
     if (open_.empty()) {
@@ -91,8 +92,8 @@ class Crew {
     }
     Open& open = open_.back();
     uint32_t size = std::min(unit_size_max_, DyadicSizeMax(open.begin, open.end));
-    if (open.begin == 0) size = std::min(size, FirstUnitMax(merger_.spec()));
-    const Unit unit{open.tile, {open.begin, size}};
+    if (open.begin == 0) size = std::min(size, FirstUnitMax(spec_));
+    const Unit unit{open.tile, {open.begin, size}, merger_.Goal(open.tile).pixels};
     open.begin += size;
     if (open.begin == open.end) open_.pop_back();
     ++taken_;
@@ -100,15 +101,16 @@ class Crew {
   }
   void Merge(int tile, RadianceTile sums) {
     --taken_;
-    const TileGoal before = merger_.Goal(tile);
+    const uint32_t before = merger_.Goal(tile).samples;
     TESSERA_CHECK(merger_.Add(tile, std::move(sums)).has_value());
-    const TileGoal after = merger_.Goal(tile);
-    if (after.samples > before.samples) open_.push_back({tile, before.samples, after.samples});
+    const uint32_t after = merger_.Goal(tile).samples;
+    if (after > before) open_.push_back({tile, before, after});
     work_.notify_all();
   }
 
   const Scene& scene_;
-  Merger merger_;  // guarded by mutex_, its spec aside, as all that follows
+  const FrameSpec& spec_;
+  Merger merger_;  // guarded by mutex_, as all that follows
   const uint32_t unit_size_max_;
   std::vector<Open> open_;  // a stack: a tile begun is ended before another begins
   int tile_next_ = 0;       // those from here on have not begun

@@ -12,12 +12,13 @@
 #include <vector>
 
 #include "film/frame_spec.h"
+#include "film/pixel_mask.h"
 #include "film/sample_range.h"
 #include "util/digest.h"
 
 namespace tessera {
 
-constexpr uint32_t kProtocolVersion = 2;           // counts changes that old programs would misread
+constexpr uint32_t kProtocolVersion = 3;           // counts changes that old programs would misread
 constexpr const char* kSoftwareVersion = "0.1.0";  // farms mix no versions: pictures are exact per release
 
 constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message
@@ -82,7 +83,8 @@ struct Lease {
   LeaseId id{};
   WorkUnit unit;
   PixelBounds bounds;
-  Digest scene;  // SceneOrder::key
+  PixelMask pixels;  // of the bounds: those to be rendered
+  Digest scene;      // SceneOrder::key
   std::chrono::milliseconds duration{};
 };
 

@@ -84,7 +84,8 @@ void RenderUnit(const UnitTask& task, Workbench& bench) {
   if (!Fits(task.lease, *task.scene)) {
     return bench.UnitFailed(task.lease, task.lease.unit.Text() + " is not a unit of its scene");
   }
-  const auto tile = task.scene->Render(task.lease.bounds, task.lease.unit.range, task.stop.get());
+  const auto tile =
+      task.scene->Render(task.lease.bounds, task.lease.pixels, task.lease.unit.range, task.stop.get());
   if (!tile) return bench.UnitStopped(task.lease.id);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   bench.UnitFinished({task.lease.id, task.lease.unit, EncodeRadianceTile(*tile), seconds});

@@ -11,7 +11,7 @@ uint64_t SamplesOf(const FrameSpec& spec);  // pixel samples
 uint64_t SamplesOf(const JobSpec& spec);
 // Bytes of the sums of a finished frame.
 uint64_t SumsBytes(const FrameSpec& spec);
-// Whether the frame may get more samples later. Not if its tiles stop by themselves: some have, and whether
+// Whether the frame may get more samples later. Not if its pixels stop by themselves: some have, and whether
 // others would is decided from halves of their sums.
 bool IsExtendable(const FrameOrder& frame);
 // The job as if it had been submitted with so many samples per pixel: the headers of its pictures say so.

@@ -12,16 +12,6 @@
 namespace tessera {
 namespace {
 
-// What is wrong with a tile that was returned for a unit, or nothing.
-std::string Mismatch(const RadianceTile& tile, const WorkUnit& unit, PixelBounds bounds, int channels) {
-  if (tile.range != unit.range) {
-    return fmt::format("holds samples {} instead of {}", tile.range.Text(), unit.range.Text());
-  }
-  if (tile.bounds != bounds) return "holds other pixels than the tile's";
-  if (tile.channels != channels) return fmt::format("has {} channels instead of {}", tile.channels, channels);
-  return {};
-}
-
 std::string Hexadecimal(std::string_view bytes) {
   std::string text;
   for (const char byte : bytes) text += fmt::format("{:02x}", static_cast<unsigned char>(byte));
@@ -111,13 +101,36 @@ void Farm::ReturnResults(Instant now, CallId call, WorkerId worker, std::vector<
   PendingResults pending{call, worker, {}, {}};
   for (ReturnedUnit& unit : units) {
     std::string reason;
-    const uint64_t samples =
-        unit.tile ? static_cast<uint64_t>(unit.tile->bounds.area()) * unit.tile->range.size : 0;
+    const uint64_t samples = unit.tile ? PixelSamples(*unit.tile) : 0;
     pending.verdicts.push_back(Accept(now, worker, unit, reason));
     CountResult(unit.unit.job, pending.verdicts.back(), samples, unit.render_seconds);
     if (pending.verdicts.back() == Verdict::kRefused) pending.reasons.push_back(std::move(reason));
   }
   pending_results_.push_back(std::move(pending));
+}
+
+// Whether the unit is of samples of which it is not known yet whether its tile will want them, and of which
+// pixels. No lease asks for such a unit.
+bool Farm::IsEarly(JobEntry& job, const WorkUnit& unit) {
+  if (!job.spec->frames[unit.frame].spec.IsAdaptive()) return false;
+  const TileGoal& goal = MergerOf(job, unit.frame).Goal(static_cast<int>(unit.tile));
+  return !goal.is_final && unit.range.end() > goal.samples;
+}
+
+// What is wrong with a tile that was returned for a unit, or nothing.
+std::string Farm::Mismatch(JobEntry& job, const WorkUnit& unit, const RadianceTile& tile) {
+  if (tile.range != unit.range) {
+    return fmt::format("holds samples {} instead of {}", tile.range.Text(), unit.range.Text());
+  }
+  if (tile.bounds != scheduler_.Bounds(unit)) return "holds other pixels than the tile's";
+  const FrameSpec& spec = job.spec->frames[unit.frame].spec;
+  if (tile.channels != spec.channel_count())
+    return fmt::format("has {} channels instead of {}", tile.channels, spec.channel_count());
+  if (!spec.IsAdaptive()) return {};
+  const Merger& merger = MergerOf(job, unit.frame);
+  const int index = static_cast<int>(unit.tile);
+  const bool fits = merger.Has(index, unit.range) || HasExactly(spec, merger.Goal(index).pixels, tile);
+  return fits ? "" : "holds samples of other pixels than those asked for";
 }
 
 Verdict Farm::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::string& reason) {
@@ -131,13 +144,13 @@ Verdict Farm::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::
   if (unit.frame < job->spec->frames.size() && scheduler_.IsComplete(unit.job, unit.frame))
     return Verdict::kDuplicate;
   const bool known = scheduler_.IsKnown(unit);
+  if (known && IsEarly(*job, unit)) return Verdict::kObsolete;
   if (!known) {
     reason = "there is no such unit";
   } else if (!returned.tile) {
     reason = returned.tile.error().message;
   } else {
-    const int channels = job->spec->frames[unit.frame].spec.channel_count();
-    reason = Mismatch(*returned.tile, unit, scheduler_.Bounds(unit), channels);
+    reason = Mismatch(*job, unit, *returned.tile);
   }
   if (!reason.empty()) {
     reason = fmt::format("result of {} refused: {}", unit.Text(), reason);
@@ -163,12 +176,11 @@ void Farm::Merge(JobEntry& job, const WorkUnit& unit, RadianceTile tile) {
   Merger& merger = MergerOf(job, unit.frame);
   const uint64_t merged = merger.samples_merged();
   const uint64_t total = merger.samples_total();
-  const PixelBounds bounds = tile.bounds;
+  job.samples_accepted += PixelSamples(tile);
   const auto outcome = merger.Add(static_cast<int>(unit.tile), std::move(tile));
   TESSERA_CHECK(outcome && *outcome == Merger::Outcome::kMerged);  // as the scheduler said
-  job.samples_done += merger.samples_merged() - merged;  // may shrink, if the tile stops before some of them
+  job.samples_done += merger.samples_merged() - merged;
   job.samples_total -= total - merger.samples_total();
-  job.samples_accepted += static_cast<uint64_t>(bounds.area()) * unit.range.size;
   if (merger.spec().IsAdaptive())
     scheduler_.SetGoal(job.id, unit.frame, unit.tile, merger.Goal(static_cast<int>(unit.tile)));
   if (job.loading.contains(unit.frame)) return;

@@ -234,6 +234,8 @@ class Farm {
   Verdict Accept(Instant now, WorkerId worker, ReturnedUnit& unit, std::string& reason);
   void Merge(JobEntry& job, const WorkUnit& unit, RadianceTile tile);
   Merger& MergerOf(JobEntry& job, uint32_t frame);
+  bool IsEarly(JobEntry& job, const WorkUnit& unit);
+  std::string Mismatch(JobEntry& job, const WorkUnit& unit, const RadianceTile& tile);
   void CompleteFrame(JobEntry& job, uint32_t frame);
   void DropSums(const JobEntry& job);
   JobStatus StatusOf(Instant now, const JobEntry& job) const;

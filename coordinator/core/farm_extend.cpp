@@ -58,7 +58,7 @@ Result<void> Farm::CheckExtension(const JobEntry& job, uint32_t samples_per_pixe
     if (IsExtendable(frame)) continue;
     if (frame.spec.IsAdaptive()) {
       return refuse(
-          fmt::format("with --noise-threshold its tiles stop by themselves; submit the scene again "
+          fmt::format("with --noise-threshold its pixels stop by themselves; submit the scene again "
                       "with --spp {} or a lower threshold",
                       samples_per_pixel));
     }

@@ -14,10 +14,9 @@ FrameWork::FrameWork(const FrameSpec& spec, uint32_t samples_done)
   tiles_.resize(static_cast<size_t>(spec.TileCount()));
   for (uint32_t t = 0; t < tiles_.size(); ++t) {
     Tile& tile = tiles_[t];
-    tile.pixels = static_cast<uint32_t>(spec.TileBounds(static_cast<int>(t)).area());
+    tile.area = tile.pixel_count = static_cast<uint32_t>(spec.TileBounds(static_cast<int>(t)).area());
     tile.wanted = samples_done;
-    samples_done_ += uint64_t{tile.pixels} * samples_done;
-    samples_total_ += uint64_t{tile.pixels} * samples_per_pixel_;
+    samples_left_ += samples_per_pixel_ - samples_done;
     if (samples_done > 0) tile.done.Add(SampleSet::Interval{0, samples_done});
     SetGoal(t, FirstGoal(spec));
   }
@@ -28,8 +27,8 @@ void FrameWork::Extend(uint32_t samples_per_pixel) {
   const uint32_t added = samples_per_pixel - samples_per_pixel_;
   samples_per_pixel_ = first_unit_max_ = samples_per_pixel;
   for (uint32_t t = 0; t < tiles_.size(); ++t) {
-    samples_total_ += uint64_t{tiles_[t].pixels} * added;
-    SetGoal(t, {samples_per_pixel, true});
+    samples_left_ += added;
+    SetGoal(t, {samples_per_pixel, true, {}});
   }
 }
 
@@ -38,7 +37,7 @@ void FrameWork::ChangeOpen(uint32_t tile_index, Change change) {
   Tile& tile = tiles_[tile_index];
   const auto level = [&] { return static_cast<int>(std::bit_width(tile.open.First().begin)); };
   const auto account = [&](double sign) {
-    const double pixel_samples = sign * tile.open.Count() * tile.pixels;
+    const double pixel_samples = sign * tile.open.Count() * tile.pixel_count;
     if (tile.measured_samples > 0) {
       open_measured_cost_ += pixel_samples * CostPerPixelSample(tile);
     } else {
@@ -60,7 +59,7 @@ double FrameWork::CostPerPixelSample(const Tile& tile) const {
 uint32_t FrameWork::PieceSize(const Tile& tile, double cost_max) const {
   if (measured_samples_ == 0) return 1;
   const SampleSet::Interval first = tile.open.First();
-  const double per_sample = CostPerPixelSample(tile) * tile.pixels;
+  const double per_sample = CostPerPixelSample(tile) * tile.pixel_count;
   const double limit = first.begin == 0 ? std::min(cost_max, kFirstPassDuration_s) : cost_max;
   uint32_t size = DyadicSizeMax(first.begin, first.end);
   if (first.begin == 0) size = std::min(size, first_unit_max_);
@@ -105,7 +104,7 @@ bool FrameWork::Finish(TileSamples samples) {
   if (tile.done.Contains(samples.range)) return false;
   const uint32_t before = tile.done.Count();
   tile.done.Add(samples.range);
-  samples_done_ += uint64_t{tile.done.Count() - before} * tile.pixels;
+  samples_left_ -= tile.done.Count() - before;
   if (tile.open.Overlaps(samples.range)) {
     ChangeOpen(samples.tile, [&](SampleSet& open) { open.Remove(samples.range); });
   }
@@ -120,37 +119,34 @@ bool FrameWork::HasDone(TileSamples samples) const {
   return tiles_[samples.tile].done.Overlaps(samples.range);
 }
 
-bool FrameWork::SetGoal(uint32_t tile_index, TileGoal goal) {
+bool FrameWork::SetGoal(uint32_t tile_index, const TileGoal& goal) {
   Tile& tile = tiles_[tile_index];
   SampleSet opened;
   if (goal.samples > tile.wanted) {
     opened.Add(SampleSet::Interval{tile.wanted, goal.samples});
-    opened.Remove(tile.done);  // results of a former process's leases
-    tile.wanted = goal.samples;
-  }
-  if (!opened.empty()) {
+    opened.Remove(tile.done);  // what a former process merged
     ChangeOpen(tile_index, [&](SampleSet& open) {
       for (const auto& interval : opened.intervals()) open.Add(interval);
+      tile.wanted = goal.samples;
+      tile.pixels = goal.pixels;
+      tile.pixel_count = static_cast<uint32_t>(goal.pixels.Count(tile.area));
     });
   }
   if (goal.is_final && goal.samples < samples_per_pixel_ && !tile.stopped) Stop(tile);
   return !opened.empty();
 }
 
-// What is beyond the goal counts as done, but neither among the samples done nor in the total.
+// What is beyond the goal counts as done.
 void FrameWork::Stop(Tile& tile) {
   tile.stopped = true;
-  samples_total_ -= uint64_t{samples_per_pixel_ - tile.wanted} * tile.pixels;
-  samples_done_ -= uint64_t{tile.done.Count()} * tile.pixels;
-  const SampleSet::Interval beyond{tile.wanted, samples_per_pixel_};
-  tile.done.Remove(beyond);
-  samples_done_ += uint64_t{tile.done.Count()} * tile.pixels;
-  tile.done.Add(beyond);
+  samples_left_ += tile.done.Count();
+  tile.done.Add(SampleSet::Interval{tile.wanted, samples_per_pixel_});
+  samples_left_ -= tile.done.Count();
 }
 
 void FrameWork::RecordCost(TileSamples samples, double cost) {
   Tile& tile = tiles_[samples.tile];
-  const double pixel_samples = double{1} * samples.range.size * tile.pixels;
+  const double pixel_samples = double{1} * samples.range.size * tile.pixel_count;
   // The change of cost is accounted for as if the open samples were taken out and put back.
   SampleSet open = tile.open;
   ChangeOpen(samples.tile, [](SampleSet& all) { all = {}; });
@@ -164,7 +160,7 @@ void FrameWork::RecordCost(TileSamples samples, double cost) {
 std::optional<double> FrameWork::Cost(TileSamples samples) const {
   if (measured_samples_ == 0) return std::nullopt;
   const Tile& tile = tiles_[samples.tile];
-  return CostPerPixelSample(tile) * tile.pixels * samples.range.size;
+  return CostPerPixelSample(tile) * tile.pixel_count * samples.range.size;
 }
 
 std::optional<double> FrameWork::OpenCost() const {

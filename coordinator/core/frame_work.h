@@ -23,8 +23,9 @@ struct TileSamples {
   auto operator<=>(const TileSamples&) const = default;
 };
 
-// Of an adaptive frame only those samples are open that its tiles want by now; a tile that stops has no
-// others. A cost in seconds is what a worker of speed 1 takes on one slot.
+// Of an adaptive frame only those samples are open that its tiles want by now, and they are those of some
+// pixels only; a tile that stops has no others. A cost in seconds is what a worker of speed 1 takes on one
+// slot.
 class FrameWork {
  public:
   // The first `samples_done` samples of every tile are done already.
@@ -46,7 +47,10 @@ class FrameWork {
   bool IsDone(TileSamples samples) const;
   bool HasDone(TileSamples samples) const;  // any of them
   // What the tile wants by now: never less than it was told before. True if samples opened.
-  bool SetGoal(uint32_t tile, TileGoal goal);
+  bool SetGoal(uint32_t tile, const TileGoal& goal);
+  // The pixels of the tile whose samples are open or held.
+  const PixelMask& Pixels(uint32_t tile) const { return tiles_[tile].pixels; }
+  uint32_t PixelCount(uint32_t tile) const { return tiles_[tile].pixel_count; }
 
   // A measurement.
   void RecordCost(TileSamples samples, double cost);
@@ -59,14 +63,13 @@ class FrameWork {
 
   bool HasOpen() const { return !order_.empty(); }
   bool HasOpen(const std::function<bool(uint32_t tile)>& may) const;
-  bool Complete() const { return samples_done_ == samples_total_; }
-  uint64_t samples_done() const { return samples_done_; }  // pixel samples
-  // Pixel samples; of tiles that have not stopped, as many as they may come to.
-  uint64_t samples_total() const { return samples_total_; }
+  bool Complete() const { return samples_left_ == 0; }
 
  private:
   struct Tile {
-    uint32_t pixels = 0;
+    uint32_t area = 0;         // pixels
+    uint32_t pixel_count = 0;  // of `pixels`
+    PixelMask pixels;
     SampleSet open, done;
     uint32_t wanted = 0;  // samples [0, wanted) have been opened
     bool stopped = false;
@@ -87,7 +90,7 @@ class FrameWork {
   uint32_t first_unit_max_;  // samples of a unit that begins with sample 0
   std::vector<Tile> tiles_;
   Order order_;
-  uint64_t samples_done_ = 0, samples_total_ = 0;
+  uint64_t samples_left_ = 0;                        // of each pixel, over all tiles: not done
   double measured_samples_ = 0, measured_cost_ = 0;  // of the whole frame
   double open_measured_cost_ = 0;                    // of open samples of measured tiles
   double open_unmeasured_samples_ = 0;               // pixel samples

@@ -153,7 +153,7 @@ void Scheduler::Credit(WorkerRecord& worker, FrameRecord& frame, const WorkUnit&
   if (render_seconds > 0) MeasureSpeed(worker, frame, unit, render_seconds);
 }
 
-void Scheduler::SetGoal(JobId id, uint32_t index, uint32_t tile, TileGoal goal) {
+void Scheduler::SetGoal(JobId id, uint32_t index, uint32_t tile, const TileGoal& goal) {
   JobRecord* const job = FindJob(id);
   if (job == nullptr || !job->frames.contains(index)) return;
   FrameRecord& frame = job->frames.at(index);
@@ -203,7 +203,7 @@ void Scheduler::MeasureSpeed(WorkerRecord& worker, FrameRecord& frame, const Wor
   frame.work.RecordCost(samples, render_seconds * worker.speed);
   JobRecord& job = jobs_.at(unit.job);
   job.measured_cost += render_seconds * worker.speed;
-  job.measured_samples += static_cast<double>(Bounds(unit).area()) * unit.range.size;
+  job.measured_samples += static_cast<double>(frame.work.PixelCount(unit.tile)) * unit.range.size;
 }
 
 void Scheduler::FailUnit(Instant now, WorkerId worker_id, LeaseId lease, const WorkUnit& unit,

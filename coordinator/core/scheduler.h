@@ -113,7 +113,7 @@ class Scheduler {
   std::vector<WorkerId> TakeDisbelieved() { return std::exchange(disbelieved_, {}); }
   // What the tile of a begun frame wants by now, after its results were merged: opens samples, or makes void
   // the leases beyond its end. Nothing if the frame is complete.
-  void SetGoal(JobId job, uint32_t frame, uint32_t tile, TileGoal goal);
+  void SetGoal(JobId job, uint32_t frame, uint32_t tile, const TileGoal& goal);
   // Whether all samples of the frame are done; true for a frame that is not begun only if it was finished
   // before.
   bool IsComplete(JobId job, uint32_t frame) const;

@@ -156,7 +156,7 @@ LeaseRecord& Scheduler::Grant(Instant now, WorkerRecord& worker, JobRecord& job,
                               const WorkUnit& unit, LeaseId id) {
   LeaseRecord& record = leases_[id];
   const auto duration = std::chrono::duration_cast<std::chrono::milliseconds>(kLeaseDuration);
-  record.lease = {id, unit, Bounds(unit), frame.scene.key, duration};
+  record.lease = {id, unit, Bounds(unit), frame.work.Pixels(unit.tile), frame.scene.key, duration};
   record.worker = worker.id;
   record.cost = frame.work.Cost({unit.tile, unit.range});
   record.granted = now;

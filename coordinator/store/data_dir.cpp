@@ -15,7 +15,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::string_view kVersion = "tessera-data 3\n";
+constexpr std::string_view kVersion = "tessera-data 4\n";
 
 Result<void> MakeFolder(const std::string& path) {
   std::error_code error;

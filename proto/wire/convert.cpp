@@ -137,16 +137,19 @@ Result<Lease> ReadLease(const proto::Lease& message) {
   if (!bounds) return bounds.error();
   if (bounds->width() > kTileSizeMax || bounds->height() > kTileSizeMax)
     return BadField("bounds", "are too large");
+  auto pixels = PixelMask::Read(message.pixels(), static_cast<size_t>(bounds->area()));
+  if (!pixels) return BadField("pixels", "are wrong: " + pixels.error().message);
   const auto scene = ReadDigest(message.scene(), "scene");
   if (!scene) return scene.error();
-  return Lease{LeaseId{message.lease()}, *unit, *bounds, *scene,
-               std::chrono::milliseconds(message.duration_ms())};
+  return Lease{LeaseId{message.lease()}, *unit,  *bounds,
+               std::move(*pixels),       *scene, std::chrono::milliseconds(message.duration_ms())};
 }
 
 void Write(const Lease& value, proto::Lease& message) {
   message.set_lease(Number(value.id));
   Write(value.unit, *message.mutable_unit());
   Write(value.bounds, *message.mutable_bounds());
+  message.set_pixels(value.pixels.Bytes());
   message.set_scene(WriteDigest(value.scene));
   message.set_duration_ms(static_cast<uint32_t>(value.duration.count()));
 }

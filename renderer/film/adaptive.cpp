@@ -1,13 +1,16 @@
 #include "film/adaptive.h"
 
 #include <algorithm>
+#include <array>
 
+#include "film/radiance_tile.h"
 #include "util/check.h"
 
 namespace tessera {
 namespace {
 
 constexpr double kRelativeFloor = 0.01;  // added to the square of a mean, as relMSE has it
+constexpr double kTileShare = 0.25;      // of the tile's mean in what a pixel is judged by
 
 // The channels that decide: those of colour.
 std::vector<size_t> ColorChannels(const FrameSpec& spec) {
@@ -22,17 +25,56 @@ double Mean(double sum, double weight) {
   return weight != 0 ? sum / weight : 0;
 }
 
+// What the two halves say of one pixel.
+double PixelNoise(const std::vector<size_t>& colors, size_t channels, const float* left, const float* right) {
+  const double left_weight = left[channels - 1];
+  const double right_weight = right[channels - 1];
+  double total = 0;
+  for (const size_t c : colors) {
+    const double left_sum = left[c];
+    const double right_sum = right[c];
+    const double mean = Mean(left_sum + right_sum, left_weight + right_weight);
+    const double error = (Mean(left_sum, left_weight) - Mean(right_sum, right_weight)) / 2;
+    total += error * error / (mean * mean + kRelativeFloor);
+  }
+  return total / static_cast<double>(colors.size());
+}
+
+// Row 16 of Pascal's triangle from its middle on: the weights of pixels by their distance. Their standard
+// deviation is 2 pixels.
+constexpr std::array<double, 9> kWeights{12870, 11440, 8008, 4368, 1820, 560, 120, 16, 1};
+
+// Sums of `values` around every place of rows of `length` places that are `step` apart; rows follow each
+// other as the places of a column do.
+std::vector<double> SumAround(const std::vector<double>& values, int length, int step) {
+  std::vector<double> sums(values.size(), 0.0);
+  constexpr int reach = static_cast<int>(kWeights.size()) - 1;
+  for (int place = 0; place < static_cast<int>(values.size()); ++place) {
+    const int along = place / step % length;
+    double sum = 0;
+    for (int d = std::max(-reach, -along); d <= std::min(reach, length - 1 - along); ++d)
+      sum += kWeights[static_cast<size_t>(std::abs(d))] * values[static_cast<size_t>(place + d * step)];
+    sums[static_cast<size_t>(place)] = sum;
+  }
+  return sums;
+}
+
+std::vector<double> SumAround(const std::vector<double>& values, int width) {
+  const int height = static_cast<int>(values.size()) / width;
+  return SumAround(SumAround(values, width, 1), height, width);
+}
+
 }  // namespace
 
 TileGoal FirstGoal(const FrameSpec& spec) {
   if (!spec.IsAdaptive() || spec.samples_per_pixel <= kDecisionSamplesMin)
-    return {spec.samples_per_pixel, true};
-  return {kDecisionSamplesMin, false};
+    return {spec.samples_per_pixel, true, {}};
+  return {kDecisionSamplesMin, false, {}};
 }
 
-TileGoal NextGoal(const FrameSpec& spec, uint32_t samples) {
+TileGoal NextGoal(const FrameSpec& spec, uint32_t samples, PixelMask pixels) {
   const uint32_t next = std::min(samples * 2, spec.samples_per_pixel);
-  return {next, next == spec.samples_per_pixel};
+  return {next, next == spec.samples_per_pixel, std::move(pixels)};
 }
 
 uint32_t FirstUnitMax(const FrameSpec& spec) {
@@ -54,30 +96,67 @@ std::vector<SampleRange> UnitPartition(const FrameSpec& spec, uint32_t samples) 
   return ranges;
 }
 
-double EstimateNoise(const FrameSpec& spec, const std::vector<float>& left, const std::vector<float>& right) {
+std::vector<double> EstimateNoise(const FrameSpec& spec, const TileHalves& halves) {
   const size_t channels = spec.channels.size();
-  TESSERA_CHECK(left.size() == right.size() && left.size() % channels == 0 && !left.empty());
+  const size_t pixels = halves.left.size() / channels;
+  TESSERA_CHECK(spec.IsAdaptive() && pixels > 0 && halves.left.size() == halves.right.size());
+  TESSERA_CHECK(halves.left.size() % channels == 0 && pixels % static_cast<size_t>(halves.width) == 0);
   const std::vector<size_t> colors = ColorChannels(spec);
-  double total = 0;
-  for (size_t pixel = 0; pixel < left.size(); pixel += channels) {
-    const double left_weight = left[pixel + channels - 1];
-    const double right_weight = right[pixel + channels - 1];
-    for (const size_t c : colors) {
-      const double left_sum = left[pixel + c];
-      const double right_sum = right[pixel + c];
-      const double mean = Mean(left_sum + right_sum, left_weight + right_weight);
-      const double error = (Mean(left_sum, left_weight) - Mean(right_sum, right_weight)) / 2;
-      total += error * error / (mean * mean + kRelativeFloor);
-    }
+  std::vector<double> open(pixels, 0.0);  // 1: has not stopped
+  std::vector<double> noise(pixels, 0.0);
+  double open_count = 0, noise_sum = 0;
+  for (size_t p = 0; p < pixels; ++p) {
+    const float* left = &halves.left[p * channels];
+    const float* right = &halves.right[p * channels];
+    if (SamplesOf(spec, left) + SamplesOf(spec, right) != static_cast<float>(halves.samples)) continue;
+    open[p] = 1;
+    noise[p] = PixelNoise(colors, channels, left, right);
+    open_count += 1;
+    noise_sum += noise[p];
   }
-  const size_t values = left.size() / channels * colors.size();
-  return total / static_cast<double>(values);
+  const std::vector<double> noise_around = SumAround(noise, halves.width);
+  const std::vector<double> open_around = SumAround(open, halves.width);
+  for (size_t p = 0; p < pixels; ++p) {
+    if (open[p] == 0) continue;
+    noise[p] = (1 - kTileShare) * (noise_around[p] / open_around[p]) + kTileShare * (noise_sum / open_count);
+  }
+  return noise;
 }
 
-bool IsEnough(const FrameSpec& spec, uint32_t samples, const std::vector<float>& left,
-              const std::vector<float>& right) {
-  const double noise = EstimateNoise(spec, left, right);
-  return noise * kThresholdSamples < spec.noise_threshold * spec.noise_threshold * samples;
+PixelMask NoisyPixels(const FrameSpec& spec, const TileHalves& halves) {
+  const double limit = spec.noise_threshold * spec.noise_threshold * halves.samples / kThresholdSamples;
+  const size_t channels = spec.channels.size();
+  const std::vector<double> noise = EstimateNoise(spec, halves);
+  std::vector<bool> noisy(noise.size());
+  for (size_t p = 0; p < noise.size(); ++p) {
+    const float samples =
+        SamplesOf(spec, &halves.left[p * channels]) + SamplesOf(spec, &halves.right[p * channels]);
+    noisy[p] = samples == static_cast<float>(halves.samples) && !(noise[p] < limit);
+  }
+  return PixelMask::Of(noisy);
+}
+
+float SamplesOf(const FrameSpec& spec, const float* pixel_sums) {
+  return pixel_sums[spec.MeanCount()];
+}
+
+void KeepPixels(const FrameSpec& spec, const PixelMask& pixels, std::vector<float>& sums) {
+  if (pixels.HasAll()) return;
+  const size_t channels = spec.channels.size();
+  for (size_t p = 0; p < sums.size() / channels; ++p) {
+    if (!pixels.Has(p)) std::fill_n(&sums[p * channels], channels, 0.0f);
+  }
+}
+
+bool HasExactly(const FrameSpec& spec, const PixelMask& pixels, const RadianceTile& tile) {
+  const size_t channels = spec.channels.size();
+  for (size_t p = 0; p < tile.sums.size() / channels; ++p) {
+    const float* sums = &tile.sums[p * channels];
+    const bool fits = pixels.Has(p) ? SamplesOf(spec, sums) == static_cast<float>(tile.range.size)
+                                    : std::all_of(sums, sums + channels, [](float sum) { return sum == 0; });
+    if (!fits) return false;
+  }
+  return true;
 }
 
 }  // namespace tessera

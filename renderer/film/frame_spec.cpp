@@ -45,7 +45,12 @@ Result<void> CheckAdaptive(const FrameSpec& spec) {
   }
   if (spec.IsAdaptive() && std::ranges::none_of(spec.channels, IsColorChannel))
     return BadInput("a noise threshold needs a channel R, G or B to look at");
-  if (spec.samples_aov && std::ranges::find(spec.channels, kSamplesChannel) != spec.channels.end())
+  const auto counts = std::ranges::find(spec.channels, kSamplesChannel);
+  if (spec.IsAdaptive() && counts != spec.channels.end() - 2) {
+    return BadInput(
+        fmt::format("the last channel but one of an adaptive frame must be \"{}\"", kSamplesChannel));
+  }
+  if (!spec.IsAdaptive() && spec.samples_aov && counts != spec.channels.end())
     return BadInput(fmt::format("channel \"{}\" appears twice in the frame", kSamplesChannel));
   return {};
 }
@@ -106,6 +111,12 @@ Result<void> FrameSpec::Check() const {
   if (auto channels_ok = CheckChannels(channels); !channels_ok) return channels_ok;
   if (auto adaptive_ok = CheckAdaptive(*this); !adaptive_ok) return adaptive_ok;
   return CheckAttributes(attributes);
+}
+
+void FrameSpec::SetNoiseThreshold(double threshold) {
+  TESSERA_CHECK(!IsAdaptive());
+  noise_threshold = threshold;
+  if (IsAdaptive()) channels.insert(channels.end() - 1, kSamplesChannel);
 }
 
 int FrameSpec::TileCount() const {

@@ -15,9 +15,6 @@ namespace tessera {
 constexpr int kResolutionMax = 1 << 16;  // pixels per axis: what OpenEXR readers commonly take
 constexpr int kTileSizeMax = 256;        // pixels: a unit's result stays far below the message limit
 constexpr int kTileSizeDefault = 32;     // pixels: small enough to share 192x108 over 8 threads
-// Of adaptive frames, whose tiles stop as a whole: smaller ones save more samples, and 256 pixels with three
-// channels each still make a steady estimate.
-constexpr int kAdaptiveTileSizeDefault = 16;
 constexpr int kChannelsMax = 256;
 constexpr int64_t kFramePixelsMax = int64_t{1} << 28;  // of one crop: 16k x 16k, a few GB of sums
 constexpr int64_t kTileCountMax = int64_t{1} << 22;    // bounds the bookkeeping of a frame
@@ -44,7 +41,8 @@ constexpr const char* kSamplesChannel = "samples";
 bool IsColorChannel(const std::string& name);
 
 // Immutable after Check. The sums of a pixel have the channels `channels`, of which the last is always the
-// filter weight "W": written values are the sums of the others divided by it.
+// filter weight "W": written values are the sums of the others divided by it. In adaptive frames the one
+// before it is always "samples", which counts the samples that the pixel has: it is not written as a mean.
 struct FrameSpec {
   int width = 0, height = 0;  // of the whole picture: the display window
   PixelBounds crop;           // what is rendered: the data window
@@ -52,7 +50,7 @@ struct FrameSpec {
   int tile_size = kTileSizeDefault;
   std::vector<std::string> channels{"R", "G", "B", "W"};
   ExrType exr_type = ExrType::kHalf;
-  // Tiles whose noise is below this stop early (film/adaptive.h); 0: every pixel gets all samples.
+  // Pixels whose noise is below this stop early (film/adaptive.h); 0: every pixel gets all samples.
   double noise_threshold = 0;
   bool samples_aov = false;  // the picture gets a channel "samples": how many each pixel got
   std::map<std::string, std::string> attributes;  // of the EXR header; nothing that differs between runs
@@ -61,6 +59,10 @@ struct FrameSpec {
   // Whether all is within the limits.
   Result<void> Check() const;
   bool IsAdaptive() const { return noise_threshold > 0; }
+  // The frame becomes adaptive, and counts the samples of its pixels. Not of a frame that is adaptive.
+  void SetNoiseThreshold(double threshold);
+  // How many channels, the first, are written as means.
+  size_t MeanCount() const { return channels.size() - (IsAdaptive() ? 2 : 1); }
   int channel_count() const { return static_cast<int>(channels.size()); }
   // Tiles cover the crop row by row; the last of a row or column may be smaller.
   int TileCount() const;

@@ -54,6 +54,17 @@ NodeSum SumOfNodes(const Nodes& nodes) {
   return total;
 }
 
+// The pixels that have every sample of both halves.
+PixelMask FullPixels(const FrameSpec& spec, const TileHalves& halves) {
+  const size_t channels = spec.channels.size();
+  std::vector<bool> full(halves.left.size() / channels);
+  for (size_t p = 0; p < full.size(); ++p) {
+    full[p] = SamplesOf(spec, &halves.left[p * channels]) + SamplesOf(spec, &halves.right[p * channels]) ==
+              static_cast<float>(halves.samples);
+  }
+  return PixelMask::Of(full);
+}
+
 template <typename Nodes>
 uint32_t SampleCount(const Nodes& nodes) {
   uint32_t count = 0;
@@ -66,7 +77,12 @@ uint32_t SampleCount(const Nodes& nodes) {
 Merger::Merger(FrameSpec spec) : spec_(std::move(spec)) {
   TESSERA_CHECK(spec_.Check().has_value());
   partition_ = DyadicPartition(spec_.samples_per_pixel);
-  tiles_.resize(static_cast<size_t>(spec_.TileCount()), Tile{{}, FirstGoal(spec_)});
+  tiles_.resize(static_cast<size_t>(spec_.TileCount()));
+  for (int t = 0; t < spec_.TileCount(); ++t) {
+    Tile& tile = tiles_[static_cast<size_t>(t)];
+    tile.goal = FirstGoal(spec_);
+    tile.samples_total = static_cast<uint64_t>(spec_.TileBounds(t).area()) * spec_.samples_per_pixel;
+  }
   samples_total_ = static_cast<uint64_t>(spec_.crop.area()) * spec_.samples_per_pixel;
 }
 
@@ -88,15 +104,26 @@ Result<Merger::Outcome> Merger::Add(int tile_index, RadianceTile result) {
   if (Has(tile_index, result.range)) return Outcome::kDuplicate;
 
   Tile& tile = tiles_[static_cast<size_t>(tile_index)];
-  const uint64_t pixels = static_cast<uint64_t>(result.bounds.area());
-  samples_merged_ -= SampleCount(tile.nodes) * pixels;
+  const auto pixels = static_cast<uint64_t>(result.bounds.area());
+  const int width = result.bounds.width();
+  samples_merged_ -= SamplesOfNodes(tile.nodes, pixels);
+  samples_total_ -= tile.samples_total;
+  // What was wanted of earlier samples is there.
+  if (spec_.IsAdaptive() && result.range.begin > 0) KeepPixels(spec_, tile.goal.pixels, result.sums);
   Insert(tile.nodes, std::move(result));
-  const bool was_final = tile.goal.is_final;
-  Decide(tile);
-  if (tile.goal.is_final && !was_final)
-    samples_total_ -= (spec_.samples_per_pixel - tile.goal.samples) * pixels;
-  samples_merged_ += SampleCount(tile.nodes) * pixels;
+  Decide(tile, width);
+  samples_merged_ += SamplesOfNodes(tile.nodes, pixels);
+  samples_total_ += tile.samples_total;
   return Outcome::kMerged;
+}
+
+uint64_t Merger::SamplesOfNodes(const Nodes& nodes, uint64_t pixels) const {
+  if (!spec_.IsAdaptive()) return SampleCount(nodes) * pixels;
+  double count = 0;  // exact: whole numbers far below 2^53
+  for (const auto& [range, sums] : nodes) {
+    for (size_t p = 0; p < sums.size(); p += spec_.channels.size()) count += SamplesOf(spec_, &sums[p]);
+  }
+  return static_cast<uint64_t>(count);
 }
 
 Result<Merger::Outcome> Merger::Add(TileNode node) {
@@ -130,24 +157,25 @@ void Merger::Insert(Nodes& nodes, RadianceTile result) const {
 }
 
 // Takes the decisions that the nodes allow, in order of the doublings.
-void Merger::Decide(Tile& tile) const {
+void Merger::Decide(Tile& tile, int width) const {
   Nodes& nodes = tile.nodes;
   while (true) {
     const auto left = nodes.begin();
     const SampleRange whole = left->first.Parent();
     if (left->first.begin != 0 || !IsDecision(whole)) return;
-    // Halves that were joined belong to a tile that went on.
+    // Halves that were joined belong to a tile that went on: with which pixels is known when the next
+    // doubling is there.
     while (tile.goal.samples < whole.size && !tile.goal.is_final)
-      tile.goal = NextGoal(spec_, tile.goal.samples);
+      tile.goal = NextGoal(spec_, tile.goal.samples, {});
     const auto right = nodes.find(left->first.Sibling());
     if (right == nodes.end()) return;
+    const TileHalves halves{whole.size, width, left->second, right->second};
     if (tile.goal.samples == whole.size && !tile.goal.is_final) {
-      if (IsEnough(spec_, whole.size, left->second, right->second)) {
-        tile.goal = {whole.size, true};
-        nodes.erase(std::next(right), nodes.end());
-        return;
-      }
-      tile.goal = NextGoal(spec_, whole.size);
+      GoOn(tile, halves, NoisyPixels(spec_, halves));
+      if (tile.goal.samples == whole.size) return;
+    } else if (whole.size == spec_.samples_per_pixel) {
+      tile.goal.pixels = FullPixels(spec_, halves);
+      tile.samples_total = SamplesToCome(halves, tile.goal.pixels);
     }
     if (!nodes.contains(whole.Sibling())) return;
     std::vector<float> sums = std::move(left->second);
@@ -155,6 +183,31 @@ void Merger::Decide(Tile& tile) const {
     nodes.erase(left, std::next(right));
     nodes.emplace(whole, std::move(sums));
   }
+}
+
+// With these pixels; the tile stops if there are none.
+void Merger::GoOn(Tile& tile, const TileHalves& halves, PixelMask pixels) const {
+  tile.samples_total = SamplesToCome(halves, pixels);
+  const auto beyond = std::next(tile.nodes.begin(), 2);
+  if (pixels.Count(halves.left.size() / spec_.channels.size()) == 0) {
+    tile.nodes.erase(beyond, tile.nodes.end());
+    tile.goal = {halves.samples, true, {}};
+    return;
+  }
+  for (auto node = beyond; node != tile.nodes.end(); ++node) KeepPixels(spec_, pixels, node->second);
+  tile.goal = NextGoal(spec_, halves.samples, std::move(pixels));
+}
+
+// Of a tile: as many as `pixels` may come to, and what the others have.
+uint64_t Merger::SamplesToCome(const TileHalves& halves, const PixelMask& pixels) const {
+  double count = 0;
+  const size_t channels = spec_.channels.size();
+  for (size_t p = 0; p < halves.left.size() / channels; ++p) {
+    count += pixels.Has(p) ? static_cast<double>(spec_.samples_per_pixel)
+                           : SamplesOf(spec_, &halves.left[p * channels]) +
+                                 SamplesOf(spec_, &halves.right[p * channels]);
+  }
+  return static_cast<uint64_t>(count);
 }
 
 bool Merger::Has(int tile_index, SampleRange range) const {
@@ -169,7 +222,7 @@ bool Merger::Has(int tile_index, SampleRange range) const {
   return held == range.size;
 }
 
-TileGoal Merger::Goal(int tile) const {
+const TileGoal& Merger::Goal(int tile) const {
   TESSERA_CHECK(tile >= 0 && tile < spec_.TileCount());
   return tiles_[static_cast<size_t>(tile)].goal;
 }
@@ -184,7 +237,8 @@ std::vector<SampleRange> Merger::Missing(int tile) const {
 FramePicture Merger::Picture() const {
   FramePicture picture;
   picture.bounds = spec_.crop;
-  picture.channels.assign(spec_.channels.begin(), spec_.channels.end() - 1);
+  picture.channels.assign(spec_.channels.begin(),
+                          spec_.channels.begin() + static_cast<std::ptrdiff_t>(spec_.MeanCount()));
   picture.samples_min = spec_.samples_per_pixel;
   const size_t pixels = static_cast<size_t>(spec_.crop.area());
   picture.values.assign(pixels * picture.channels.size(), 0.0f);
@@ -194,23 +248,26 @@ FramePicture Merger::Picture() const {
 }
 
 void Merger::Paint(int tile, FramePicture& picture) const {
-  const Nodes& nodes = tiles_[static_cast<size_t>(tile)].nodes;
-  picture.samples_min = std::min(picture.samples_min, SampleCount(nodes));
-  const NodeSum shown = SumOfNodes(nodes);
-  if (shown.samples == 0) return;
-  const size_t written = picture.channels.size();
+  const NodeSum shown = SumOfNodes(tiles_[static_cast<size_t>(tile)].nodes);
+  if (shown.samples == 0) {
+    picture.samples_min = 0;
+    return;
+  }
+  const size_t means = spec_.MeanCount();
   const PixelBounds bounds = spec_.TileBounds(tile);
   const float* pixel = shown.sums.data();
   for (int y = bounds.y0; y < bounds.y1; ++y) {
-    const int64_t row =
-        static_cast<int64_t>(y - spec_.crop.y0) * spec_.crop.width() + (bounds.x0 - spec_.crop.x0);
-    float* out = &picture.values[static_cast<size_t>(row) * written];
-    for (int x = bounds.x0; x < bounds.x1; ++x, pixel += written + 1) {
-      const float weight = pixel[written];
-      for (size_t c = 0; c < written; ++c) *out++ = weight != 0 ? pixel[c] / weight : 0.0f;
+    size_t place = static_cast<size_t>(y - spec_.crop.y0) * static_cast<size_t>(spec_.crop.width()) +
+                   static_cast<size_t>(bounds.x0 - spec_.crop.x0);
+    float* out = &picture.values[place * means];
+    for (int x = bounds.x0; x < bounds.x1; ++x, ++place, pixel += spec_.channels.size()) {
+      const float weight = pixel[spec_.channels.size() - 1];
+      for (size_t c = 0; c < means; ++c) *out++ = weight != 0 ? pixel[c] / weight : 0.0f;
+      const uint32_t samples =
+          spec_.IsAdaptive() ? static_cast<uint32_t>(SamplesOf(spec_, pixel)) : shown.samples;
+      picture.samples_min = std::min(picture.samples_min, samples);
+      if (spec_.samples_aov) picture.samples[place] = static_cast<float>(samples);
     }
-    if (spec_.samples_aov)
-      std::fill_n(picture.samples.begin() + row, bounds.width(), static_cast<float>(shown.samples));
   }
 }
 

@@ -1,9 +1,10 @@
 // Adds radiance tiles into a frame, and says of an adaptive frame which samples it still wants. All of that
 // depends on the set of tiles added, never on their order or copies.
 //
-// The two halves of a doubling of an adaptive frame, from which it is decided whether the tile stops there,
-// are kept apart until the next doubling is whole: so a merger that is given the nodes of another comes to
-// the same decisions, and nothing but nodes needs to be kept anywhere.
+// The two halves of a doubling of an adaptive frame, from which it is decided which pixels stop there, are
+// kept apart until the next doubling is whole: so a merger that is given the nodes of another comes to the
+// same decisions, and nothing but nodes needs to be kept anywhere. Pixels that have stopped are zeros in the
+// nodes that follow, and each pixel's channel "samples" says how many it has.
 #pragma once
 
 #include <functional>
@@ -21,7 +22,7 @@ struct FramePicture {
   std::vector<std::string> channels;
   std::vector<float> values;   // [(y * width + x) * channels + c]
   std::vector<float> samples;  // of each pixel, if the frame asks for it: those its values are made of
-  uint32_t samples_min = 0;    // of the tile that has the fewest
+  uint32_t samples_min = 0;    // of the pixel that has the fewest
 };
 
 // Sums of samples `range` of every pixel of a tile, as RadianceTile has them: a node of its tree.
@@ -43,19 +44,19 @@ class Merger {
   const FrameSpec& spec() const { return spec_; }
   // Adds the node `result.range` of tile `tile`, of a unit or of another merger. kDuplicate if all its
   // samples are there already, or if the tile has stopped before them. A node that covers nodes already there
-  // replaces them: it is their sum. A tile that would stop at n and has samples beyond drops those. Refuses
-  // bounds, range or channel count that are not the frame's.
+  // replaces them: it is their sum. Samples beyond a stop of their pixels are dropped. Refuses bounds, range
+  // or channel count that are not the frame's.
   Result<Outcome> Add(int tile, RadianceTile result);
   // The same for a node that another merger of the frame gave out.
   Result<Outcome> Add(TileNode node);
   // Whether every sample of `range` of the tile is merged, or will never be wanted.
   bool Has(int tile, SampleRange range) const;
   // What is wanted of the tile by now.
-  TileGoal Goal(int tile) const;
+  const TileGoal& Goal(int tile) const;
   // The ranges that the tile wants by now and that are not merged, as large as units can be, in order.
   std::vector<SampleRange> Missing(int tile) const;
   uint64_t samples_merged() const { return samples_merged_; }  // pixel samples
-  // Of tiles that have not stopped: as many as they may come to.
+  // Of pixels that have not stopped: as many as they may come to.
   uint64_t samples_total() const { return samples_total_; }
   bool Complete() const { return samples_merged_ == samples_total_; }
   // Of what is merged; a tile with a complete prefix [0, n) shows that, any other what it has; black where
@@ -76,10 +77,14 @@ class Merger {
   struct Tile {
     Nodes nodes;
     TileGoal goal;
+    uint64_t samples_total = 0;  // pixel samples
   };
   bool IsDecision(SampleRange range) const;
   void Insert(Nodes& nodes, RadianceTile result) const;
-  void Decide(Tile& tile) const;
+  void Decide(Tile& tile, int width) const;
+  void GoOn(Tile& tile, const TileHalves& halves, PixelMask pixels) const;
+  uint64_t SamplesOfNodes(const Nodes& nodes, uint64_t pixels) const;
+  uint64_t SamplesToCome(const TileHalves& halves, const PixelMask& pixels) const;
   void Paint(int tile, FramePicture& picture) const;
 
   FrameSpec spec_;

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
+#include "film/pixel_mask.h"
 #include "util/check.h"
 
 namespace tessera {
@@ -14,7 +16,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the codec copies floats as they lie in memory");
 
 constexpr char kMagic[4] = {'T', 'S', 'R', 'T'};
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 constexpr size_t kCheckSize = 8;
 
 // The bytes before the sums, as they are written.
@@ -24,8 +26,9 @@ struct Header {
   int32_t x0, y0, x1, y1;
   uint32_t begin, size;
   uint32_t channels;
+  uint32_t pixels_held;
 };
-static_assert(sizeof(Header) == 36, "no padding in the format");
+static_assert(sizeof(Header) == 40, "no padding in the format");
 
 // Whether a frame could have such a tile.
 Result<void> CheckHeader(const Header& header) {
@@ -44,6 +47,44 @@ Result<void> CheckHeader(const Header& header) {
         fmt::format("radiance tile: {} channels; there must be 1 to {}", header.channels, kChannelsMax));
   }
   return {};
+}
+
+// The pixels that have anything but zeros.
+PixelMask PixelsHeld(const RadianceTile& tile) {
+  const auto channels = static_cast<size_t>(tile.channels);
+  std::vector<bool> held(tile.sums.size() / channels);
+  for (size_t p = 0; p < held.size(); ++p) {
+    const float* sums = &tile.sums[p * channels];
+    held[p] = std::any_of(sums, sums + channels, [](float sum) { return std::bit_cast<uint32_t>(sum) != 0; });
+  }
+  return PixelMask::Of(held);
+}
+
+void AppendBytes(std::string& bytes, const void* from, size_t size) {
+  bytes.append(static_cast<const char*>(from), size);
+}
+
+// The sums as bytes: a mask unless all pixels are held, then the sums of those held.
+Result<std::vector<float>> ReadSums(std::string_view bytes, const Header& header, size_t pixels) {
+  const size_t pixel_size = header.channels * sizeof(float);
+  const size_t held = header.pixels_held;
+  const size_t mask_size = held == pixels ? 0 : (pixels + 7) / 8;
+  if (held > pixels || bytes.size() != mask_size + held * pixel_size) {
+    return Failed(fmt::format("radiance tile: {} bytes of sums; {} of {} pixels with {} channels need others",
+                              bytes.size(), held, pixels, header.channels));
+  }
+  std::vector<float> sums(pixels * header.channels);
+  if (held == 0) return sums;
+  const auto mask = PixelMask::Read(bytes.substr(0, mask_size), pixels);
+  if (!mask) return Failed("radiance tile: " + mask.error().message);
+  if (mask->Count(pixels) != held) return Failed("radiance tile: its mask has another number of pixels");
+  const char* from = bytes.data() + mask_size;
+  for (size_t p = 0; p < pixels; ++p) {
+    if (!mask->Has(p)) continue;
+    std::memcpy(&sums[p * header.channels], from, pixel_size);
+    from += pixel_size;
+  }
+  return sums;
 }
 
 bool AllFinite(const std::vector<float>& values) {
@@ -67,11 +108,21 @@ std::string EncodeRadianceTile(const RadianceTile& tile) {
   header.begin = tile.range.begin;
   header.size = tile.range.size;
   header.channels = static_cast<uint32_t>(tile.channels);
+  const PixelMask held = PixelsHeld(tile);
+  const auto pixels = static_cast<size_t>(tile.bounds.area());
+  const size_t pixel_size = static_cast<size_t>(tile.channels) * sizeof(float);
+  header.pixels_held = static_cast<uint32_t>(held.Count(pixels));
   std::string bytes;
-  const size_t sums_size = tile.sums.size() * sizeof(float);
-  bytes.reserve(sizeof header + sums_size + kCheckSize);
-  bytes.append(reinterpret_cast<const char*>(&header), sizeof header);
-  bytes.append(reinterpret_cast<const char*>(tile.sums.data()), sums_size);
+  bytes.reserve(sizeof header + held.Bytes().size() + header.pixels_held * pixel_size + kCheckSize);
+  AppendBytes(bytes, &header, sizeof header);
+  bytes += held.Bytes();
+  if (held.HasAll()) {
+    AppendBytes(bytes, tile.sums.data(), pixels * pixel_size);
+  } else {
+    for (size_t p = 0; p < pixels; ++p) {
+      if (held.Has(p)) AppendBytes(bytes, &tile.sums[p * static_cast<size_t>(tile.channels)], pixel_size);
+    }
+  }
   const Digest digest = Sha256(bytes);
   bytes.append(reinterpret_cast<const char*>(digest.bytes.data()), kCheckSize);
   return bytes;
@@ -97,15 +148,15 @@ Result<RadianceTile> DecodeRadianceTile(std::string_view bytes) {
   tile.bounds = {header.x0, header.y0, header.x1, header.y1};
   tile.range = {header.begin, header.size};
   tile.channels = static_cast<int>(header.channels);
-  const size_t count = static_cast<size_t>(tile.bounds.area()) * header.channels;
-  if (body.size() != sizeof header + count * sizeof(float)) {
-    return Failed(fmt::format("radiance tile: {} bytes of sums; its bounds and channels ask for {}",
-                              body.size() - sizeof header, count * sizeof(float)));
-  }
-  tile.sums.resize(count);
-  std::memcpy(tile.sums.data(), body.data() + sizeof header, count * sizeof(float));
+  auto sums = ReadSums(body.substr(sizeof header), header, static_cast<size_t>(tile.bounds.area()));
+  if (!sums) return sums.error();
+  tile.sums = std::move(*sums);
   if (!AllFinite(tile.sums)) return Failed("radiance tile: it holds a sum that is not finite");
   return tile;
+}
+
+uint64_t PixelSamples(const RadianceTile& tile) {
+  return uint64_t{PixelsHeld(tile).Count(static_cast<size_t>(tile.bounds.area()))} * tile.range.size;
 }
 
 Digest RadianceTileDigest(const RadianceTile& tile) {

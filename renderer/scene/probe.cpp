@@ -42,7 +42,7 @@ Result<Digest> RenderProbe() {
     if (!scene) return scene.error();
     const FrameSpec& frame = (*scene)->frame();
     for (const SampleRange range : DyadicPartition(frame.samples_per_pixel)) {
-      sums += EncodeRadianceTile(*(*scene)->Render(frame.crop, range, nullptr));
+      sums += EncodeRadianceTile(*(*scene)->Render(frame.crop, {}, range, nullptr));
     }
   }
   return Sha256(sums);

@@ -149,9 +149,8 @@ Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const Integrat
   data.frame.crop = film.crop;
   data.frame.samples_per_pixel = data.sampler.samples_per_pixel;
   data.frame.exr_type = film.exr_type;
-  data.frame.noise_threshold = options_.noise_threshold;
-  data.frame.tile_size =
-      options_.tile_size.value_or(data.frame.IsAdaptive() ? kAdaptiveTileSizeDefault : kTileSizeDefault);
+  data.frame.SetNoiseThreshold(options_.noise_threshold);
+  data.frame.tile_size = options_.tile_size.value_or(kTileSizeDefault);
   data.frame.samples_aov = options_.aovs.contains(kSamplesChannel);
   data.summary.camera = scene_.camera.kind;
   data.summary.film = scene_.film.kind;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "film/frame_spec.h"
+#include "film/pixel_mask.h"
 #include "film/radiance_tile.h"
 #include "language/file_source.h"
 
@@ -93,9 +94,10 @@ class Scene {
   const FrameSpec& frame() const;
   const SceneSummary& summary() const;
 
-  // Renders samples `range` of the pixels of `bounds` on the calling thread: a pure function of the scene and
+  // Renders samples `range` of `pixels` of `bounds` on the calling thread: a pure function of the scene and
   // the unit. Nothing if `stop` became true first; stop may be null. Adds to `statistics` unless it is null.
-  std::optional<RadianceTile> Render(PixelBounds bounds, SampleRange range, const std::atomic<bool>* stop,
+  std::optional<RadianceTile> Render(PixelBounds bounds, const PixelMask& pixels, SampleRange range,
+                                     const std::atomic<bool>* stop,
                                      RenderStatistics* statistics = nullptr) const;
 
   struct Data;  // scene_data.h

@@ -1,3 +1,5 @@
+#include <array>
+
 #include "film/dyadic_sum.h"
 #include "scene/scene.h"
 #include "scene/scene_data.h"
@@ -53,22 +55,28 @@ class PixelRenderer {
 
 }  // namespace
 
-std::optional<RadianceTile> Scene::Render(PixelBounds bounds, SampleRange range,
+std::optional<RadianceTile> Scene::Render(PixelBounds bounds, const PixelMask& pixels, SampleRange range,
                                           const std::atomic<bool>* stop, RenderStatistics* statistics) const {
   TESSERA_CHECK(data_->world.accelerator != nullptr);
   TESSERA_CHECK(range.IsDyadic() && bounds.width() > 0 && bounds.height() > 0);
   RenderStatistics own;
-  PixelRenderer pixels(*data_, statistics != nullptr ? statistics : &own);
-  RadianceTile tile{bounds, range, 4, {}};
-  tile.sums.resize(static_cast<size_t>(bounds.area()) * 4);
-  float* out = tile.sums.data();
+  PixelRenderer renderer(*data_, statistics != nullptr ? statistics : &own);
+  const FrameSpec& frame = data_->frame;
+  RadianceTile tile{bounds, range, frame.channel_count(), {}};
+  tile.sums.reserve(static_cast<size_t>(bounds.area()) * frame.channels.size());
+  size_t pixel = 0;
   for (int y = bounds.y0; y < bounds.y1; ++y) {
-    for (int x = bounds.x0; x < bounds.x1; ++x, out += 4) {
+    for (int x = bounds.x0; x < bounds.x1; ++x, ++pixel) {
       if (stop != nullptr && stop->load(std::memory_order_relaxed)) return std::nullopt;
-      _mm_storeu_ps(out, pixels.Render(x, y, range).v);
+      const bool wanted = pixels.Has(pixel);
+      alignas(16) std::array<float, 4> rgbw{};
+      if (wanted) _mm_store_ps(rgbw.data(), renderer.Render(x, y, range).v);
+      tile.sums.insert(tile.sums.end(), rgbw.begin(), rgbw.end() - 1);
+      if (frame.IsAdaptive()) tile.sums.push_back(wanted ? static_cast<float>(range.size) : 0.0f);
+      tile.sums.push_back(rgbw.back());
     }
   }
-  pixels.ReportRays();
+  renderer.ReportRays();
   return tile;
 }
 

@@ -67,7 +67,7 @@ FrameRun RenderWhole(const Scene& scene, int threads) {
       RenderStatistics own;
       for (int tile = next++; tile < frame.TileCount(); tile = next++) {
         for (const SampleRange range : DyadicPartition(frame.samples_per_pixel)) {
-          std::optional<RadianceTile> result = scene.Render(frame.TileBounds(tile), range, nullptr, &own);
+          std::optional<RadianceTile> result = scene.Render(frame.TileBounds(tile), {}, range, nullptr, &own);
           const std::lock_guard lock(mutex);
           (void)merger.Add(tile, std::move(*result));
         }

@@ -8,10 +8,11 @@
 
 namespace tessera {
 
-// A frame of a few tiles with channels "R" and "W".
+// A frame of a few tiles with channels "R" and "W"; not adaptive.
 FrameSpec SmallFrame(int width, int height, int tile_size, uint32_t samples_per_pixel);
 // The sums of a unit of the picture named by `seed`.
-RadianceTile RenderModel(uint64_t seed, PixelBounds bounds, SampleRange range);
+RadianceTile RenderModel(uint64_t seed, const FrameSpec& spec, uint32_t tile, const PixelMask& pixels,
+                         SampleRange range);
 // The whole picture, merged tile by tile, in pieces as large as can be.
 Merger ReferenceMerger(uint64_t seed, const FrameSpec& spec);
 

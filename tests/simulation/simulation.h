@@ -55,8 +55,9 @@ class Simulation {
   struct JobModel {
     JobId id{};  // as the farm last journalled it
     std::shared_ptr<const JobSpec> spec;
-    std::vector<Merger> reference;  // of each frame
-    double cost = 0;                // seconds per pixel sample
+    std::vector<Merger> reference;       // of each frame
+    std::vector<FramePicture> pictures;  // of the reference
+    double cost = 0;                     // seconds per pixel sample
     bool poisoned = false;
     bool acknowledged = false;           // the client knows that the farm has it
     bool cancelled = false;              // the client asked for it
@@ -93,7 +94,7 @@ class Simulation {
   void NoteFact(const Fact& fact);
   FrameSpec DrawFrame();
   void CheckGrants(const FarmOutput& output);
-  void CheckGrant(const WorkUnit& unit);
+  void CheckGrant(const Lease& lease);
   void CheckPicture(const FinishedPicture& finished);
   void CheckMemory();
   bool AllEnded();

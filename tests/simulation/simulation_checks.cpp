@@ -31,6 +31,7 @@ void Simulation::MakeJobs() {
       spec->frames.push_back({fmt::format("scene{}.pbrt", f), "", DrawFrame(), f});
       const uint64_t seed = Hash(spec->submission, static_cast<uint64_t>(f));
       model.reference.push_back(ReferenceMerger(seed, spec->frames.back().spec));
+      model.pictures.push_back(model.reference.back().Picture());
       report_.samples_needed += model.reference.back().samples_total();
     }
     model.spec = spec;
@@ -48,7 +49,8 @@ FrameSpec Simulation::DrawFrame() {
   const int height = random_.Int(5, 24);
   FrameSpec frame = SmallFrame(width, height, 8, samples);
   if (options_.noise_threshold == 0 || random_.Chance(0.5)) return frame;
-  frame.noise_threshold = options_.noise_threshold;
+  frame.SetNoiseThreshold(options_.noise_threshold);
+  frame.samples_aov = true;
   frame.samples_per_pixel += kDecisionSamplesMin;  // so that there is something to decide
   return frame;
 }
@@ -140,8 +142,9 @@ void Simulation::NoteFact(const Fact& fact) {
 }
 
 // I4: what was acknowledged is not rendered again. Nor is anything that one machine alone would not have
-// rendered, since the tile stops before.
-void Simulation::CheckGrant(const WorkUnit& unit) {
+// rendered, since the tile or its pixels stop before.
+void Simulation::CheckGrant(const Lease& lease) {
+  const WorkUnit& unit = lease.unit;
   const auto status = farm_->Status(FarmNow(), unit.job);
   if (status && status->paused_by_user) Violation("a unit of a paused job is leased: " + unit.Text());
   // What is verified is rendered more than once.
@@ -151,6 +154,16 @@ void Simulation::CheckGrant(const WorkUnit& unit) {
   const Merger& reference = jobs_[submission - 1].reference[unit.frame];
   if (unit.range.end() > reference.Goal(static_cast<int>(unit.tile)).samples)
     Violation("leased though its tile stops before: " + unit.Text());
+  if (!reference.spec().IsAdaptive()) return;
+  const FramePicture& picture = jobs_[submission - 1].pictures[unit.frame];
+  size_t pixel = 0;
+  for (int y = lease.bounds.y0; y < lease.bounds.y1; ++y) {
+    for (int x = lease.bounds.x0; x < lease.bounds.x1; ++x, ++pixel) {
+      const auto place = static_cast<size_t>(y * picture.bounds.width() + x);
+      if (lease.pixels.Has(pixel) != (picture.samples[place] >= static_cast<float>(unit.range.end())))
+        return Violation("leased with other pixels than are wanted: " + unit.Text());
+    }
+  }
 }
 
 void Simulation::CheckGrants(const FarmOutput& output) {
@@ -158,7 +171,7 @@ void Simulation::CheckGrants(const FarmOutput& output) {
     for (const Lease& lease : leases) {
       if (!ledger_.IsNew(lease.id)) continue;
       Trace(fmt::format("lease {} {}", Number(lease.id), lease.unit.Text()));
-      CheckGrant(lease.unit);
+      CheckGrant(lease);
     }
   };
   for (const auto& each : output.directives) check(each.directive.leases);
@@ -167,9 +180,10 @@ void Simulation::CheckGrants(const FarmOutput& output) {
 
 // I2 and I3: whatever came in whatever order, the picture is that of one machine, to the last bit.
 void Simulation::CheckPicture(const FinishedPicture& finished) {
-  const FramePicture wanted = ModelOf(finished.job)->reference[finished.frame].Picture();
+  const FramePicture& wanted = ModelOf(finished.job)->pictures[finished.frame];
   Trace(fmt::format("picture job={} frame={}", Number(finished.job), finished.frame));
-  if (finished.picture.values != wanted.values) Violation("a picture is not the reference");
+  if (finished.picture.values != wanted.values || finished.picture.samples != wanted.samples)
+    Violation("a picture is not the reference");
 }
 
 // I4: a new process of the coordinator knows what the former told.

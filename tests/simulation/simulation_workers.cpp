@@ -130,9 +130,10 @@ void Simulation::FinishUnit(size_t n, const UnitTask& task, double seconds) {
   } else if (poisoned || random_.Chance(Healthy() ? 0 : worker.traits().failure_chance)) {
     worker.load().UnitFailed(lease, "no luck");
   } else {
-    report_.samples_rendered += static_cast<uint64_t>(lease.bounds.area()) * lease.unit.range.size;
     const uint64_t seed = Hash(job.spec->submission, lease.unit.frame);
-    RadianceTile sums = RenderModel(seed, lease.bounds, lease.unit.range);
+    const FrameSpec& spec = job.spec->frames[lease.unit.frame].spec;
+    RadianceTile sums = RenderModel(seed, spec, lease.unit.tile, lease.pixels, lease.unit.range);
+    report_.samples_rendered += PixelSamples(sums);
     if (random_.Chance(Healthy() ? 0 : worker.traits().lie_chance)) {
       sums.sums[0] += static_cast<float>(random_.Real(1, 2));
     }

@@ -16,7 +16,7 @@ TEST(SceneLoader, BuildsTheSceneThatWasOrdered) {
   ASSERT_TRUE(scene) << scene.error().message;
   EXPECT_EQ((*scene)->frame().samples_per_pixel, 4u);
   const std::atomic<bool> stop = false;
-  EXPECT_TRUE((*scene)->Render({0, 0, 8, 8}, {0, 4}, &stop));
+  EXPECT_TRUE((*scene)->Render({0, 0, 8, 8}, {}, {0, 4}, &stop));
 }
 
 TEST(SceneLoader, RefusesAFrameOtherThanTheOneOrdered) {

@@ -22,7 +22,7 @@ class WorkbenchTest : public testing::Test {
     bench_.SceneLoaded(order->key, *LoadOrderedScene(*order, blobs_.Fetcher()));
   }
   Lease MakeLease(uint64_t id) const {
-    return {LeaseId{id}, {JobId{1}, 0, 0, {0, 4}}, {0, 0, 8, 8}, order_.key, milliseconds(3000)};
+    return {LeaseId{id}, {JobId{1}, 0, 0, {0, 4}}, {0, 0, 8, 8}, {}, order_.key, milliseconds(3000)};
   }
   void Finish(const UnitTask& task) { bench_.UnitFinished({task.lease.id, task.lease.unit, "sums", 0.1}); }
   WorkerState State() const {

@@ -21,7 +21,7 @@ Fact Submitted() {
   frame.crop = {1, 2, 39, 28};
   frame.samples_per_pixel = 100;
   frame.exr_type = ExrType::kFloat;
-  frame.noise_threshold = 0.07;
+  frame.SetNoiseThreshold(0.07);
   frame.samples_aov = true;
   frame.attributes = {{"a", "b"}, {"c", ""}};
   spec->frames = {{"x.pbrt", "spp=3\n", frame, -1, true}, {"y.pbrt", "", frame, 2}};

@@ -55,12 +55,12 @@ TEST(FarmExtend, AnAdaptiveJobIsRefusedAndKeepsNoSums) {
   Disk disk;
   Process process(disk);
   auto spec = Job(4);
-  spec->frames[0].spec.noise_threshold = 0.1;
+  spec->frames[0].spec.SetNoiseThreshold(0.1);
   const JobId job = *process.farm.Submit(process.now, spec);
   process.Step();
   const auto extended = process.farm.Extend(process.now, job, 8);
   ASSERT_FALSE(extended);
-  EXPECT_THAT(extended.error().message, HasSubstr("with --noise-threshold its tiles stop by themselves"));
+  EXPECT_THAT(extended.error().message, HasSubstr("with --noise-threshold its pixels stop by themselves"));
   EXPECT_THAT(extended.error().message, HasSubstr("submit the scene again with --spp 8"));
   process.Finish(job, 4);
   EXPECT_TRUE(disk.base.empty() && disk.results.empty());

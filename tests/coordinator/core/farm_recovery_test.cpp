@@ -47,14 +47,20 @@ TEST(FarmRecovery, EveryCrashPointLeadsToTheSamePicture) {
 
 TEST(FarmRecovery, TilesOfAnAdaptiveFrameStopAfterARestartWhereTheyWouldHave) {
   auto spec = Job(128);
-  spec->frames[0].spec.noise_threshold = 0.2;
+  spec->frames[0].spec.SetNoiseThreshold(0.2);
   Merger wanted(spec->frames[0].spec);
-  std::vector<std::pair<uint32_t, SampleRange>> units;  // doubling by doubling
+  struct Unit {
+    uint32_t tile;
+    SampleRange range;
+    PixelMask pixels;
+  };
+  std::vector<Unit> units;  // doubling by doubling
   while (!wanted.Complete()) {
     for (uint32_t tile = 0; tile < kTiles; ++tile) {
+      const PixelMask pixels = wanted.Goal(static_cast<int>(tile)).pixels;
       for (const SampleRange range : wanted.Missing(static_cast<int>(tile))) {
-        units.emplace_back(tile, range);
-        ASSERT_TRUE(wanted.Add(static_cast<int>(tile), Rendered(wanted.spec(), 0, tile, range)));
+        units.push_back({tile, range, pixels});
+        ASSERT_TRUE(wanted.Add(static_cast<int>(tile), Rendered(wanted.spec(), 0, tile, range, pixels)));
       }
     }
   }
@@ -69,15 +75,15 @@ TEST(FarmRecovery, TilesOfAnAdaptiveFrameStopAfterARestartWhereTheyWouldHave) {
       job = *before.farm.Submit(before.now, spec);
       before.Step();
       for (size_t u = 0; u < crash; ++u) {
-        ASSERT_EQ(before.Return(job, 0, units[u].first, units[u].second), Verdict::kAccepted);
+        ASSERT_EQ(before.Return(job, 0, units[u].tile, units[u].range, units[u].pixels), Verdict::kAccepted);
       }
     }
     Process after(disk);
     uint64_t restored = 0;
-    for (size_t u = 0; u < crash; ++u) restored += 4 * units[u].second.size;
+    for (size_t u = 0; u < crash; ++u) restored += units[u].pixels.Count(4) * units[u].range.size;
     EXPECT_EQ(after.Status(job).samples_done, restored);
     for (size_t u = 0; u < units.size(); ++u) {
-      EXPECT_EQ(after.Return(job, 0, units[u].first, units[u].second),
+      EXPECT_EQ(after.Return(job, 0, units[u].tile, units[u].range, units[u].pixels),
                 u < crash ? Verdict::kDuplicate : Verdict::kAccepted)
           << crash << " " << u;
     }

@@ -24,9 +24,10 @@ inline std::shared_ptr<JobSpec> SmallJob(uint64_t submission, int frames = 1) {
   return spec;
 }
 
-inline RadianceTile Ones(SampleRange range) {
-  RadianceTile tile{{0, 0, 8, 8}, range, 2, {}};
-  tile.sums.assign(128, static_cast<float>(range.size));
+// All sums are those of ones, and so are counts of samples.
+inline RadianceTile Ones(SampleRange range, int channels = 2) {
+  RadianceTile tile{{0, 0, 8, 8}, range, channels, {}};
+  tile.sums.assign(static_cast<size_t>(64 * channels), static_cast<float>(range.size));
   return tile;
 }
 

@@ -255,46 +255,72 @@ TEST(Farm, APreviewShowsWhatIsThere) {
 }
 
 // One tile without any noise: it stops at the first decision.
-std::shared_ptr<JobSpec> AdaptiveJob(uint64_t submission) {
-  auto spec = SmallJob(submission);
+std::shared_ptr<JobSpec> AdaptiveJob(double threshold = 0.01) {
+  auto spec = SmallJob(1);
   spec->frames[0].spec.samples_per_pixel = kDecisionSamplesMin * 4;
-  spec->frames[0].spec.noise_threshold = 0.01;
+  spec->frames[0].spec.SetNoiseThreshold(threshold);
   return spec;
 }
 
 TEST(Farm, AnAdaptiveJobEndsWhenItsTilesHaveStopped) {
   constexpr uint32_t kHalf = kDecisionSamplesMin / 2;
   FarmStage stage;
-  const JobId job = *stage.farm.Submit(stage.now, AdaptiveJob(1));
+  const JobId job = *stage.farm.Submit(stage.now, AdaptiveJob());
   EXPECT_EQ(stage.Status(job).samples_total, kHalf * 8 * 64u);
-  EXPECT_EQ(stage.Return(job, {kHalf, kHalf}, Ones({kHalf, kHalf})), Verdict::kAccepted);
-  EXPECT_EQ(stage.Return(job, {0, kHalf}, Ones({0, kHalf})), Verdict::kAccepted);
+  EXPECT_EQ(stage.Return(job, {kHalf, kHalf}, Ones({kHalf, kHalf}, 3)), Verdict::kAccepted);
+  EXPECT_EQ(stage.Return(job, {0, kHalf}, Ones({0, kHalf}, 3)), Verdict::kAccepted);
   ASSERT_EQ(stage.output.pictures.size(), 1u);
   EXPECT_EQ(stage.output.pictures[0].picture.values, std::vector<float>(64, 1.0f));
   EXPECT_EQ(stage.Status(job).samples_done, kHalf * 2 * 64u);
   EXPECT_EQ(stage.Status(job).samples_total, kHalf * 2 * 64u) << "the progress reaches its end";
-  EXPECT_EQ(stage.Return(job, {kHalf * 2, kHalf}, Ones({kHalf * 2, kHalf})), Verdict::kDuplicate);
+  EXPECT_EQ(stage.Return(job, {kHalf * 2, kHalf}, Ones({kHalf * 2, kHalf}, 3)), Verdict::kDuplicate);
 }
 
 TEST(Farm, AResultThatReachesOverADoublingIsNoUnitOfAnAdaptiveJob) {
   FarmStage stage;
-  const JobId job = *stage.farm.Submit(stage.now, AdaptiveJob(1));
+  const JobId job = *stage.farm.Submit(stage.now, AdaptiveJob());
   const SampleRange over{0, kDecisionSamplesMin};
-  EXPECT_EQ(stage.Return(job, over, Ones(over)), Verdict::kRefused);
+  EXPECT_EQ(stage.Return(job, over, Ones(over, 3)), Verdict::kRefused);
   EXPECT_THAT(stage.reason, HasSubstr("no such unit"));
 }
 
-TEST(Farm, AnEarlyResultIsKeptUntilItsTileStopsBeforeIt) {
+// Of which pixels they are wanted, if of any, is not known yet.
+TEST(Farm, AResultBeyondTheNextDecisionOfItsTileIsNotTaken) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, AdaptiveJob());
+  const SampleRange early{kDecisionSamplesMin * 2, kDecisionSamplesMin * 2};
+  EXPECT_EQ(stage.Return(job, early, Ones(early, 3)), Verdict::kObsolete);
+  EXPECT_EQ(stage.Status(job).samples_done, 0u);
+}
+
+TEST(Farm, AResultOfOtherPixelsThanThoseAskedForIsRefused) {
   constexpr uint32_t kHalf = kDecisionSamplesMin / 2;
   FarmStage stage;
-  const JobId job = *stage.farm.Submit(stage.now, AdaptiveJob(1));
-  const SampleRange early{kHalf * 4, kHalf * 4};
-  EXPECT_EQ(stage.Return(job, early, Ones(early)), Verdict::kAccepted);
-  EXPECT_EQ(stage.Status(job).samples_done, kHalf * 4 * 64u);
-  EXPECT_EQ(stage.Return(job, {0, kHalf}, Ones({0, kHalf})), Verdict::kAccepted);
-  EXPECT_EQ(stage.Return(job, {kHalf, kHalf}, Ones({kHalf, kHalf})), Verdict::kAccepted);
-  EXPECT_EQ(stage.output.pictures.size(), 1u);
-  EXPECT_EQ(stage.Status(job).samples_done, kHalf * 2 * 64u);
+  const auto spec = AdaptiveJob(0.5);
+  const JobId job = *stage.farm.Submit(stage.now, spec);
+  // The upper rows differ from half to half.
+  const auto halves = [](SampleRange range) {
+    RadianceTile tile = Ones(range, 3);
+    for (size_t p = 0; p < 24 && range.begin % kDecisionSamplesMin != 0; ++p) tile.sums[p * 3] *= 2;
+    return tile;
+  };
+  RadianceTile missing = Ones({0, kHalf}, 3);
+  std::fill_n(missing.sums.begin(), 3, 0.0f);
+  EXPECT_EQ(stage.Return(job, {0, kHalf}, missing), Verdict::kRefused);
+  EXPECT_THAT(stage.reason, HasSubstr("holds samples of other pixels than those asked for"));
+  Merger merger(spec->frames[0].spec);
+  for (const SampleRange range : {SampleRange{0, kHalf}, SampleRange{kHalf, kHalf}}) {
+    ASSERT_TRUE(merger.Add(0, halves(range)));
+    EXPECT_EQ(stage.Return(job, range, halves(range), 0, 0, 2), Verdict::kAccepted);
+  }
+  const PixelMask pixels = merger.Goal(0).pixels;
+  ASSERT_TRUE(pixels.Count(64) > 0 && pixels.Count(64) < 64) << pixels.Count(64);
+  const SampleRange next{kDecisionSamplesMin, kDecisionSamplesMin};
+  RadianceTile tile = halves(next);
+  EXPECT_EQ(stage.Return(job, next, tile, 0, 0, 3), Verdict::kRefused);
+  KeepPixels(spec->frames[0].spec, pixels, tile.sums);
+  EXPECT_EQ(stage.Return(job, next, tile, 0, 0, 4), Verdict::kAccepted);
+  EXPECT_EQ(stage.Status(job).samples_done, kDecisionSamplesMin * (64u + pixels.Count(64)));
 }
 
 }  // namespace

@@ -109,10 +109,14 @@ TEST(FrameWork, FinishingCountsEachSampleOnce) {
   EXPECT_TRUE(work.Finish({0, {4, 4}}));
   EXPECT_FALSE(work.Finish({0, {4, 4}}));
   EXPECT_FALSE(work.Finish({0, {4, 2}}));
-  EXPECT_EQ(work.samples_done(), 4u * 64);
   EXPECT_TRUE(work.Finish({0, {0, 8}}));  // half of it is new
-  EXPECT_EQ(work.samples_done(), 8u * 64);
   EXPECT_FALSE(work.TakeExactly({0, {0, 1}})) << "what is done is not open";
+  EXPECT_TRUE(work.Finish({0, {8, 8}}));
+  for (uint32_t tile = 1; tile < 4; ++tile) {
+    EXPECT_FALSE(work.Complete());
+    EXPECT_TRUE(work.Finish({tile, {0, 16}}));
+  }
+  EXPECT_TRUE(work.Complete());
 }
 
 TEST(FrameWork, TakesOnlyTilesThatAreAllowed) {
@@ -129,7 +133,7 @@ constexpr uint32_t kFirst = kDecisionSamplesMin;
 
 FrameSpec AdaptiveFrame(uint32_t samples) {
   FrameSpec spec = Frame(samples);
-  spec.noise_threshold = 0.1;
+  spec.SetNoiseThreshold(0.1);
   return spec;
 }
 
@@ -153,33 +157,28 @@ TEST(FrameWork, AnAdaptiveTileIsOpenOnlyToItsGoal) {
   }
   EXPECT_FALSE(work.HasOpen());
   EXPECT_FALSE(work.Complete());
-  EXPECT_TRUE(work.SetGoal(2, {kFirst * 2, false}));
-  EXPECT_FALSE(work.SetGoal(2, {kFirst * 2, false})) << "nothing new";
+  EXPECT_TRUE(work.SetGoal(2, {kFirst * 2, false, {}}));
+  EXPECT_FALSE(work.SetGoal(2, {kFirst * 2, false, {}})) << "nothing new";
   EXPECT_EQ(RenderAll(work), (std::vector<TileSamples>{{2, {kFirst, kFirst}}}));
-  EXPECT_TRUE(work.SetGoal(2, {kFirst * 3, true}));
+  EXPECT_TRUE(work.SetGoal(2, {kFirst * 3, true, {}}));
   EXPECT_EQ(RenderAll(work), (std::vector<TileSamples>{{2, {kFirst * 2, kFirst}}}));
 }
 
 TEST(FrameWork, TilesThatStopCompleteTheFrame) {
   FrameWork work(AdaptiveFrame(kFirst * 4));
-  EXPECT_EQ(work.samples_total(), kFirst * 4 * 256u);
   RenderAll(work);
   for (uint32_t tile = 0; tile < 4; ++tile) {
     EXPECT_FALSE(work.Complete());
-    EXPECT_FALSE(work.SetGoal(tile, {kFirst, true}));
+    EXPECT_FALSE(work.SetGoal(tile, {kFirst, true, {}}));
   }
   EXPECT_TRUE(work.Complete());
-  EXPECT_EQ(work.samples_done(), kFirst * 256u);
-  EXPECT_EQ(work.samples_total(), kFirst * 256u);
 }
 
 TEST(FrameWork, WhatIsBeyondAStopIsDoneAndNeverOpens) {
   FrameWork work(AdaptiveFrame(kFirst * 4));
   const TileSamples early{1, {kFirst * 2, kFirst}};
-  EXPECT_TRUE(work.Finish(early)) << "a former process's lease";
-  EXPECT_EQ(work.samples_done(), kFirst * 64u);
-  EXPECT_FALSE(work.SetGoal(1, {kFirst, true}));
-  EXPECT_EQ(work.samples_done(), 0u);
+  EXPECT_TRUE(work.Finish(early)) << "merged by a former process";
+  EXPECT_FALSE(work.SetGoal(1, {kFirst, true, {}}));
   const TileSamples beyond{1, {kFirst, kFirst}};
   EXPECT_TRUE(work.IsDone(beyond));
   EXPECT_FALSE(work.Finish(beyond));
@@ -187,11 +186,28 @@ TEST(FrameWork, WhatIsBeyondAStopIsDoneAndNeverOpens) {
   for (const TileSamples& samples : RenderAll(work)) EXPECT_LE(samples.range.end(), kFirst);
 }
 
+// The first doubling has measured what a sample of a pixel costs.
+TEST(FrameWork, SamplesOfFewPixelsCostLess) {
+  FrameWork work(AdaptiveFrame(kFirst * 4));
+  RenderAll(work);
+  const TileSamples next{0, {kFirst, kFirst}};
+  const double whole = *work.Cost(next);
+  std::vector<bool> quarter(64);
+  std::fill_n(quarter.begin(), 16, true);
+  EXPECT_TRUE(work.SetGoal(0, {kFirst * 2, false, PixelMask::Of(quarter)}));
+  EXPECT_EQ(work.Pixels(0), PixelMask::Of(quarter));
+  EXPECT_EQ(work.PixelCount(0), 16u);
+  EXPECT_DOUBLE_EQ(*work.Cost(next), whole / 4);
+  EXPECT_NEAR(*work.OpenCost(), whole / 4, whole * 1e-9);
+  EXPECT_EQ(RenderAll(work), std::vector<TileSamples>{next});
+  EXPECT_NEAR(*work.OpenCost(), 0, whole * 1e-9);
+}
+
 TEST(FrameWork, EarlySamplesAreNotOpenedAgain) {
   FrameWork work(AdaptiveFrame(kFirst * 4));
   EXPECT_TRUE(work.Finish({0, {kFirst, kFirst / 2}}));
   RenderAll(work);
-  EXPECT_TRUE(work.SetGoal(0, {kFirst * 2, false}));
+  EXPECT_TRUE(work.SetGoal(0, {kFirst * 2, false, {}}));
   EXPECT_EQ(RenderAll(work), (std::vector<TileSamples>{{0, {kFirst + kFirst / 2, kFirst / 2}}}));
 }
 

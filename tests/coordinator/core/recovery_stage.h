@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/farm.h"
+#include "film/adaptive.h"
 #include "util/hash.h"
 
 namespace tessera {
@@ -35,9 +36,14 @@ inline float Value(uint64_t place, SampleRange range) {
   return Value(place, range.Left()) + Value(place, range.Right());
 }
 
-inline RadianceTile Rendered(const FrameSpec& spec, uint32_t frame, uint32_t tile, SampleRange range) {
-  RadianceTile rendered{spec.TileBounds(static_cast<int>(tile)), range, 2, {}};
-  for (uint32_t i = 0; i < 8; ++i) rendered.sums.push_back(Value(Hash(frame, tile, i), range));
+inline RadianceTile Rendered(const FrameSpec& spec, uint32_t frame, uint32_t tile, SampleRange range,
+                             const PixelMask& pixels = {}) {
+  RadianceTile rendered{spec.TileBounds(static_cast<int>(tile)), range, spec.channel_count(), {}};
+  for (uint32_t i = 0; i < 8; ++i) {
+    if (spec.IsAdaptive() && i % 2 == 1) rendered.sums.push_back(static_cast<float>(range.size));
+    rendered.sums.push_back(Value(Hash(frame, tile, i), range));
+  }
+  if (spec.IsAdaptive()) KeepPixels(spec, pixels, rendered.sums);
   return rendered;
 }
 
@@ -97,10 +103,10 @@ struct Process {
     log.insert(log.end(), output.log.begin(), output.log.end());
     last = std::move(output.results);
   }
-  Verdict Return(JobId job, uint32_t frame, uint32_t tile, SampleRange range) {
+  Verdict Return(JobId job, uint32_t frame, uint32_t tile, SampleRange range, const PixelMask& pixels = {}) {
     const FrameSpec& spec = farm.Spec(job)->frames[frame].spec;
-    farm.ReturnResults(now, CallId{1}, WorkerId{1},
-                       {{LeaseId{0}, {job, frame, tile, range}, 0.1, Rendered(spec, frame, tile, range)}});
+    const RadianceTile rendered = Rendered(spec, frame, tile, range, pixels);
+    farm.ReturnResults(now, CallId{1}, WorkerId{1}, {{LeaseId{0}, {job, frame, tile, range}, 0.1, rendered}});
     Step();
     return last[0].verdicts[0];
   }

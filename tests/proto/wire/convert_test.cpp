@@ -24,10 +24,14 @@ FrameSpec GoodFrame() {
   spec.samples_per_pixel = 12;
   spec.tile_size = 16;
   spec.exr_type = ExrType::kFloat;
-  spec.noise_threshold = 0.07;
+  spec.SetNoiseThreshold(0.07);
   spec.samples_aov = true;
   spec.attributes = {{"seed", "7"}, {"scene", "x"}};
   return spec;
+}
+
+std::vector<bool> SomePixels() {
+  return {true, false, false, true, true, false, false, false};
 }
 
 JobSpec GoodJob() {
@@ -106,7 +110,12 @@ TEST(Convert, DirectiveSurvives) {
   WorkerDirective directive;
   const Digest package = Sha256("p");
   directive.scenes = {{SceneKey(package, "a.pbrt", "o"), package, "a.pbrt", "o", GoodFrame()}};
-  directive.leases = {{LeaseId{4}, GoodUnit(), {0, 0, 16, 16}, Sha256("s"), std::chrono::milliseconds(9000)}};
+  directive.leases = {{LeaseId{4},
+                       GoodUnit(),
+                       {0, 0, 4, 2},
+                       PixelMask::Of(SomePixels()),
+                       Sha256("s"),
+                       std::chrono::milliseconds(9000)}};
   directive.drop = {LeaseId{8}, LeaseId{9}};
   directive.notice = "quarantined";
   proto::WorkerDirective message;
@@ -115,7 +124,8 @@ TEST(Convert, DirectiveSurvives) {
   ASSERT_TRUE(read) << read.error().message;
   ASSERT_EQ(read->leases.size(), 1u);
   EXPECT_EQ(read->leases[0].unit, GoodUnit());
-  EXPECT_EQ(read->leases[0].bounds, (PixelBounds{0, 0, 16, 16}));
+  EXPECT_EQ(read->leases[0].bounds, (PixelBounds{0, 0, 4, 2}));
+  EXPECT_EQ(read->leases[0].pixels, PixelMask::Of(SomePixels()));
   EXPECT_EQ(read->leases[0].scene, Sha256("s"));
   EXPECT_EQ(read->leases[0].duration.count(), 9000);
   EXPECT_EQ(read->drop, directive.drop);
@@ -226,6 +236,25 @@ TEST(Convert, RefusesHostileUnits) {
     Write(GoodUnit(), message);
     spoil(message);
     EXPECT_FALSE(ReadWorkUnit(message)) << what;
+  }
+}
+
+TEST(Convert, RefusesHostileLeases) {
+  const std::pair<const char*, std::function<void(proto::Lease&)>> table[] = {
+      {"no unit", [](auto& m) { m.clear_unit(); }},
+      {"no bounds", [](auto& m) { m.clear_bounds(); }},
+      {"large bounds", [](auto& m) { m.mutable_bounds()->set_x1(kTileSizeMax + 1); }},
+      {"short mask", [](auto& m) { m.mutable_bounds()->set_x1(5); }},
+      {"long mask", [](auto& m) { m.set_pixels(std::string(2, 'a')); }},
+      {"mask of nothing", [](auto& m) { m.set_pixels(std::string(1, '\0')); }},
+      {"scene", [](auto& m) { m.set_scene("x"); }},
+  };
+  for (const auto& [what, spoil] : table) {
+    proto::Lease message;
+    Write(Lease{LeaseId{4}, GoodUnit(), {0, 0, 4, 2}, PixelMask::Of(SomePixels()), Sha256("s"), {}}, message);
+    ASSERT_TRUE(ReadLease(message));
+    spoil(message);
+    EXPECT_FALSE(ReadLease(message)) << what;
   }
 }
 

@@ -19,29 +19,46 @@ inline FrameSpec AdaptiveSpec(uint32_t samples, double threshold) {
   spec.crop = {1, 0, 24, 15};
   spec.tile_size = 8;
   spec.samples_per_pixel = samples;
-  spec.noise_threshold = threshold;
+  spec.SetNoiseThreshold(threshold);
   spec.samples_aov = true;
   return spec;
 }
 
-// Samples lie around 1, the farther the greater the tile's index.
-inline RadianceTile RenderNoise(const FrameSpec& spec, int tile, SampleRange range) {
+// Samples lie around 1, the farther the greater the tile's index, and the farther right in the tile.
+inline RadianceTile RenderNoise(const FrameSpec& spec, int tile, SampleRange range,
+                                const PixelMask& pixels = {}) {
   RadianceTile result{spec.TileBounds(tile), range, spec.channel_count(), {}};
-  const float spread = 0.02f * static_cast<float>(1 << tile);
+  const size_t first_count = spec.MeanCount();
   for (int y = result.bounds.y0; y < result.bounds.y1; ++y) {
     for (int x = result.bounds.x0; x < result.bounds.x1; ++x) {
+      const float spread = 0.01f * static_cast<float>((1 << tile) * (1 + x - result.bounds.x0));
       for (int c = 0; c < result.channels; ++c) {
         DyadicSum<float> sum;
         for (uint32_t s = range.begin; s < range.end(); ++s) {
           const uint64_t h = Hash(static_cast<uint64_t>(x), y, s, c);
           const float noise = UniformFloat(static_cast<uint32_t>(h)) * 2 - 1;
-          sum.Add(c + 1 == result.channels ? 1 : 1 + spread * noise);
+          sum.Add(static_cast<size_t>(c) < first_count ? 1 + spread * noise : 1);
         }
         result.sums.push_back(sum.Node());
       }
     }
   }
+  KeepPixels(spec, pixels, result.sums);
   return result;
+}
+
+// The pixels that samples `range` of a tile are wanted of, as the frame's finished picture tells.
+inline PixelMask WantedPixels(const FrameSpec& spec, const FramePicture& finished, int tile,
+                              SampleRange range) {
+  const PixelBounds bounds = spec.TileBounds(tile);
+  std::vector<bool> wanted;
+  for (int y = bounds.y0; y < bounds.y1; ++y) {
+    for (int x = bounds.x0; x < bounds.x1; ++x) {
+      const int place = (y - spec.crop.y0) * spec.crop.width() + (x - spec.crop.x0);
+      wanted.push_back(finished.samples[static_cast<size_t>(place)] >= static_cast<float>(range.end()));
+    }
+  }
+  return PixelMask::Of(wanted);
 }
 
 struct TileUnit {
@@ -74,7 +91,8 @@ inline std::vector<TileUnit> RandomUnits(const FrameSpec& spec, std::mt19937& ge
 inline void RenderWhatIsWanted(Merger& merger, int tile) {
   for (auto missing = merger.Missing(tile); !missing.empty(); missing = merger.Missing(tile)) {
     for (SampleRange range : missing)
-      TESSERA_CHECK(merger.Add(tile, RenderNoise(merger.spec(), tile, range)).has_value());
+      TESSERA_CHECK(
+          merger.Add(tile, RenderNoise(merger.spec(), tile, range, merger.Goal(tile).pixels)).has_value());
   }
 }
 

@@ -83,6 +83,14 @@ TEST(FrameSpec, EveryLimitIsCheckedWithAMessageThatNamesIt) {
          s.channels = {"R", "R", "W"};
        },
        "twice"},
+      {"adaptive frame that does not count its samples", [](FrameSpec& s) { s.noise_threshold = 0.1; },
+       "last channel but one"},
+      {"adaptive frame that counts elsewhere",
+       [](FrameSpec& s) {
+         s.noise_threshold = 0.1;
+         s.channels = {"samples", "R", "W"};
+       },
+       "last channel but one"},
       {"unnamed channel",
        [](FrameSpec& s) {
          s.channels = {"", "W"};

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -18,9 +20,17 @@ RadianceTile SmallTile() {
   return tile;
 }
 
-// Bytes with a field of the header replaced and the check sum made right again.
-std::string WithField(size_t offset, int32_t value) {
-  std::string bytes = EncodeRadianceTile(SmallTile());
+// Of its six pixels three are held: 0, 2 and 5.
+RadianceTile SparseTile() {
+  RadianceTile tile = SmallTile();
+  for (const size_t pixel : {1, 3, 4}) std::fill_n(&tile.sums[pixel * 4], 4, 0.0f);
+  return tile;
+}
+
+// Bytes of a tile with some replaced and the check sum made right again.
+template <typename T>
+std::string With(const RadianceTile& tile, size_t offset, T value) {
+  std::string bytes = EncodeRadianceTile(tile);
   std::memcpy(bytes.data() + offset, &value, sizeof value);
   const std::string_view body(bytes.data(), bytes.size() - 8);
   const Digest digest = Sha256(body);
@@ -34,8 +44,47 @@ TEST(RadianceTileCodec, GivesBackWhatWasEncoded) {
   EXPECT_EQ(*decoded, SmallTile());
 }
 
+TEST(RadianceTileCodec, PixelsThatAreZerosTakeNoRoom) {
+  const std::string bytes = EncodeRadianceTile(SparseTile());
+  EXPECT_EQ(bytes.size(), EncodeRadianceTile(SmallTile()).size() + 1 - 3 * 4 * sizeof(float));
+  const Result<RadianceTile> decoded = DecodeRadianceTile(bytes);
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  EXPECT_EQ(*decoded, SparseTile());
+  RadianceTile empty = SmallTile();
+  std::ranges::fill(empty.sums, 0.0f);
+  EXPECT_EQ(*DecodeRadianceTile(EncodeRadianceTile(empty)), empty);
+}
+
+TEST(RadianceTileCodec, MinusZeroSurvives) {
+  RadianceTile tile = SparseTile();
+  tile.sums[4] = -0.0f;
+  const Result<RadianceTile> decoded = DecodeRadianceTile(EncodeRadianceTile(tile));
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  EXPECT_TRUE(std::signbit(decoded->sums[4]));
+}
+
+TEST(RadianceTileCodec, RefusesAMaskThatDoesNotFit) {
+  const struct {
+    unsigned char mask;
+    const char* message;
+  } cases[] = {
+      {0b100001, "another number"}, {0b100111, "another number"}, {0, "no pixels"}, {0b1100001, "beyond"}};
+  for (const auto& bad : cases) {
+    const Result<RadianceTile> decoded = DecodeRadianceTile(With(SparseTile(), 40, bad.mask));
+    ASSERT_FALSE(decoded) << int{bad.mask};
+    EXPECT_THAT(decoded.error().message, testing::HasSubstr(bad.message));
+  }
+  EXPECT_TRUE(DecodeRadianceTile(With(SparseTile(), 40, static_cast<unsigned char>(0b001011))))
+      << "other pixels, as many";
+}
+
+TEST(RadianceTile, CountsTheSamplesOfThePixelsThatItHolds) {
+  EXPECT_EQ(PixelSamples(SmallTile()), 6u * 4);
+  EXPECT_EQ(PixelSamples(SparseTile()), 3u * 4);
+}
+
 TEST(RadianceTileCodec, RefusesEveryFlippedByte) {
-  const std::string bytes = EncodeRadianceTile(SmallTile());
+  const std::string bytes = EncodeRadianceTile(SparseTile());
   for (size_t i = 0; i < bytes.size(); ++i) {
     for (int flip : {1, 0x80, 0xff}) {
       std::string damaged = bytes;
@@ -46,7 +95,7 @@ TEST(RadianceTileCodec, RefusesEveryFlippedByte) {
 }
 
 TEST(RadianceTileCodec, RefusesEveryTruncationAndWhatFollows) {
-  const std::string bytes = EncodeRadianceTile(SmallTile());
+  const std::string bytes = EncodeRadianceTile(SparseTile());
   for (size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(DecodeRadianceTile(bytes.substr(0, size)));
   EXPECT_FALSE(DecodeRadianceTile(bytes + "x"));
 }
@@ -57,7 +106,7 @@ TEST(RadianceTileCodec, ChecksEveryFieldEvenWhenTheCheckSumIsRight) {
     int32_t value;
     const char* message;
   } cases[] = {
-      {4, 2, "version 2"},
+      {4, 1, "version 1"},
       {8, -1, "bounds"},
       {8, 33, "bounds"},
       {12, 42, "bounds"},
@@ -71,11 +120,14 @@ TEST(RadianceTileCodec, ChecksEveryFieldEvenWhenTheCheckSumIsRight) {
       {32, 257, "channels"},
       {32, 5, "bytes of sums"},
       {32, 3, "bytes of sums"},
-      {36, 0x7f800000, "not finite"},
-      {36, 0x7fc00000, "not finite"},
+      {36, 5, "bytes of sums"},
+      {36, 7, "bytes of sums"},
+      {36, -1, "bytes of sums"},
+      {40, 0x7f800000, "not finite"},
+      {40, 0x7fc00000, "not finite"},
   };
   for (const auto& bad : cases) {
-    const Result<RadianceTile> decoded = DecodeRadianceTile(WithField(bad.offset, bad.value));
+    const Result<RadianceTile> decoded = DecodeRadianceTile(With(SmallTile(), bad.offset, bad.value));
     ASSERT_FALSE(decoded) << bad.offset << ' ' << bad.value;
     EXPECT_THAT(decoded.error().message, testing::HasSubstr(bad.message)) << bad.offset << ' ' << bad.value;
   }

@@ -50,7 +50,7 @@ std::unique_ptr<Batches> RenderBatches(const std::string& text) {
   RenderStatistics statistics;
   for (uint32_t b = 0; b < kBatches; ++b) {
     const SampleRange range{b * kBatchSamples, kBatchSamples};
-    const RadianceTile tile = *(*scene)->Render({0, 0, kSize, kSize}, range, nullptr, &statistics);
+    const RadianceTile tile = *(*scene)->Render({0, 0, kSize, kSize}, {}, range, nullptr, &statistics);
     for (int y = 0; y < kSize; ++y) {
       for (int x = 0; x < kSize; ++x) {
         for (int c = 0; c < 3; ++c) {
@@ -143,7 +143,7 @@ TEST(Estimators, OneRayPerVertexMeansNoShadowRays) {
     const auto scene = Load(SceneHead(estimator, 3) + kDiffuseBox);
     ASSERT_TRUE(scene) << scene.error().message;
     RenderStatistics statistics;
-    (void)(*scene)->Render({0, 0, kSize, kSize}, {0, 16}, nullptr, &statistics);
+    (void)(*scene)->Render({0, 0, kSize, kSize}, {}, {0, 16}, nullptr, &statistics);
     EXPECT_EQ(statistics.shadow_rays, 0u) << estimator;
     EXPECT_EQ(statistics.camera_rays, 16u * kSize * kSize) << estimator;
     EXPECT_GT(statistics.bounce_rays, statistics.camera_rays / 4) << estimator;

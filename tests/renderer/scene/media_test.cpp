@@ -44,7 +44,7 @@ std::vector<float> Sums(const std::string& text, uint32_t samples, const RenderO
   EXPECT_TRUE(scene.has_value()) << scene.error().message;
   if (!scene) return std::vector<float>(256);
   RenderStatistics statistics;
-  std::vector<float> sums = (*scene)->Render({0, 0, 8, 8}, {0, samples}, nullptr, &statistics)->sums;
+  std::vector<float> sums = (*scene)->Render({0, 0, 8, 8}, {}, {0, samples}, nullptr, &statistics)->sums;
   EXPECT_EQ(statistics.discarded_samples, 0u);
   return sums;
 }
@@ -277,9 +277,9 @@ TEST(Media, AUnitIsAPureFunctionOfSceneAndUnit) {
   const std::string text = Wide(kVolPath) + "WorldBegin\n" + kRoom;
   const auto first = Load(text), second = Load(text);
   ASSERT_TRUE(first && second);
-  const RadianceTile expected = *(*first)->Render({2, 1, 7, 8}, {8, 8}, nullptr);
-  (void)(*second)->Render({0, 0, 8, 8}, {0, 4}, nullptr);
-  EXPECT_EQ(*(*second)->Render({2, 1, 7, 8}, {8, 8}, nullptr), expected);
+  const RadianceTile expected = *(*first)->Render({2, 1, 7, 8}, {}, {8, 8}, nullptr);
+  (void)(*second)->Render({0, 0, 8, 8}, {}, {0, 4}, nullptr);
+  EXPECT_EQ(*(*second)->Render({2, 1, 7, 8}, {}, {8, 8}, nullptr), expected);
 }
 
 std::string Without(std::string text, const std::string& part) {

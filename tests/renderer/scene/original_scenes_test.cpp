@@ -30,7 +30,7 @@ std::vector<float> Sums(const std::string& name, const std::string& integrator,
   const std::unique_ptr<Scene> scene = Load(name, integrator, accelerator);
   if (!scene) return {};
   RenderStatistics statistics;
-  const auto tile = scene->Render({0, 0, kSize, kSize}, {0, kSamples}, nullptr, &statistics);
+  const auto tile = scene->Render({0, 0, kSize, kSize}, {}, {0, kSamples}, nullptr, &statistics);
   EXPECT_EQ(statistics.discarded_samples, 0u);
   return tile->sums;
 }

@@ -35,7 +35,7 @@ FramePicture RenderWhole(const Scene& scene) {
   Merger merger(scene.frame());
   for (int tile = 0; tile < scene.frame().TileCount(); ++tile) {
     for (SampleRange range : DyadicPartition(scene.frame().samples_per_pixel)) {
-      std::optional<RadianceTile> result = scene.Render(scene.frame().TileBounds(tile), range, nullptr);
+      std::optional<RadianceTile> result = scene.Render(scene.frame().TileBounds(tile), {}, range, nullptr);
       EXPECT_TRUE(merger.Add(tile, std::move(*result)));
     }
   }
@@ -166,13 +166,13 @@ TEST(Scene, AUnitIsAPureFunctionOfSceneAndUnit) {
   const auto first = LoadText(Room()), second = LoadText(Room());
   ASSERT_TRUE(first && second);
   const PixelBounds bounds{3, 2, 13, 15};
-  const RadianceTile expected = *first->Render(bounds, {8, 8}, nullptr);
-  (void)second->Render({0, 0, 16, 16}, {0, 4}, nullptr);
-  EXPECT_EQ(*second->Render(bounds, {8, 8}, nullptr), expected);
+  const RadianceTile expected = *first->Render(bounds, {}, {8, 8}, nullptr);
+  (void)second->Render({0, 0, 16, 16}, {}, {0, 4}, nullptr);
+  EXPECT_EQ(*second->Render(bounds, {}, {8, 8}, nullptr), expected);
   std::vector<RadianceTile> tiles(4);
   std::vector<std::thread> threads;
   for (RadianceTile& tile : tiles) {
-    threads.emplace_back([&tile, &first, bounds] { tile = *first->Render(bounds, {8, 8}, nullptr); });
+    threads.emplace_back([&tile, &first, bounds] { tile = *first->Render(bounds, {}, {8, 8}, nullptr); });
   }
   for (std::thread& thread : threads) thread.join();
   for (const RadianceTile& tile : tiles) EXPECT_EQ(tile, expected);
@@ -182,9 +182,9 @@ TEST(Scene, HalvesOfARangeAddUpToTheRange) {
   const auto scene = LoadText(Room());
   ASSERT_TRUE(scene);
   const PixelBounds bounds{0, 0, 16, 16};
-  const RadianceTile whole = *scene->Render(bounds, {0, 16}, nullptr);
-  const RadianceTile left = *scene->Render(bounds, {0, 8}, nullptr),
-                     right = *scene->Render(bounds, {8, 8}, nullptr);
+  const RadianceTile whole = *scene->Render(bounds, {}, {0, 16}, nullptr);
+  const RadianceTile left = *scene->Render(bounds, {}, {0, 8}, nullptr),
+                     right = *scene->Render(bounds, {}, {8, 8}, nullptr);
   for (size_t i = 0; i < whole.sums.size(); ++i) ASSERT_EQ(left.sums[i] + right.sums[i], whole.sums[i]);
 }
 
@@ -220,7 +220,26 @@ TEST(Scene, StopEndsARenderWithoutAResult) {
   const auto scene = LoadText(Room());
   ASSERT_TRUE(scene);
   const std::atomic<bool> stop{true};
-  EXPECT_FALSE(scene->Render({0, 0, 16, 16}, {0, 16}, &stop));
+  EXPECT_FALSE(scene->Render({0, 0, 16, 16}, {}, {0, 16}, &stop));
+}
+
+// Each pixel as in a rendering of all, its samples counted; the others stay zeros.
+TEST(Scene, RendersThePixelsAskedFor) {
+  RenderOptions options;
+  options.noise_threshold = 0.1;
+  const auto scene = LoadText(Room(), options);
+  ASSERT_TRUE(scene);
+  const PixelBounds bounds = scene->frame().TileBounds(0);
+  const size_t channels = scene->frame().channels.size();
+  std::vector<bool> chosen(static_cast<size_t>(bounds.area()));
+  for (size_t i = 0; i < chosen.size(); i += 3) chosen[i] = true;
+  const auto whole = scene->Render(bounds, {}, {8, 4}, nullptr);
+  const auto part = scene->Render(bounds, PixelMask::Of(chosen), {8, 4}, nullptr);
+  ASSERT_TRUE(whole && part);
+  EXPECT_TRUE(HasExactly(scene->frame(), {}, *whole));
+  EXPECT_TRUE(HasExactly(scene->frame(), PixelMask::Of(chosen), *part));
+  for (size_t i = 0; i < part->sums.size(); ++i)
+    ASSERT_EQ(part->sums[i], chosen[i / channels] ? whole->sums[i] : 0.0f) << i;
 }
 
 TEST(Scene, RenderOptionsSurviveTheirCodec) {

@@ -28,7 +28,7 @@ std::unique_ptr<Scene> Load(FileSource& files, std::optional<double> time = {}) 
 }
 
 std::vector<float> Render(const Scene& scene) {
-  return scene.Render({0, 0, 8, 8}, {0, 4}, nullptr)->sums;
+  return scene.Render({0, 0, 8, 8}, {}, {0, 4}, nullptr)->sums;
 }
 
 TEST(Sequence, WhatMovesIsElsewhereAtAnotherTime) {
