@@ -12,7 +12,6 @@ namespace {
 enum class Kind : uint32_t {
   kCoordinatorStarted = 1,
   kJobSubmitted = 2,
-  kFrameFinished = 3,
   kJobEnded = 4,
   kJobExtended = 8,
   kJobsForgotten = 10,
@@ -22,6 +21,7 @@ enum class Kind : uint32_t {
   kWorkerBarred = 9,
   kOpinionHeard = 20,
   kUnitsCounted = 21,
+  kFrameFinished = 22,
 };
 
 void Add(ByteWriter& out, const Digest& digest) {
@@ -132,6 +132,7 @@ void Add(ByteWriter& out, const FrameFinished& fact) {
   out.Add64(Number(fact.job));
   out.Add32(fact.frame);
   Add(out, fact.file);
+  out.Add64(fact.samples);
 }
 
 void Add(ByteWriter& out, const JobEnded& fact) {
@@ -235,6 +236,7 @@ std::optional<Fact> ReadFact(ByteReader& in) {
       fact.job = JobId{in.Read64()};
       fact.frame = in.Read32();
       if (!Read(in, fact.file)) return std::nullopt;
+      fact.samples = in.Read64();
       return fact;
     }
     case Kind::kJobEnded: {

@@ -26,6 +26,7 @@ struct FrameFinished {
   JobId job{};
   uint32_t frame = 0;
   Digest file;
+  uint64_t samples = 0;  // pixel samples that it is made of
 };
 
 struct JobEnded {

@@ -202,6 +202,7 @@ Merger& Farm::MergerOf(JobEntry& job, uint32_t frame) {
 void Farm::CompleteFrame(JobEntry& job, uint32_t frame) {
   Merger& merger = job.mergers.at(frame);
   output_.pictures.push_back({job.id, frame, job.spec, merger.Picture()});
+  job.taken[frame] = merger.samples_merged();
   if (MayKeep(job)) output_.sums.push_back({{job.id, frame}, merger.TakeNodes()});
   job.mergers.erase(frame);
   job.writing.insert(frame);
@@ -223,7 +224,7 @@ void Farm::PictureWritten(Instant now, JobId id, uint32_t frame, const Digest& f
   job->writing.erase(frame);
   std::erase_if(job->opinions, [&](const auto& each) { return each.first.frame == frame; });
   job->reason.clear();
-  output_.facts.emplace_back(FrameFinished{id, frame, file});
+  output_.facts.emplace_back(FrameFinished{id, frame, file, job->taken.at(frame)});
   output_.log.push_back(fmt::format("frame_finished job={} frame={} file={}", Number(id), frame, file.Hex()));
   KeepSums(*job, frame);
   if (job->files.size() == job->spec->frames.size()) EndJob(now, *job, JobState::kFinished, "");

@@ -188,6 +188,7 @@ class Farm {
     std::deque<Progress> progress;       // of the last seconds
     std::map<uint32_t, Merger> mergers;  // of frames begun and not complete
     std::map<uint32_t, Digest> files;    // of frames written
+    std::map<uint32_t, uint64_t> taken;  // pixel samples of frames complete
     std::set<uint32_t> writing;          // complete, not written
     std::map<uint32_t, uint32_t> kept;   // not begun: samples per pixel that are in the spool alone
     std::set<uint32_t> loading;          // begun, those samples are on their way from the spool

@@ -15,6 +15,7 @@ void Farm::Restore(const Fact& fact) {
     JobEntry* const job = FindJob(finished->job);
     if (job == nullptr || finished->frame >= job->spec->frames.size()) return;
     job->files[finished->frame] = finished->file;
+    job->taken[finished->frame] = finished->samples;
     job->kept.erase(finished->frame);
     std::erase_if(job->opinions, [&](const auto& each) { return each.first.frame == finished->frame; });
     finished_.push_back({finished->job, finished->frame});
@@ -92,7 +93,10 @@ void Farm::Begin(Instant now) {
     scheduler_.RestoreBar(now, {bar.worker, bar.name, bar.drained, bar.quarantine});
   }
   for (auto& [id, job] : jobs_) {
-    for (const auto& [frame, file] : job.files) job.samples_done += SamplesOf(job.spec->frames[frame].spec);
+    for (const auto& [frame, file] : job.files) {
+      job.samples_done += job.taken.at(frame);
+      job.samples_total -= SamplesOf(job.spec->frames[frame].spec) - job.taken.at(frame);
+    }
   }
   for (const JobId id : std::set<JobId>(open_jobs_)) ResumeJob(now, jobs_.at(id));
   ForgetEnded();
@@ -147,7 +151,7 @@ void Farm::AppendHistory(const JobEntry& job, std::vector<Fact>& facts) const {
   for (const uint32_t samples : steps) {
     facts.emplace_back(JobExtended{job.id, samples});
     for (const auto& [frame, kept] : job.kept) {
-      if (kept == samples) facts.emplace_back(FrameFinished{job.id, frame, {}});
+      if (kept == samples) facts.emplace_back(FrameFinished{job.id, frame, {}, job.taken.at(frame)});
     }
   }
   uint32_t samples_max = 0;
@@ -162,11 +166,14 @@ std::vector<Fact> Farm::Snapshot() const {
   for (const auto& [id, job] : jobs_) AppendHistory(job, facts);
   for (const auto& [id, job] : jobs_) {
     for (const auto& [frame, file] : job.files) {
-      if (!kept_sums_.Has({id, frame})) facts.emplace_back(FrameFinished{id, frame, file});
+      if (!kept_sums_.Has({id, frame}))
+        facts.emplace_back(FrameFinished{id, frame, file, job.taken.at(frame)});
     }
   }
   for (const FrameId frame : kept_sums_.Frames()) {
-    facts.emplace_back(FrameFinished{frame.job, frame.frame, jobs_.at(frame.job).files.at(frame.frame)});
+    const JobEntry& job = jobs_.at(frame.job);
+    facts.emplace_back(
+        FrameFinished{frame.job, frame.frame, job.files.at(frame.frame), job.taken.at(frame.frame)});
   }
   for (const auto& [id, job] : jobs_) {
     AppendControl(job, facts);

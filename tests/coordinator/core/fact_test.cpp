@@ -46,8 +46,9 @@ TEST(Fact, SurvivesItsBytes) {
 
   const Fact started = *DecodeFact(EncodeFact(CoordinatorStarted{77}));
   EXPECT_EQ(std::get<CoordinatorStarted>(started).epoch, 77u);
-  const Fact finished = *DecodeFact(EncodeFact(FrameFinished{JobId{3}, 4, Sha256("f")}));
+  const Fact finished = *DecodeFact(EncodeFact(FrameFinished{JobId{3}, 4, Sha256("f"), 1'000'000'000'000}));
   EXPECT_EQ(std::get<FrameFinished>(finished).file, Sha256("f"));
+  EXPECT_EQ(std::get<FrameFinished>(finished).samples, 1'000'000'000'000u);
   const Fact ended = *DecodeFact(EncodeFact(JobEnded{JobId{3}, JobState::kFailed, "why"}));
   EXPECT_EQ(std::get<JobEnded>(ended).state, JobState::kFailed);
   EXPECT_EQ(std::get<JobEnded>(ended).reason, "why");

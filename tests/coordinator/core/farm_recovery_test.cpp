@@ -93,6 +93,36 @@ TEST(FarmRecovery, TilesOfAnAdaptiveFrameStopAfterARestartWhereTheyWouldHave) {
   }
 }
 
+// By the journal as it was written, and as it is written anew.
+TEST(FarmRecovery, AFinishedAdaptiveFrameStillHasTheSamplesItWasMadeOf) {
+  auto spec = Job(128);
+  spec->frames[0].spec.SetNoiseThreshold(1);
+  Disk disk;
+  JobId job{};
+  JobStatus wanted;
+  {
+    Process process(disk);
+    job = *process.farm.Submit(process.now, spec);
+    process.Step();
+    for (uint32_t tile = 0; tile < kTiles; ++tile) {
+      for (const uint32_t begin : {0u, kDecisionSamplesMin / 2})
+        process.Return(job, 0, tile, {begin, kDecisionSamplesMin / 2});
+    }
+    process.WritePictures();
+    wanted = process.Status(job);
+  }
+  EXPECT_EQ(wanted.state, JobState::kFinished);
+  EXPECT_EQ(wanted.samples_done, 16u * kDecisionSamplesMin);
+  for (const char* journal : {"as it was", "anew"}) {
+    Process process(disk);
+    EXPECT_EQ(process.Status(job).state, JobState::kFinished) << journal;
+    EXPECT_EQ(process.Status(job).samples_done, wanted.samples_done) << journal;
+    EXPECT_EQ(process.Status(job).samples_total, wanted.samples_done) << journal;
+    disk.facts.clear();
+    for (const Fact& fact : process.farm.Snapshot()) disk.facts.push_back(EncodeFact(fact));
+  }
+}
+
 TEST(FarmRecovery, NothingAcknowledgedIsLeasedAgain) {
   Disk disk;
   JobId job{};
