@@ -29,7 +29,8 @@ bool IsRefusal(const grpc::Status& status) {
 
 }  // namespace
 
-// One Synchronize on its way. Shared with gRPC's thread, which touches it once: to say that it is done.
+// One Synchronize on its way. gRPC's thread touches it once, to say that it is done, and must not own it: a
+// call holds its channel, and whoever lets go of a channel last waits for gRPC's threads to end.
 struct Synchronizer::Call {
   uint64_t sequence = 0;
   std::vector<LeaseId> returned;
@@ -69,7 +70,8 @@ void Synchronizer::Ring() {
 }
 
 void Synchronizer::Start() {
-  auto call = std::make_shared<Call>();
+  auto owned = std::make_unique<Call>();
+  Call* const call = owned.get();
   WorkerState state = self_;
   state.sequence = call->sequence = ++self_.sequence;
   bench_.FillState(state);
@@ -78,7 +80,7 @@ void Synchronizer::Start() {
   Write(state, call->request);
   SetDeadline(call->context, state.wait + kAnswerPatience);
   call->stub = proto::Work::NewStub(channel_);
-  open_.push_back(call);
+  open_.push_back(std::move(owned));
   call->stub->async()->Synchronize(
       &call->context, &call->request, &call->answer, [this, call](grpc::Status status) {
         const std::lock_guard lock(mutex_);
@@ -97,7 +99,7 @@ std::chrono::steady_clock::time_point Synchronizer::NextWakeup() const {
 void Synchronizer::Run(std::stop_token stop) {
   while (!stop.stop_requested()) {
     bool news = false;
-    std::deque<std::shared_ptr<Call>> finished;
+    std::deque<Call*> finished;
     {
       std::unique_lock lock(mutex_);
       changed_.wait_until(lock, stop, NextWakeup(),
@@ -105,8 +107,10 @@ void Synchronizer::Run(std::stop_token stop) {
       finished.swap(finished_);
       news = std::exchange(news_, false);
     }
-    for (const auto& call : finished) {
-      std::erase(open_, call);
+    for (Call* const done : finished) {
+      const auto at = std::ranges::find(open_, done, [](const auto& each) { return each.get(); });
+      const std::unique_ptr<Call> call = std::move(*at);
+      open_.erase(at);
       Handle(*call);
     }
     const auto now = Clock::now();

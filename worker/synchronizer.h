@@ -60,14 +60,14 @@ class Synchronizer {
   Backoff backoff_;
   std::chrono::steady_clock::time_point next_call_;   // unless there is news
   std::chrono::steady_clock::time_point next_retry_;  // after a failure, news or not
-  std::vector<std::shared_ptr<Call>> open_;
+  std::vector<std::unique_ptr<Call>> open_;
   std::string notice_;
   bool connected_ = false;
 
   std::mutex mutex_;  // of the members below
   std::condition_variable_any changed_;
   bool news_ = false;
-  std::deque<std::shared_ptr<Call>> finished_;
+  std::deque<Call*> finished_;  // of those open
 };
 
 }  // namespace tessera

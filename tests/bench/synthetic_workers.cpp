@@ -101,8 +101,9 @@ class SyntheticWorkers::One {
     }
     void OnDone(const grpc::Status& status) override {
       if (status.ok()) one_.Answered(answer_, sent_);
-      one_.shared_.EndCall(status);
-      delete this;
+      Shared& shared = one_.shared_;
+      delete this;  // first: it holds its channel, which this thread must not be the last to let go
+      shared.EndCall(status);
     }
 
     One& one_;
@@ -115,7 +116,7 @@ class SyntheticWorkers::One {
 
   void Synchronize() {
     if (!shared_.BeginCall()) return;
-    auto call = std::make_shared<StateCall>();
+    const auto call = new StateCall;  // deletes itself when it is over
     {
       const std::lock_guard lock(mutex_);
       ++state_.sequence;
@@ -133,6 +134,7 @@ class SyntheticWorkers::One {
                                     Return();
                                     Synchronize();
                                   }
+                                  delete call;  // first, as above
                                   shared_.EndCall(status);
                                 });
   }

@@ -59,6 +59,8 @@ std::vector<ChaosJob> PrepareJobs(const std::string& folder, int samples_per_pix
   const auto spp = [&](int divisor) { return std::to_string(std::max(1, samples_per_pixel / divisor)); };
   WriteSequence(folder, samples_per_pixel);
   return {Prepare(folder, scenes + "box.pbrt", {"--spp", spp(1), "--tile-size", "16"}, 1),
+          Prepare(folder, scenes + "box.pbrt",
+                  {"--spp", spp(1), "--tile-size", "16", "--noise-threshold", "0.1", "--aov", "samples"}, 1),
           Prepare(folder, folder + "/scene.####.pbrt", {"--frames", fmt::format("1-{}", kFrames)}, kFrames),
           Prepare(folder, scenes + "original/materials.pbrt", {"--spp", spp(8), "--resolution", "96x96"}, 1)};
 }

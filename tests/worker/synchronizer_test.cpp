@@ -1,0 +1,80 @@
+// The worker's talk with its coordinator, over a real connection.
+#include "worker/synchronizer.h"
+
+#include <grpcpp/channel.h>
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "proto/work.grpc.pb.h"
+#include "tests/coordinator/store/temporary_dir.h"
+#include "wire/address.h"
+#include "wire/channel.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::seconds kPatience{30};
+
+// A coordinator that has nothing to say: its answers wait until they are not wanted any more.
+class SilentCoordinator final : public proto::Work::CallbackService {
+ public:
+  explicit SilentCoordinator(const Address& address) {
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort(address.Target(), grpc::InsecureServerCredentials());
+    builder.RegisterService(this);
+    server_ = builder.BuildAndStart();
+  }
+  ~SilentCoordinator() override { server_->Shutdown(); }
+
+  grpc::ServerUnaryReactor* Synchronize(grpc::CallbackServerContext*, const proto::WorkerState*,
+                                        proto::WorkerDirective*) override {
+    const std::lock_guard lock(mutex_);
+    ++calls_;
+    called_.notify_all();
+    return new Waiting;
+  }
+  bool AwaitCalls(int count) {
+    std::unique_lock lock(mutex_);
+    return called_.wait_for(lock, kPatience, [&] { return calls_ >= count; });
+  }
+
+ private:
+  struct Waiting final : grpc::ServerUnaryReactor {
+    void OnCancel() override { Finish(grpc::Status::CANCELLED); }
+    void OnDone() override { delete this; }
+  };
+  std::mutex mutex_;
+  std::condition_variable called_;
+  int calls_ = 0;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+// Whoever lets go of a channel last waits for gRPC's threads; were it one of them, it would wait for itself.
+TEST(Synchronizer, LeavesItsChannelToNoThreadOfGrpc) {
+  const TemporaryDir folder;
+  const Address address = *ParseAddress("unix:" + (folder / "socket"), "test");
+  SilentCoordinator coordinator(address);
+  BlobCache cache(folder / "cache", 1 << 20);
+  for (int round = 1; round <= 50; ++round) {
+    const std::shared_ptr<grpc::Channel> channel = OpenChannel(address);
+    {
+      BlobFetcher fetcher(channel, cache, {}, 1, [](uint64_t) {});
+      Prefetcher prefetcher(fetcher);
+      ActivityMeter meter(1, std::chrono::steady_clock::now());
+      Workbench bench([] {});
+      WorkerState self;
+      self.worker = WorkerId{static_cast<uint64_t>(round)};
+      self.wait = std::chrono::seconds(5);
+      Synchronizer synchronizer(channel, self, bench, meter, prefetcher, [](const Error&) {});
+      std::jthread talk([&](std::stop_token stop) { synchronizer.Run(std::move(stop)); });
+      ASSERT_TRUE(coordinator.AwaitCalls(round));
+    }
+    ASSERT_EQ(channel.use_count(), 1) << "round " << round;
+  }
+}
+
+}  // namespace
+}  // namespace tessera
