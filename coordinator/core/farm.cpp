@@ -101,9 +101,8 @@ void Farm::ReturnResults(Instant now, CallId call, WorkerId worker, std::vector<
   PendingResults pending{call, worker, {}, {}};
   for (ReturnedUnit& unit : units) {
     std::string reason;
-    const uint64_t samples = unit.tile ? PixelSamples(*unit.tile) : 0;
     pending.verdicts.push_back(Accept(now, worker, unit, reason));
-    CountResult(unit.unit.job, pending.verdicts.back(), samples, unit.render_seconds);
+    CountResult(pending.verdicts.back(), unit);
     if (pending.verdicts.back() == Verdict::kRefused) pending.reasons.push_back(std::move(reason));
   }
   pending_results_.push_back(std::move(pending));

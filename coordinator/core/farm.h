@@ -242,7 +242,7 @@ class Farm {
   JobStatus StatusOf(Instant now, const JobEntry& job) const;
   // farm_report.cpp: where the time went
   JobTimes TimesOf(const JobEntry& job) const;
-  void CountResult(JobId job, Verdict verdict, uint64_t pixel_samples, double render_seconds);
+  void CountResult(Verdict verdict, const ReturnedUnit& returned);
   void CountGivenUp();
   void MeasurePhase(JobEntry& job);
   void MeasureProgress(Instant now);

@@ -6,20 +6,20 @@
 
 namespace tessera {
 
-void Farm::CountResult(JobId id, Verdict verdict, uint64_t pixel_samples, double render_seconds) {
-  JobEntry* const job = FindJob(id);
+void Farm::CountResult(Verdict verdict, const ReturnedUnit& returned) {
+  JobEntry* const job = FindJob(returned.unit.job);
   FarmCounters& all = counters();
   if (verdict == Verdict::kAccepted) {
-    if (job != nullptr) job->clock.render_s += render_seconds;
+    if (job != nullptr) job->clock.render_s += returned.render_seconds;
     return;  // the scheduler has counted it
   }
   uint64_t& units = verdict == Verdict::kDuplicate  ? all.units_duplicate
                     : verdict == Verdict::kObsolete ? all.units_obsolete
                                                     : all.units_refused;
   ++units;
-  all.samples_wasted += pixel_samples;
-  all.waste_s += render_seconds;
-  if (job != nullptr) job->clock.waste_s += render_seconds;
+  if (returned.tile) all.samples_wasted += PixelSamples(*returned.tile);
+  all.waste_s += returned.render_seconds;
+  if (job != nullptr) job->clock.waste_s += returned.render_seconds;
 }
 
 void Farm::CountGivenUp() {

@@ -75,6 +75,10 @@ Result<std::vector<float>> ReadSums(std::string_view bytes, const Header& header
   }
   std::vector<float> sums(pixels * header.channels);
   if (held == 0) return sums;
+  if (held == pixels) {
+    std::memcpy(sums.data(), bytes.data(), bytes.size());
+    return sums;
+  }
   const auto mask = PixelMask::Read(bytes.substr(0, mask_size), pixels);
   if (!mask) return Failed("radiance tile: " + mask.error().message);
   if (mask->Count(pixels) != held) return Failed("radiance tile: its mask has another number of pixels");
