@@ -49,14 +49,19 @@ Result<void> CheckHeader(const Header& header) {
   return {};
 }
 
-// The pixels that have anything but zeros.
+// The pixels that have anything but zeros. Most tiles have all: that is found out first, as it is cheap.
 PixelMask PixelsHeld(const RadianceTile& tile) {
   const auto channels = static_cast<size_t>(tile.channels);
-  std::vector<bool> held(tile.sums.size() / channels);
-  for (size_t p = 0; p < held.size(); ++p) {
-    const float* sums = &tile.sums[p * channels];
-    held[p] = std::any_of(sums, sums + channels, [](float sum) { return std::bit_cast<uint32_t>(sum) != 0; });
-  }
+  const auto is_held = [&](size_t pixel) {
+    const float* sums = &tile.sums[pixel * channels];
+    return std::any_of(sums, sums + channels, [](float sum) { return std::bit_cast<uint32_t>(sum) != 0; });
+  };
+  const size_t pixels = tile.sums.size() / channels;
+  size_t full = 0;
+  while (full < pixels && is_held(full)) ++full;
+  if (full == pixels) return {};
+  std::vector<bool> held(pixels);
+  for (size_t p = 0; p < pixels; ++p) held[p] = is_held(p);
   return PixelMask::Of(held);
 }
 
