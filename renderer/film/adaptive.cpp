@@ -52,8 +52,10 @@ std::vector<double> SumAround(const std::vector<double>& values, int length, int
   for (int place = 0; place < static_cast<int>(values.size()); ++place) {
     const int along = place / step % length;
     double sum = 0;
-    for (int d = std::max(-reach, -along); d <= std::min(reach, length - 1 - along); ++d)
-      sum += kWeights[static_cast<size_t>(std::abs(d))] * values[static_cast<size_t>(place + d * step)];
+    for (int d = std::max(-reach, -along); d <= std::min(reach, length - 1 - along); ++d) {
+      const int other = place + d * step;
+      sum += kWeights[static_cast<size_t>(std::abs(d))] * values[static_cast<size_t>(other)];
+    }
     sums[static_cast<size_t>(place)] = sum;
   }
   return sums;

@@ -18,12 +18,12 @@
 //
 // Bias: a pixel that stops by its own samples may stop because it has missed the bright ones (Kirk and Arvo
 // 1991). What guards against it: for errors without skew the difference of L and R tells nothing of their
-// mean. For the rare bright sample that does have skew, those around a pixel, and a quarter of the whole tile,
-// speak for it, too; and M is also in the divisor, so that q is never above 1: one bright sample, seen or
-// missed, moves the decision only where noise is that near to the threshold, while many keep the pixels open
-// as they should. To leave a pixel's own q out of its noise would leave no bias, and half of the savings: it is
-// those that have met a bright sample that need more. Measured, on even noise with many fireflies: 0.1 % of
-// the mean at 150 samples per pixel, 0.25 % at 50.
+// mean. For the rare bright sample that does have skew, those around a pixel, and a quarter of the whole
+// tile, speak for it, too; and M is also in the divisor, so that q is never above 1: one bright sample, seen
+// or missed, moves the decision only where noise is that near to the threshold, while many keep the pixels
+// open as they should. To leave a pixel's own q out of its noise would leave no bias, and half of the
+// savings: it is those that have met a bright sample that need more. Measured, on even noise with many
+// fireflies: 0.1 % of the mean at 150 samples per pixel, 0.25 % at 50.
 #pragma once
 
 #include <cstdint>
