@@ -110,7 +110,7 @@ std::vector<double> EstimateNoise(const FrameSpec& spec, const TileHalves& halve
   for (size_t p = 0; p < pixels; ++p) {
     const float* left = &halves.left[p * channels];
     const float* right = &halves.right[p * channels];
-    if (SamplesOf(spec, left) + SamplesOf(spec, right) != static_cast<float>(halves.samples)) continue;
+    if (SamplesOf(spec, halves, p) != static_cast<float>(halves.samples)) continue;
     open[p] = 1;
     noise[p] = PixelNoise(colors, channels, left, right);
     open_count += 1;
@@ -127,19 +127,21 @@ std::vector<double> EstimateNoise(const FrameSpec& spec, const TileHalves& halve
 
 PixelMask NoisyPixels(const FrameSpec& spec, const TileHalves& halves) {
   const double limit = spec.noise_threshold * spec.noise_threshold * halves.samples / kThresholdSamples;
-  const size_t channels = spec.channels.size();
   const std::vector<double> noise = EstimateNoise(spec, halves);
   std::vector<bool> noisy(noise.size());
   for (size_t p = 0; p < noise.size(); ++p) {
-    const float samples =
-        SamplesOf(spec, &halves.left[p * channels]) + SamplesOf(spec, &halves.right[p * channels]);
-    noisy[p] = samples == static_cast<float>(halves.samples) && !(noise[p] < limit);
+    noisy[p] = SamplesOf(spec, halves, p) == static_cast<float>(halves.samples) && !(noise[p] < limit);
   }
   return PixelMask::Of(noisy);
 }
 
 float SamplesOf(const FrameSpec& spec, const float* pixel_sums) {
   return pixel_sums[spec.MeanCount()];
+}
+
+float SamplesOf(const FrameSpec& spec, const TileHalves& halves, size_t pixel) {
+  const size_t place = pixel * spec.channels.size();
+  return SamplesOf(spec, &halves.left[place]) + SamplesOf(spec, &halves.right[place]);
 }
 
 void KeepPixels(const FrameSpec& spec, const PixelMask& pixels, std::vector<float>& sums) {

@@ -82,6 +82,7 @@ PixelMask NoisyPixels(const FrameSpec& spec, const TileHalves& halves);
 
 // How many samples a pixel of an adaptive frame has, by its sums.
 float SamplesOf(const FrameSpec& spec, const float* pixel_sums);
+float SamplesOf(const FrameSpec& spec, const TileHalves& halves, size_t pixel);
 // Takes all others out of the sums of a tile.
 void KeepPixels(const FrameSpec& spec, const PixelMask& pixels, std::vector<float>& sums);
 // Whether a tile of an adaptive frame has all samples of its range of these pixels, and nothing of others.

@@ -56,11 +56,9 @@ NodeSum SumOfNodes(const Nodes& nodes) {
 
 // The pixels that have every sample of both halves.
 PixelMask FullPixels(const FrameSpec& spec, const TileHalves& halves) {
-  const size_t channels = spec.channels.size();
-  std::vector<bool> full(halves.left.size() / channels);
+  std::vector<bool> full(halves.left.size() / spec.channels.size());
   for (size_t p = 0; p < full.size(); ++p) {
-    full[p] = SamplesOf(spec, &halves.left[p * channels]) + SamplesOf(spec, &halves.right[p * channels]) ==
-              static_cast<float>(halves.samples);
+    full[p] = SamplesOf(spec, halves, p) == static_cast<float>(halves.samples);
   }
   return PixelMask::Of(full);
 }
@@ -201,11 +199,8 @@ void Merger::GoOn(Tile& tile, const TileHalves& halves, PixelMask pixels) const 
 // Of a tile: as many as `pixels` may come to, and what the others have.
 uint64_t Merger::SamplesToCome(const TileHalves& halves, const PixelMask& pixels) const {
   double count = 0;
-  const size_t channels = spec_.channels.size();
-  for (size_t p = 0; p < halves.left.size() / channels; ++p) {
-    count += pixels.Has(p) ? static_cast<double>(spec_.samples_per_pixel)
-                           : SamplesOf(spec_, &halves.left[p * channels]) +
-                                 SamplesOf(spec_, &halves.right[p * channels]);
+  for (size_t p = 0; p < halves.left.size() / spec_.channels.size(); ++p) {
+    count += pixels.Has(p) ? static_cast<double>(spec_.samples_per_pixel) : SamplesOf(spec_, halves, p);
   }
   return static_cast<uint64_t>(count);
 }
