@@ -5,7 +5,7 @@
 #include <optional>
 #include <stop_token>
 
-#include "util/result.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -13,7 +13,7 @@
 #include <cstring>
 #include <utility>
 
-#include "util/file.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "util/result.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -10,9 +10,9 @@
 #include <cstdlib>
 
 #include "client/option_values.h"
-#include "film/adaptive.h"
-#include "terms/terms.h"
-#include "util/text.h"
+#include "proto/terms.h"
+#include "renderer/film/adaptive.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {

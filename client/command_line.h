@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "client/options.h"
-#include "util/result.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/commands.h"
-#include "film/picture_file.h"
+#include "renderer/film/picture_file.h"
 
 namespace tessera {
 namespace {

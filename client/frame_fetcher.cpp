@@ -5,7 +5,7 @@
 
 #include "client/frame_names.h"
 #include "client/output.h"
-#include "util/file.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

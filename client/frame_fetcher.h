@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "client/coordinator/coordinator_client.h"
 #include "client/options.h"
-#include "farm/coordinator_client.h"
-#include "util/digest.h"
-#include "util/result.h"
+#include "renderer/util/digest.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

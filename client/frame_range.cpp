@@ -4,7 +4,7 @@
 
 #include <charconv>
 
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 namespace tessera {
 namespace {

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "film/adaptive.h"
+#include "renderer/film/adaptive.h"
 
 namespace tessera {
 namespace {

@@ -5,8 +5,8 @@
 #include <stop_token>
 
 #include "client/progress_line.h"
-#include "film/merger.h"
-#include "scene/scene.h"
+#include "renderer/film/merger.h"
+#include "renderer/scene/scene.h"
 
 namespace tessera {
 

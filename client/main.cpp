@@ -9,8 +9,8 @@
 
 #include "client/command_line.h"
 #include "client/commands.h"
-#include "util/ending_signals.h"
-#include "util/processor.h"
+#include "renderer/util/ending_signals.h"
+#include "renderer/util/processor.h"
 
 namespace tessera {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "terms/terms.h"
-#include "util/text.h"
+#include "proto/terms.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {

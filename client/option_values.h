@@ -11,8 +11,8 @@
 #include <string_view>
 #include <utility>
 
-#include "film/frame_spec.h"
-#include "util/result.h"
+#include "renderer/film/frame_spec.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

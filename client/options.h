@@ -8,7 +8,7 @@
 #include <string>
 
 #include "client/frame_range.h"
-#include "scene/scene.h"
+#include "renderer/scene/scene.h"
 
 namespace tessera {
 

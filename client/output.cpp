@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "client/png_file.h"
-#include "film/picture_file.h"
-#include "util/file.h"
+#include "renderer/film/picture_file.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "film/picture_file.h"
+#include "renderer/film/picture_file.h"
 
 namespace tessera {
 

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "client/cancellation.h"
+#include "client/coordinator/coordinator_client.h"
 #include "client/options.h"
-#include "farm/coordinator_client.h"
 
 namespace tessera {
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "client/commands.h"
+#include "client/coordinator/coordinator_client.h"
 #include "client/frame_fetcher.h"
 #include "client/in_process.h"
 #include "client/local_farm.h"
@@ -15,10 +16,9 @@
 #include "client/status_text.h"
 #include "client/times_text.h"
 #include "client/watching.h"
-#include "farm/coordinator_client.h"
-#include "film/picture_file.h"
-#include "util/cores.h"
-#include "util/digest.h"
+#include "renderer/film/picture_file.h"
+#include "renderer/util/cores.h"
+#include "renderer/util/digest.h"
 
 namespace tessera {
 namespace {

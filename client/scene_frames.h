@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "client/options.h"
-#include "language/file_source.h"
-#include "scene/scene.h"
-#include "util/shared_cache.h"
+#include "renderer/description/file_source.h"
+#include "renderer/scene/scene.h"
+#include "renderer/util/shared_cache.h"
 
 namespace tessera {
 

@@ -10,8 +10,8 @@
 #include <set>
 #include <thread>
 
-#include "terms/package_names.h"
-#include "util/cores.h"
+#include "proto/package_names.h"
+#include "renderer/util/cores.h"
 
 namespace tessera {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "client/coordinator/packed_scene.h"
 #include "client/options.h"
 #include "client/scene_frames.h"
-#include "farm/packed_scene.h"
-#include "scene/scene.h"
+#include "renderer/scene/scene.h"
 
 namespace tessera {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "client/progress_line.h"
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 namespace tessera {
 

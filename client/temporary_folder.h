@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "util/result.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 namespace tessera {
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "farm/coordinator_client.h"
+#include "client/coordinator/coordinator_client.h"
 
 namespace tessera {
 

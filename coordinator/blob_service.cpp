@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <fstream>
 
-#include "terms/terms.h"
-#include "wire/channel.h"
-#include "wire/convert.h"
+#include "proto/terms.h"
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
 
 namespace tessera {
 namespace {

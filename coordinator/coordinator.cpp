@@ -12,9 +12,9 @@
 #include "coordinator/picture_writer.h"
 #include "coordinator/recovery.h"
 #include "coordinator/server.h"
+#include "coordinator/store/data_dir.h"
 #include "coordinator/web_server.h"
 #include "coordinator/work_service.h"
-#include "store/data_dir.h"
 
 namespace tessera {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "coordinator/options.h"
-#include "util/result.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

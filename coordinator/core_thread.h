@@ -12,10 +12,10 @@
 #include <thread>
 #include <vector>
 
-#include "core/farm.h"
-#include "core/instant.h"
-#include "core/journal.h"
-#include "core/spool.h"
+#include "coordinator/core/farm.h"
+#include "coordinator/core/instant.h"
+#include "coordinator/core/journal.h"
+#include "coordinator/core/spool.h"
 
 namespace tessera {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/farm.h"
-#include "core/occupancy.h"
+#include "coordinator/core/farm.h"
+#include "coordinator/core/occupancy.h"
 
 namespace tessera {
 

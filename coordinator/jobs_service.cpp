@@ -6,8 +6,8 @@
 #include "coordinator/picture_stream.h"
 #include "coordinator/submission.h"
 #include "coordinator/watch_stream.h"
-#include "wire/channel.h"
-#include "wire/convert.h"
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
 
 namespace tessera {
 namespace {

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "coordinator/background_thread.h"
+#include "coordinator/store/blob_store.h"
+#include "coordinator/store/data_dir.h"
 #include "proto/jobs.grpc.pb.h"
-#include "store/blob_store.h"
-#include "store/data_dir.h"
-#include "terms/terms.h"
-#include "util/result.h"
+#include "proto/terms.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -9,7 +9,7 @@
 
 #include "coordinator/coordinator.h"
 #include "coordinator/options.h"
-#include "util/processor.h"
+#include "renderer/util/processor.h"
 
 namespace {
 

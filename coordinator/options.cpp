@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 namespace tessera {
 namespace {

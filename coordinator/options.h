@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "core/farm.h"
-#include "store/blob_store.h"
-#include "util/result.h"
-#include "wire/address.h"
+#include "coordinator/core/farm.h"
+#include "coordinator/store/blob_store.h"
+#include "proto/wire/address.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

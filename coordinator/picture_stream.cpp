@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "film/picture_file.h"
-#include "terms/terms.h"
-#include "util/digest.h"
-#include "util/file.h"
-#include "wire/channel.h"
-#include "wire/convert.h"
+#include "proto/terms.h"
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
+#include "renderer/film/picture_file.h"
+#include "renderer/util/digest.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

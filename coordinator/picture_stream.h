@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/farm.h"
+#include "coordinator/core/farm.h"
 #include "proto/jobs.grpc.pb.h"
 
 namespace tessera {

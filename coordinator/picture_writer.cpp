@@ -1,8 +1,8 @@
 #include "coordinator/picture_writer.h"
 
 #include "coordinator/core_thread.h"
-#include "film/picture_file.h"
-#include "util/file.h"
+#include "renderer/film/picture_file.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

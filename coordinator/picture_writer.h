@@ -3,8 +3,8 @@
 #pragma once
 
 #include "coordinator/background_thread.h"
-#include "core/farm.h"
-#include "store/data_dir.h"
+#include "coordinator/core/farm.h"
+#include "coordinator/store/data_dir.h"
 
 namespace tessera {
 

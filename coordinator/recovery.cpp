@@ -1,6 +1,6 @@
 #include "coordinator/recovery.h"
 
-#include "store/file_journal.h"
+#include "coordinator/store/file_journal.h"
 
 namespace tessera {
 namespace {

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "coordinator/core_thread.h"
-#include "store/data_dir.h"
-#include "store/file_spool.h"
-#include "util/result.h"
+#include "coordinator/store/data_dir.h"
+#include "coordinator/store/file_spool.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

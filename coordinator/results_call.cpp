@@ -4,8 +4,8 @@
 
 #include "coordinator/core_thread.h"
 #include "coordinator/results_intake.h"
-#include "wire/channel.h"
-#include "wire/convert.h"
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
 
 namespace tessera {
 namespace {

@@ -6,7 +6,7 @@
 #include <atomic>
 #include <optional>
 
-#include "core/farm.h"
+#include "coordinator/core/farm.h"
 #include "proto/work.pb.h"
 
 namespace tessera {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "util/check.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 

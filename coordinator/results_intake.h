@@ -8,7 +8,7 @@
 #include <functional>
 #include <mutex>
 
-#include "core/farm.h"
+#include "coordinator/core/farm.h"
 
 namespace tessera {
 

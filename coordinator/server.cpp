@@ -14,7 +14,7 @@
 #include "coordinator/blob_service.h"
 #include "coordinator/jobs_service.h"
 #include "coordinator/work_service.h"
-#include "wire/channel.h"
+#include "proto/wire/channel.h"
 
 namespace tessera {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "util/result.h"
-#include "wire/address.h"
+#include "proto/wire/address.h"
+#include "renderer/util/result.h"
 
 namespace grpc {
 class Server;

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "terms/scene_package.h"
+#include "proto/scene_package.h"
 
 namespace tessera {
 

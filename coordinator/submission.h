@@ -1,9 +1,9 @@
 // Whether a submitted job can be rendered with the blobs that are there.
 #pragma once
 
-#include "store/blob_store.h"
-#include "terms/terms.h"
-#include "util/result.h"
+#include "coordinator/store/blob_store.h"
+#include "proto/terms.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

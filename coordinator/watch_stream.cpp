@@ -1,7 +1,7 @@
 #include "coordinator/watch_stream.h"
 
-#include "wire/channel.h"
-#include "wire/convert.h"
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
 
 namespace tessera {
 

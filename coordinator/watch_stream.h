@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "proto/jobs.grpc.pb.h"
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 namespace tessera {
 

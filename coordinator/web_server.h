@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "coordinator/farm_view.h"
-#include "util/result.h"
-#include "wire/address.h"
+#include "proto/wire/address.h"
+#include "renderer/util/result.h"
 
 namespace httplib {
 class Server;

@@ -2,8 +2,8 @@
 
 #include "coordinator/core_thread.h"
 #include "coordinator/results_call.h"
-#include "wire/channel.h"
-#include "wire/convert.h"
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
 
 namespace tessera {
 namespace {

@@ -1,10 +1,10 @@
-#include "terms/package_names.h"
+#include "proto/package_names.h"
 
 #include <fmt/format.h>
 
 #include <charconv>
 
-#include "terms/scene_package.h"
+#include "proto/scene_package.h"
 
 namespace tessera {
 namespace {

@@ -1,10 +1,10 @@
-#include "terms/scene_package.h"
+#include "proto/scene_package.h"
 
 #include <fmt/format.h>
 
 #include <charconv>
 
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 namespace tessera {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "util/digest.h"
-#include "util/result.h"
+#include "renderer/util/digest.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

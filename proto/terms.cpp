@@ -1,4 +1,4 @@
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 #include <fmt/format.h>
 

@@ -11,10 +11,10 @@
 #include <string_view>
 #include <vector>
 
-#include "film/frame_spec.h"
-#include "film/pixel_mask.h"
-#include "film/sample_range.h"
-#include "util/digest.h"
+#include "renderer/film/frame_spec.h"
+#include "renderer/film/pixel_mask.h"
+#include "renderer/film/sample_range.h"
+#include "renderer/util/digest.h"
 
 namespace tessera {
 

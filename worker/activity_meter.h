@@ -4,7 +4,7 @@
 #include <chrono>
 #include <mutex>
 
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 namespace tessera {
 

@@ -16,8 +16,8 @@
 #include <fstream>
 #include <vector>
 
-#include "language/file_source.h"
-#include "util/file.h"
+#include "renderer/description/file_source.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

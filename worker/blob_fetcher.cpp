@@ -14,12 +14,12 @@
 #include <thread>
 #include <vector>
 
-#include "language/file_source.h"
 #include "proto/blobs.grpc.pb.h"
-#include "wire/channel.h"
-#include "wire/convert.h"
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
+#include "renderer/description/file_source.h"
+#include "worker/core/backoff.h"
 #include "worker/pause.h"
-#include "worker_core/backoff.h"
 
 namespace tessera {
 namespace {

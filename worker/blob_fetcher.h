@@ -6,9 +6,9 @@
 #include <stop_token>
 #include <string>
 
-#include "terms/scene_package.h"
-#include "util/digest.h"
-#include "util/result.h"
+#include "proto/scene_package.h"
+#include "renderer/util/digest.h"
+#include "renderer/util/result.h"
 #include "worker/blob_cache.h"
 
 namespace grpc {

@@ -8,8 +8,8 @@
 #include <exception>
 #include <optional>
 
-#include "util/ending_signals.h"
-#include "util/processor.h"
+#include "renderer/util/ending_signals.h"
+#include "renderer/util/processor.h"
 #include "worker/options.h"
 #include "worker/worker.h"
 

@@ -11,9 +11,9 @@
 #include <charconv>
 #include <cstdlib>
 
-#include "terms/terms.h"
-#include "util/cores.h"
-#include "util/text.h"
+#include "proto/terms.h"
+#include "renderer/util/cores.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {

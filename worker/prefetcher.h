@@ -6,7 +6,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "util/digest.h"
+#include "renderer/util/digest.h"
 #include "worker/blob_fetcher.h"
 
 namespace tessera {

@@ -4,11 +4,11 @@
 #include <grpcpp/client_context.h>
 #include <spdlog/spdlog.h>
 
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
-#include "wire/channel.h"
-#include "wire/convert.h"
+#include "worker/core/backoff.h"
 #include "worker/pause.h"
-#include "worker_core/backoff.h"
 
 namespace tessera {
 namespace {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <stop_token>
 
-#include "terms/terms.h"
-#include "util/result.h"
+#include "proto/terms.h"
+#include "renderer/util/result.h"
 #include "worker/workbench.h"
 
 namespace grpc {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "terms/package_names.h"
+#include "proto/package_names.h"
 
 namespace tessera {
 

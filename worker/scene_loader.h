@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 
-#include "scene/scene.h"
-#include "terms/scene_package.h"
-#include "terms/terms.h"
-#include "util/result.h"
+#include "proto/scene_package.h"
+#include "proto/terms.h"
+#include "renderer/scene/scene.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -6,9 +6,9 @@
 
 #include <algorithm>
 
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
-#include "wire/channel.h"
-#include "wire/convert.h"
 
 namespace tessera {
 namespace {

@@ -12,12 +12,12 @@
 #include <stop_token>
 #include <vector>
 
-#include "terms/terms.h"
-#include "util/result.h"
+#include "proto/terms.h"
+#include "renderer/util/result.h"
 #include "worker/activity_meter.h"
+#include "worker/core/backoff.h"
 #include "worker/prefetcher.h"
 #include "worker/workbench.h"
-#include "worker_core/backoff.h"
 
 namespace grpc {
 class Channel;

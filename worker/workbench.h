@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "terms/terms.h"
-#include "util/result.h"
-#include "worker_core/workload.h"
+#include "proto/terms.h"
+#include "renderer/util/result.h"
+#include "worker/core/workload.h"
 
 namespace tessera {
 

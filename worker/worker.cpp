@@ -8,10 +8,10 @@
 #include <exception>
 #include <random>
 
-#include "film/radiance_tile.h"
-#include "scene/probe.h"
-#include "util/check.h"
-#include "wire/channel.h"
+#include "proto/wire/channel.h"
+#include "renderer/film/radiance_tile.h"
+#include "renderer/scene/probe.h"
+#include "renderer/util/check.h"
 #include "worker/build_id.h"
 #include "worker/scene_loader.h"
 

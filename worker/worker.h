@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "util/result.h"
-#include "util/shared_cache.h"
+#include "renderer/util/result.h"
+#include "renderer/util/shared_cache.h"
 #include "worker/activity_meter.h"
 #include "worker/blob_cache.h"
 #include "worker/blob_fetcher.h"

@@ -1,4 +1,4 @@
-#include "core/extension.h"
+#include "coordinator/core/extension.h"
 
 #include <bit>
 

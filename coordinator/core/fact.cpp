@@ -1,10 +1,10 @@
-#include "core/fact.h"
+#include "coordinator/core/fact.h"
 
 #include <fmt/format.h>
 
 #include <bit>
 
-#include "core/byte_codec.h"
+#include "coordinator/core/byte_codec.h"
 
 namespace tessera {
 namespace {

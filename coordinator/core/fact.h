@@ -6,8 +6,8 @@
 #include <string_view>
 #include <variant>
 
-#include "terms/terms.h"
-#include "util/result.h"
+#include "proto/terms.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

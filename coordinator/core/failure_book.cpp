@@ -1,8 +1,8 @@
-#include "core/failure_book.h"
+#include "coordinator/core/failure_book.h"
 
 #include <algorithm>
 
-#include "core/policy.h"
+#include "coordinator/core/policy.h"
 
 namespace tessera {
 namespace {

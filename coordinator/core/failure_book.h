@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "core/frame_work.h"
-#include "core/instant.h"
-#include "terms/terms.h"
+#include "coordinator/core/frame_work.h"
+#include "coordinator/core/instant.h"
+#include "proto/terms.h"
 
 namespace tessera {
 

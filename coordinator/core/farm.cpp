@@ -1,13 +1,13 @@
-#include "core/farm.h"
+#include "coordinator/core/farm.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "core/extension.h"
-#include "core/policy.h"
-#include "terms/probe.h"
-#include "util/check.h"
+#include "coordinator/core/extension.h"
+#include "coordinator/core/policy.h"
+#include "proto/probe.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 namespace {

@@ -11,15 +11,15 @@
 #include <string>
 #include <vector>
 
-#include "core/fact.h"
-#include "core/instant.h"
-#include "core/kept_sums.h"
-#include "core/scheduler.h"
-#include "core/spool.h"
-#include "film/merger.h"
-#include "film/radiance_tile.h"
-#include "terms/terms.h"
-#include "util/result.h"
+#include "coordinator/core/fact.h"
+#include "coordinator/core/instant.h"
+#include "coordinator/core/kept_sums.h"
+#include "coordinator/core/scheduler.h"
+#include "coordinator/core/spool.h"
+#include "proto/terms.h"
+#include "renderer/film/merger.h"
+#include "renderer/film/radiance_tile.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "core/extension.h"
-#include "core/farm.h"
+#include "coordinator/core/extension.h"
+#include "coordinator/core/farm.h"
 
 namespace tessera {
 namespace {

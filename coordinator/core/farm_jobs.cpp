@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "core/farm.h"
-#include "core/policy.h"
-#include "util/check.h"
+#include "coordinator/core/farm.h"
+#include "coordinator/core/policy.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 namespace {

@@ -2,7 +2,7 @@
 // the job, and what was rendered for the job itself.
 #include <algorithm>
 
-#include "core/farm.h"
+#include "coordinator/core/farm.h"
 
 namespace tessera {
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "core/farm.h"
-#include "core/policy.h"
+#include "coordinator/core/farm.h"
+#include "coordinator/core/policy.h"
 
 namespace tessera {
 namespace {

@@ -1,10 +1,10 @@
-#include "core/frame_work.h"
+#include "coordinator/core/frame_work.h"
 
 #include <algorithm>
 #include <bit>
 
-#include "core/policy.h"
-#include "util/check.h"
+#include "coordinator/core/policy.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 

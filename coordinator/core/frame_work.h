@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/sample_set.h"
-#include "film/adaptive.h"
-#include "film/frame_spec.h"
+#include "coordinator/core/sample_set.h"
+#include "renderer/film/adaptive.h"
+#include "renderer/film/frame_spec.h"
 
 namespace tessera {
 

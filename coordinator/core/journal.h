@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/fact.h"
-#include "util/result.h"
+#include "coordinator/core/fact.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "core/kept_sums.h"
+#include "coordinator/core/kept_sums.h"
 
 namespace tessera {
 

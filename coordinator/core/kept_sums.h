@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "core/spool.h"
+#include "coordinator/core/spool.h"
 
 namespace tessera {
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "core/counters.h"
-#include "core/instant.h"
+#include "coordinator/core/counters.h"
+#include "coordinator/core/instant.h"
 
 namespace tessera {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/instant.h"
+#include "coordinator/core/instant.h"
 
 namespace tessera {
 

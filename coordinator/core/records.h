@@ -11,15 +11,15 @@
 #include <string>
 #include <vector>
 
-#include "core/failure_book.h"
-#include "core/frame_work.h"
-#include "core/instant.h"
-#include "core/occupancy.h"
-#include "core/policy.h"
-#include "core/verification.h"
-#include "core/worker_pace.h"
-#include "terms/terms.h"
-#include "util/hash.h"
+#include "coordinator/core/failure_book.h"
+#include "coordinator/core/frame_work.h"
+#include "coordinator/core/instant.h"
+#include "coordinator/core/occupancy.h"
+#include "coordinator/core/policy.h"
+#include "coordinator/core/verification.h"
+#include "coordinator/core/worker_pace.h"
+#include "proto/terms.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 

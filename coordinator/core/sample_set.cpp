@@ -1,4 +1,4 @@
-#include "core/sample_set.h"
+#include "coordinator/core/sample_set.h"
 
 #include <algorithm>
 

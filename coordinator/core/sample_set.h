@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "film/sample_range.h"
+#include "renderer/film/sample_range.h"
 
 namespace tessera {
 

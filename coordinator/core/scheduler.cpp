@@ -1,14 +1,14 @@
 // Events of jobs and units. Workers' events: scheduler_workers.cpp; decisions: scheduler_dispatch.cpp.
-#include "core/scheduler.h"
+#include "coordinator/core/scheduler.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/policy.h"
-#include "film/adaptive.h"
-#include "util/check.h"
+#include "coordinator/core/policy.h"
+#include "renderer/film/adaptive.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 

@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/counters.h"
-#include "core/instant.h"
-#include "core/occupancy.h"
-#include "core/policy.h"
-#include "core/records.h"
-#include "terms/terms.h"
+#include "coordinator/core/counters.h"
+#include "coordinator/core/instant.h"
+#include "coordinator/core/occupancy.h"
+#include "coordinator/core/policy.h"
+#include "coordinator/core/records.h"
+#include "proto/terms.h"
 
 namespace tessera {
 

@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "core/policy.h"
-#include "core/scheduler.h"
+#include "coordinator/core/policy.h"
+#include "coordinator/core/scheduler.h"
 
 namespace tessera {
 namespace {

@@ -1,7 +1,7 @@
 // What the scheduler's decisions come to, in numbers for people.
 #include <algorithm>
 
-#include "core/scheduler.h"
+#include "coordinator/core/scheduler.h"
 
 namespace tessera {
 

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "core/policy.h"
-#include "core/scheduler.h"
-#include "util/check.h"
+#include "coordinator/core/policy.h"
+#include "coordinator/core/scheduler.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 

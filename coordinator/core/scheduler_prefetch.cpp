@@ -3,8 +3,8 @@
 // no more: a scene in memory is large, and theirs may be hours away.
 #include <algorithm>
 
-#include "core/policy.h"
-#include "core/scheduler.h"
+#include "coordinator/core/policy.h"
+#include "coordinator/core/scheduler.h"
 
 namespace tessera {
 

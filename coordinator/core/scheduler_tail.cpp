@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <deque>
 
-#include "core/policy.h"
-#include "core/scheduler.h"
+#include "coordinator/core/policy.h"
+#include "coordinator/core/scheduler.h"
 
 namespace tessera {
 namespace {

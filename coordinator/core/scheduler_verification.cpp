@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "core/policy.h"
-#include "core/scheduler.h"
+#include "coordinator/core/policy.h"
+#include "coordinator/core/scheduler.h"
 
 namespace tessera {
 namespace {

@@ -8,9 +8,9 @@
 #include <functional>
 #include <vector>
 
-#include "film/merger.h"
-#include "terms/terms.h"
-#include "util/result.h"
+#include "proto/terms.h"
+#include "renderer/film/merger.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

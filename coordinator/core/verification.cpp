@@ -1,9 +1,9 @@
-#include "core/verification.h"
+#include "coordinator/core/verification.h"
 
 #include <algorithm>
 
-#include "util/check.h"
-#include "util/hash.h"
+#include "renderer/util/check.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 

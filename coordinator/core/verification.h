@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "core/frame_work.h"
-#include "terms/terms.h"
-#include "util/digest.h"
+#include "coordinator/core/frame_work.h"
+#include "proto/terms.h"
+#include "renderer/util/digest.h"
 
 namespace tessera {
 

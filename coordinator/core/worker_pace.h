@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <deque>
 
-#include "core/instant.h"
-#include "terms/terms.h"
+#include "coordinator/core/instant.h"
+#include "proto/terms.h"
 
 namespace tessera {
 

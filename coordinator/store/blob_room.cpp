@@ -1,4 +1,4 @@
-#include "store/blob_room.h"
+#include "coordinator/store/blob_room.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -9,8 +9,8 @@
 #include <chrono>
 #include <filesystem>
 
-#include "terms/scene_package.h"
-#include "util/file.h"
+#include "proto/scene_package.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

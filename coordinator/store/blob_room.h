@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-#include "store/blob_store.h"
+#include "coordinator/store/blob_store.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "store/blob_store.h"
+#include "coordinator/store/blob_store.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,9 +11,9 @@
 #include <cstring>
 #include <filesystem>
 
-#include "store/blob_room.h"
-#include "terms/terms.h"
-#include "util/file.h"
+#include "coordinator/store/blob_room.h"
+#include "proto/terms.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "util/digest.h"
-#include "util/result.h"
+#include "renderer/util/digest.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

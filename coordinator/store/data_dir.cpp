@@ -1,4 +1,4 @@
-#include "store/data_dir.h"
+#include "coordinator/store/data_dir.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "util/file.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

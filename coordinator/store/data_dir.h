@@ -9,8 +9,8 @@
 
 #include <string>
 
-#include "terms/terms.h"
-#include "util/result.h"
+#include "proto/terms.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "store/file_journal.h"
+#include "coordinator/store/file_journal.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "util/check.h"
-#include "util/file.h"
+#include "renderer/util/check.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "core/journal.h"
-#include "store/record_log.h"
-#include "util/result.h"
+#include "coordinator/core/journal.h"
+#include "coordinator/store/record_log.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

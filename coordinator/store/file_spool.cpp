@@ -1,4 +1,4 @@
-#include "store/file_spool.h"
+#include "coordinator/store/file_spool.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "util/check.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 namespace {

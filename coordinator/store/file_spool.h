@@ -27,10 +27,10 @@
 #include <string>
 #include <vector>
 
-#include "core/spool.h"
-#include "store/frame_files.h"
-#include "store/record_log.h"
-#include "util/result.h"
+#include "coordinator/core/spool.h"
+#include "coordinator/store/frame_files.h"
+#include "coordinator/store/record_log.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "store/frame_files.h"
+#include "coordinator/store/frame_files.h"
 
 #include <fmt/format.h>
 
@@ -10,10 +10,10 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/byte_codec.h"
-#include "terms/terms.h"
-#include "util/check.h"
-#include "util/file.h"
+#include "coordinator/core/byte_codec.h"
+#include "proto/terms.h"
+#include "renderer/util/check.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "film/merger.h"
-#include "store/record_log.h"
-#include "util/result.h"
+#include "coordinator/store/record_log.h"
+#include "renderer/film/merger.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

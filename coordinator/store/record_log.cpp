@@ -1,4 +1,4 @@
-#include "store/record_log.h"
+#include "coordinator/store/record_log.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,10 +11,10 @@
 #include <cstring>
 #include <optional>
 
-#include "core/byte_codec.h"
-#include "store/crc32c.h"
-#include "util/check.h"
-#include "util/file.h"
+#include "coordinator/core/byte_codec.h"
+#include "coordinator/store/crc32c.h"
+#include "renderer/util/check.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "wire/address.h"
+#include "proto/wire/address.h"
 
 #include <fmt/format.h>
 #include <netinet/in.h>

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "util/result.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "wire/channel.h"
+#include "proto/wire/channel.h"
 
 #include <fmt/format.h>
 #include <grpcpp/channel.h>
@@ -8,7 +8,7 @@
 #include <grpcpp/server_builder.h>
 #include <grpcpp/support/channel_arguments.h>
 
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 namespace tessera {
 namespace {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "util/result.h"
-#include "wire/address.h"
+#include "proto/wire/address.h"
+#include "renderer/util/result.h"
 
 namespace grpc {
 class Channel;

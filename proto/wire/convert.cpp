@@ -1,8 +1,8 @@
-#include "wire/convert.h"
+#include "proto/wire/convert.h"
 
 #include "proto/terms.pb.h"
+#include "proto/wire/fields.h"
 #include "proto/work.pb.h"
-#include "wire/fields.h"
 
 namespace tessera {
 

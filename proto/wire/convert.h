@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "terms/terms.h"
-#include "util/result.h"
+#include "proto/terms.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

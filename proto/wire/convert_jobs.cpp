@@ -1,7 +1,7 @@
 // Conversions of the conversation with clients.
 #include "proto/jobs.pb.h"
-#include "wire/convert.h"
-#include "wire/fields.h"
+#include "proto/wire/convert.h"
+#include "proto/wire/fields.h"
 
 namespace tessera {
 namespace {

@@ -1,7 +1,7 @@
 // Conversions of the conversation with workers.
+#include "proto/wire/convert.h"
+#include "proto/wire/fields.h"
 #include "proto/work.pb.h"
-#include "wire/convert.h"
-#include "wire/fields.h"
 
 namespace tessera {
 namespace {

@@ -4,9 +4,9 @@
 #include <set>
 #include <string>
 
-#include "terms/scene_package.h"
-#include "terms/terms.h"
-#include "util/result.h"
+#include "proto/scene_package.h"
+#include "proto/terms.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

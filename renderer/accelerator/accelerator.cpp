@@ -1,13 +1,13 @@
-#include "accelerator/accelerator.h"
+#include "renderer/accelerator/accelerator.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <thread>
 
-#include "accelerator/embree_accelerator.h"
-#include "accelerator/own_accelerator.h"
-#include "util/text.h"
+#include "renderer/accelerator/embree_accelerator.h"
+#include "renderer/accelerator/own_accelerator.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 

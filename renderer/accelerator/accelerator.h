@@ -5,9 +5,9 @@
 #include <memory>
 #include <string_view>
 
-#include "shape/geometry.h"
-#include "shape/interaction.h"
-#include "util/result.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/interaction.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

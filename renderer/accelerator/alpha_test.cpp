@@ -1,9 +1,9 @@
-#include "accelerator/alpha_test.h"
+#include "renderer/accelerator/alpha_test.h"
 
 #include <bit>
 
-#include "shape/shape_interaction.h"
-#include "util/hash.h"
+#include "renderer/shape/shape_interaction.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 namespace {

@@ -1,9 +1,9 @@
 // Surfaces that let some rays pass.
 #pragma once
 
-#include "shape/geometry.h"
-#include "shape/interaction.h"
-#include "texture/texture.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/interaction.h"
+#include "renderer/texture/texture.h"
 
 namespace tessera {
 

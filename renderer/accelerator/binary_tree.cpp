@@ -1,4 +1,4 @@
-#include "accelerator/binary_tree.h"
+#include "renderer/accelerator/binary_tree.h"
 
 #include <algorithm>
 #include <array>

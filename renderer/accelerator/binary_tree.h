@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "accelerator/search_space.h"
+#include "renderer/accelerator/search_space.h"
 
 namespace tessera {
 

@@ -1,8 +1,8 @@
-#include "accelerator/bvh_builder.h"
+#include "renderer/accelerator/bvh_builder.h"
 
 #include <array>
 
-#include "accelerator/binary_tree.h"
+#include "renderer/accelerator/binary_tree.h"
 
 namespace tessera {
 namespace {

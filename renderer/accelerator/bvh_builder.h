@@ -3,7 +3,7 @@
 // then merged until each has eight children (Wald, Benthin, Boulos 2008, "Getting Rid of Packets").
 #pragma once
 
-#include "accelerator/search_space.h"
+#include "renderer/accelerator/search_space.h"
 
 namespace tessera {
 

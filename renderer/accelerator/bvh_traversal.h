@@ -6,9 +6,9 @@
 #include <bit>
 #include <utility>
 
-#include "accelerator/bvh_builder.h"
-#include "accelerator/search_space.h"
-#include "accelerator/traced_ray.h"
+#include "renderer/accelerator/bvh_builder.h"
+#include "renderer/accelerator/search_space.h"
+#include "renderer/accelerator/traced_ray.h"
 
 namespace tessera {
 

@@ -1,13 +1,13 @@
-#include "accelerator/embree_accelerator.h"
+#include "renderer/accelerator/embree_accelerator.h"
 
 #include <chrono>
 #include <cmath>
 #include <utility>
 
-#include "accelerator/embree_callbacks.h"
-#include "accelerator/embree_device.h"
-#include "accelerator/embree_scene.h"
-#include "shape/hit_refinement.h"
+#include "renderer/accelerator/embree_callbacks.h"
+#include "renderer/accelerator/embree_device.h"
+#include "renderer/accelerator/embree_scene.h"
+#include "renderer/shape/hit_refinement.h"
 
 namespace tessera {
 namespace {

@@ -1,12 +1,12 @@
-#include "accelerator/embree_callbacks.h"
+#include "renderer/accelerator/embree_callbacks.h"
 
 #include <algorithm>
 
-#include "accelerator/alpha_test.h"
-#include "shape/hit_refinement.h"
-#include "shape/patch_intersection.h"
-#include "shape/quadric_intersection.h"
-#include "shape/shape_sampling.h"
+#include "renderer/accelerator/alpha_test.h"
+#include "renderer/shape/hit_refinement.h"
+#include "renderer/shape/patch_intersection.h"
+#include "renderer/shape/quadric_intersection.h"
+#include "renderer/shape/shape_sampling.h"
 
 namespace tessera {
 namespace {

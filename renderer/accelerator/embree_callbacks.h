@@ -1,8 +1,8 @@
 // What Embree calls back while it traces: our own primitives, and alpha.
 #pragma once
 
-#include "accelerator/embree_scene.h"
-#include "texture/texture.h"
+#include "renderer/accelerator/embree_scene.h"
+#include "renderer/texture/texture.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "accelerator/embree_device.h"
+#include "renderer/accelerator/embree_device.h"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,11 @@
-#include "accelerator/embree_scene.h"
+#include "renderer/accelerator/embree_scene.h"
 
 #include <array>
 #include <utility>
 
-#include "accelerator/alpha_test.h"
-#include "accelerator/embree_callbacks.h"
-#include "shape/patch.h"
+#include "renderer/accelerator/alpha_test.h"
+#include "renderer/accelerator/embree_callbacks.h"
+#include "renderer/shape/patch.h"
 
 namespace tessera {
 namespace {

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "accelerator/embree_device.h"
-#include "shape/geometry.h"
-#include "shape/interaction.h"
+#include "renderer/accelerator/embree_device.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/interaction.h"
 
 namespace tessera {
 

@@ -1,11 +1,11 @@
-#include "accelerator/hit_search.h"
+#include "renderer/accelerator/hit_search.h"
 
 #include <algorithm>
 #include <tuple>
 
-#include "shape/hit_refinement.h"
-#include "shape/patch_intersection.h"
-#include "shape/quadric_intersection.h"
+#include "renderer/shape/hit_refinement.h"
+#include "renderer/shape/patch_intersection.h"
+#include "renderer/shape/quadric_intersection.h"
 
 namespace tessera {
 namespace {

@@ -9,11 +9,11 @@
 
 #include <bit>
 
-#include "accelerator/alpha_test.h"
-#include "accelerator/search_space.h"
-#include "accelerator/traced_ray.h"
-#include "shape/geometry.h"
-#include "shape/interaction.h"
+#include "renderer/accelerator/alpha_test.h"
+#include "renderer/accelerator/search_space.h"
+#include "renderer/accelerator/traced_ray.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/interaction.h"
 
 namespace tessera {
 

@@ -1,12 +1,12 @@
-#include "accelerator/own_accelerator.h"
+#include "renderer/accelerator/own_accelerator.h"
 
 #include <chrono>
 #include <utility>
 
-#include "accelerator/bvh_builder.h"
-#include "accelerator/bvh_traversal.h"
-#include "accelerator/hit_search.h"
-#include "shape/hit_refinement.h"
+#include "renderer/accelerator/bvh_builder.h"
+#include "renderer/accelerator/bvh_traversal.h"
+#include "renderer/accelerator/hit_search.h"
+#include "renderer/shape/hit_refinement.h"
 
 namespace tessera {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "accelerator/accelerator.h"
+#include "renderer/accelerator/accelerator.h"
 
 namespace tessera {
 

@@ -1,12 +1,12 @@
-#include "accelerator/search_space.h"
+#include "renderer/accelerator/search_space.h"
 
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 
-#include "accelerator/alpha_test.h"
-#include "shape/patch.h"
-#include "shape/shape_sampling.h"
+#include "renderer/accelerator/alpha_test.h"
+#include "renderer/shape/patch.h"
+#include "renderer/shape/shape_sampling.h"
 
 namespace tessera {
 namespace {

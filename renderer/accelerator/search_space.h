@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "accelerator/triangle_block.h"
-#include "shape/geometry.h"
-#include "util/result.h"
+#include "renderer/accelerator/triangle_block.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

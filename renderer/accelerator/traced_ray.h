@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/bounds.h"
-#include "shape/double3.h"
+#include "renderer/math/bounds.h"
+#include "renderer/shape/double3.h"
 
 namespace tessera {
 

@@ -13,8 +13,8 @@
 
 #include <cstdint>
 
-#include "accelerator/traced_ray.h"
-#include "shape/triangle.h"
+#include "renderer/accelerator/traced_ray.h"
+#include "renderer/shape/triangle.h"
 
 namespace tessera {
 

@@ -1,10 +1,10 @@
-#include "camera/camera.h"
+#include "renderer/camera/camera.h"
 
 #include <limits>
 
-#include "language/parameter_reader.h"
-#include "math/sampling.h"
-#include "util/text.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/math/sampling.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {

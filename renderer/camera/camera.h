@@ -1,10 +1,10 @@
 // Cameras: from a place on the film to a ray.
 #pragma once
 
-#include "language/scene_description.h"
-#include "math/ray.h"
-#include "math/transform.h"
-#include "util/result.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/math/ray.h"
+#include "renderer/math/transform.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -1,6 +1,6 @@
 // Numbers: the CIE 1931 2-degree standard observer every nm (CIE 018:2019), and the daylight vectors (CIE
 // 15).
-#include "color/spectral_data.h"
+#include "renderer/color/spectral_data.h"
 
 namespace tessera {
 

@@ -1,12 +1,12 @@
-#include "color/color_space.h"
+#include "renderer/color/color_space.h"
 
 #include <algorithm>
 #include <cctype>
 #include <string>
 
-#include "color/named_spectra.h"
-#include "color/rgb_to_spectrum.h"
-#include "color/srgb_table_data.h"
+#include "renderer/color/named_spectra.h"
+#include "renderer/color/rgb_to_spectrum.h"
+#include "renderer/color/srgb_table_data.h"
 
 namespace tessera {
 namespace {

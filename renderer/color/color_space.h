@@ -6,8 +6,8 @@
 #include <optional>
 #include <string_view>
 
-#include "color/spectrum.h"
-#include "math/vec.h"
+#include "renderer/color/spectrum.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

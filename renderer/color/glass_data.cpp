@@ -1,7 +1,7 @@
 // Numbers: index of refraction of Schott glasses (refractiveindex.info, public domain).
 #include <iterator>
 
-#include "color/spectral_data.h"
+#include "renderer/color/spectral_data.h"
 
 namespace tessera {
 namespace {

@@ -2,7 +2,7 @@
 // the Academy Color Encoding System (TB-2018-001).
 #include <iterator>
 
-#include "color/spectral_data.h"
+#include "renderer/color/spectral_data.h"
 
 namespace tessera {
 namespace {

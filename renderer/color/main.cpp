@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "color/rgb_table.h"
+#include "renderer/color/rgb_table.h"
 
 int main(int argument_count, char** arguments) {
   if (argument_count != 2) {

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "color/named_spectra.h"
-#include "color/spectrum_parameter.h"
-#include "util/text.h"
+#include "renderer/color/named_spectra.h"
+#include "renderer/color/spectrum_parameter.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {

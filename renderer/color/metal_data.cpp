@@ -2,7 +2,7 @@
 // Palik, Handbook of Optical Constants of Solids, 1985 to 1998; CuZn: Querry 1985.
 #include <iterator>
 
-#include "color/spectral_data.h"
+#include "renderer/color/spectral_data.h"
 
 namespace tessera {
 namespace {

@@ -1,12 +1,12 @@
-#include "color/named_spectra.h"
+#include "renderer/color/named_spectra.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <string_view>
 
-#include "color/spectral_data.h"
-#include "util/check.h"
+#include "renderer/color/spectral_data.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 namespace {

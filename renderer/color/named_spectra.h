@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "color/spectrum.h"
-#include "util/result.h"
+#include "renderer/color/spectrum.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -1,6 +1,6 @@
-#include "color/rgb_primaries.h"
+#include "renderer/color/rgb_primaries.h"
 
-#include "color/named_spectra.h"
+#include "renderer/color/named_spectra.h"
 
 namespace tessera {
 namespace {

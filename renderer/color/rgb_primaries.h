@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "color/spectrum.h"
+#include "renderer/color/spectrum.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "color/rgb_table.h"
+#include "renderer/color/rgb_table.h"
 
 #include <algorithm>
 

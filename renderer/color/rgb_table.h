@@ -8,9 +8,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "color/sigmoid_solver.h"
-#include "color/spectrum.h"
-#include "math/vec.h"
+#include "renderer/color/sigmoid_solver.h"
+#include "renderer/color/spectrum.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -1,6 +1,6 @@
-#include "color/rgb_to_spectrum.h"
+#include "renderer/color/rgb_to_spectrum.h"
 
-#include "color/rgb_table.h"
+#include "renderer/color/rgb_table.h"
 
 namespace tessera {
 namespace {

@@ -5,8 +5,8 @@
 #include <mutex>
 #include <vector>
 
-#include "color/sigmoid_solver.h"
-#include "math/vec.h"
+#include "renderer/color/sigmoid_solver.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -1,7 +1,7 @@
 // A spectrum at the four wavelengths of one path.
 #pragma once
 
-#include "math/float4.h"
+#include "renderer/math/float4.h"
 
 namespace tessera {
 

@@ -1,9 +1,9 @@
-#include "color/sigmoid_solver.h"
+#include "renderer/color/sigmoid_solver.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "color/named_spectra.h"
+#include "renderer/color/named_spectra.h"
 
 namespace tessera {
 namespace {

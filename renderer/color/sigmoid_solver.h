@@ -5,8 +5,8 @@
 
 #include <array>
 
-#include "color/rgb_primaries.h"
-#include "color/spectrum.h"
+#include "renderer/color/rgb_primaries.h"
+#include "renderer/color/spectrum.h"
 
 namespace tessera {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "color/spectrum.h"
+#include "renderer/color/spectrum.h"
 
 namespace tessera {
 

@@ -1,10 +1,10 @@
-#include "color/spectrum.h"
+#include "renderer/color/spectrum.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "color/named_spectra.h"
+#include "renderer/color/named_spectra.h"
 
 namespace tessera {
 namespace {

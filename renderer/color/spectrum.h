@@ -5,8 +5,8 @@
 #include <array>
 #include <memory>
 
-#include "color/sampled_spectrum.h"
-#include "color/wavelengths.h"
+#include "renderer/color/sampled_spectrum.h"
+#include "renderer/color/wavelengths.h"
 
 namespace tessera {
 

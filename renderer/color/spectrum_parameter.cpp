@@ -1,4 +1,4 @@
-#include "color/spectrum_parameter.h"
+#include "renderer/color/spectrum_parameter.h"
 
 namespace tessera {
 

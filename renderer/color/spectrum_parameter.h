@@ -1,10 +1,10 @@
 // From a parameter of the scene language to a Spectrum.
 #pragma once
 
-#include "color/color_space.h"
-#include "color/spectrum.h"
-#include "language/file_source.h"
-#include "language/parameter_reader.h"
+#include "renderer/color/color_space.h"
+#include "renderer/color/spectrum.h"
+#include "renderer/description/file_source.h"
+#include "renderer/description/parameter_reader.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "color/srgb_table_data.h"
+#include "renderer/color/srgb_table_data.h"
 
 // TESSERA_SRGB_TABLE is the path of the file that the build computed.
 asm(R"(

@@ -1,4 +1,4 @@
-#include "color/wavelengths.h"
+#include "renderer/color/wavelengths.h"
 
 #include <algorithm>
 #include <cmath>

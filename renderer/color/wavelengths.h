@@ -3,7 +3,7 @@
 
 #include <immintrin.h>
 
-#include "color/sampled_spectrum.h"
+#include "renderer/color/sampled_spectrum.h"
 
 namespace tessera {
 

@@ -1,10 +1,10 @@
-#include "film/adaptive.h"
+#include "renderer/film/adaptive.h"
 
 #include <algorithm>
 #include <array>
 
-#include "film/radiance_tile.h"
-#include "util/check.h"
+#include "renderer/film/radiance_tile.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 namespace {

@@ -29,9 +29,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "film/frame_spec.h"
-#include "film/pixel_mask.h"
-#include "film/sample_range.h"
+#include "renderer/film/frame_spec.h"
+#include "renderer/film/pixel_mask.h"
+#include "renderer/film/sample_range.h"
 
 namespace tessera {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
-#include "film/sample_range.h"
-#include "util/check.h"
+#include "renderer/film/sample_range.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "film/frame_spec.h"
+#include "renderer/film/frame_spec.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-#include "util/check.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "film/sample_range.h"
-#include "util/result.h"
+#include "renderer/film/sample_range.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

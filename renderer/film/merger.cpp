@@ -1,4 +1,4 @@
-#include "film/merger.h"
+#include "renderer/film/merger.h"
 
 #include <fmt/format.h>
 

@@ -11,8 +11,8 @@
 #include <map>
 #include <vector>
 
-#include "film/adaptive.h"
-#include "film/radiance_tile.h"
+#include "renderer/film/adaptive.h"
+#include "renderer/film/radiance_tile.h"
 
 namespace tessera {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "film/picture_file.h"
+#include "renderer/film/picture_file.h"
 
 namespace tessera {
 namespace {

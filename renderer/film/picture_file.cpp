@@ -1,4 +1,4 @@
-#include "film/picture_file.h"
+#include "renderer/film/picture_file.h"
 
 #include <ImathBox.h>
 #include <ImfChannelList.h>

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "film/frame_spec.h"
-#include "film/merger.h"
+#include "renderer/film/frame_spec.h"
+#include "renderer/film/merger.h"
 
 namespace tessera {
 

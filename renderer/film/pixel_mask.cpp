@@ -1,4 +1,4 @@
-#include "film/pixel_mask.h"
+#include "renderer/film/pixel_mask.h"
 
 #include <fmt/format.h>
 

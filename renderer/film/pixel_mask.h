@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "util/result.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

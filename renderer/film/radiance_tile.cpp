@@ -1,4 +1,4 @@
-#include "film/radiance_tile.h"
+#include "renderer/film/radiance_tile.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "film/pixel_mask.h"
-#include "util/check.h"
+#include "renderer/film/pixel_mask.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 namespace {

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "film/frame_spec.h"
-#include "util/digest.h"
+#include "renderer/film/frame_spec.h"
+#include "renderer/util/digest.h"
 
 namespace tessera {
 

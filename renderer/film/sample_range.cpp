@@ -1,10 +1,10 @@
-#include "film/sample_range.h"
+#include "renderer/film/sample_range.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "util/check.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 

@@ -1,11 +1,11 @@
-#include "filter/filter.h"
+#include "renderer/filter/filter.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "language/parameter_reader.h"
-#include "util/hash.h"
-#include "util/text.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/util/hash.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "language/scene_description.h"
-#include "math/vec.h"
-#include "util/result.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/math/vec.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "image/image.h"
+#include "renderer/image/image.h"
 
 namespace tessera {
 

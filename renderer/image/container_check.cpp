@@ -1,4 +1,4 @@
-#include "image/container_check.h"
+#include "renderer/image/container_check.h"
 
 #include <algorithm>
 #include <string_view>

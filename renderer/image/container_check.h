@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "util/result.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

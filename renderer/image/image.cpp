@@ -1,4 +1,4 @@
-#include "image/image.h"
+#include "renderer/image/image.h"
 
 #include <cmath>
 #include <cstring>
@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 #include <immintrin.h>
 
-#include "image/color_encoding.h"
-#include "image/image_format.h"
-#include "image/library_formats.h"
-#include "image/pfm.h"
-#include "image/qoi.h"
+#include "renderer/image/color_encoding.h"
+#include "renderer/image/image_format.h"
+#include "renderer/image/library_formats.h"
+#include "renderer/image/pfm.h"
+#include "renderer/image/qoi.h"
 
 namespace tessera {
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "language/file_source.h"
-#include "math/vec.h"
-#include "util/result.h"
+#include "renderer/description/file_source.h"
+#include "renderer/math/vec.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

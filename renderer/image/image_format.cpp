@@ -1,4 +1,4 @@
-#include "image/image_format.h"
+#include "renderer/image/image_format.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "image/image_limits.h"
+#include "renderer/image/image_limits.h"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "util/result.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

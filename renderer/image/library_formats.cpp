@@ -1,4 +1,4 @@
-#include "image/library_formats.h"
+#include "renderer/image/library_formats.h"
 
 #include <cstring>
 #include <exception>
@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <immintrin.h>
 
-#include "image/container_check.h"
-#include "image/image_limits.h"
-#include "language/source_location.h"
+#include "renderer/description/source_location.h"
+#include "renderer/image/container_check.h"
+#include "renderer/image/image_limits.h"
 
 namespace tessera {
 namespace {

@@ -1,8 +1,8 @@
 // The formats that OpenImageIO reads for us.
 #pragma once
 
-#include "image/image.h"
-#include "image/image_format.h"
+#include "renderer/image/image.h"
+#include "renderer/image/image_format.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "image/pfm.h"
+#include "renderer/image/pfm.h"
 
 #include <bit>
 #include <charconv>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "image/image_limits.h"
+#include "renderer/image/image_limits.h"
 
 namespace tessera {
 namespace {

@@ -1,7 +1,7 @@
 // Portable float maps.
 #pragma once
 
-#include "image/image.h"
+#include "renderer/image/image.h"
 
 namespace tessera {
 

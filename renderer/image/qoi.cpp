@@ -1,10 +1,10 @@
-#include "image/qoi.h"
+#include "renderer/image/qoi.h"
 
 #include <array>
 
 #include <fmt/format.h>
 
-#include "image/image_limits.h"
+#include "renderer/image/image_limits.h"
 
 namespace tessera {
 namespace {

@@ -1,7 +1,7 @@
 // "Quite OK Image" files (qoiformat.org, specification of 2022-01-05).
 #pragma once
 
-#include "image/image.h"
+#include "renderer/image/image.h"
 
 namespace tessera {
 

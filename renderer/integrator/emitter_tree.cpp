@@ -1,4 +1,4 @@
-#include "integrator/emitter_tree.h"
+#include "renderer/integrator/emitter_tree.h"
 
 #include <algorithm>
 #include <numeric>

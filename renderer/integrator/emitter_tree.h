@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "math/bounds.h"
-#include "math/ray.h"
+#include "renderer/math/bounds.h"
+#include "renderer/math/ray.h"
 
 namespace tessera {
 

@@ -1,9 +1,9 @@
-#include "integrator/estimator.h"
+#include "renderer/integrator/estimator.h"
 
-#include "integrator/mixture_integrator.h"
-#include "integrator/random_walk_integrator.h"
-#include "integrator/simple_path_integrator.h"
-#include "integrator/volume_path_integrator.h"
+#include "renderer/integrator/mixture_integrator.h"
+#include "renderer/integrator/random_walk_integrator.h"
+#include "renderer/integrator/simple_path_integrator.h"
+#include "renderer/integrator/volume_path_integrator.h"
 
 namespace tessera {
 

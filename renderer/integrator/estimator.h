@@ -5,9 +5,9 @@
 #include <optional>
 #include <string_view>
 
-#include "integrator/light_directions.h"
-#include "integrator/path_integrator.h"
-#include "integrator/world.h"
+#include "renderer/integrator/light_directions.h"
+#include "renderer/integrator/path_integrator.h"
+#include "renderer/integrator/world.h"
 
 namespace tessera {
 

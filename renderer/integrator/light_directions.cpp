@@ -1,8 +1,8 @@
-#include "integrator/light_directions.h"
+#include "renderer/integrator/light_directions.h"
 
-#include "shape/ray_crossings.h"
-#include "shape/shape_interaction.h"
-#include "shape/shape_sampling.h"
+#include "renderer/shape/ray_crossings.h"
+#include "renderer/shape/shape_interaction.h"
+#include "renderer/shape/shape_sampling.h"
 
 namespace tessera {
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "integrator/emitter_tree.h"
-#include "integrator/world.h"
+#include "renderer/integrator/emitter_tree.h"
+#include "renderer/integrator/world.h"
 
 namespace tessera {
 

@@ -1,9 +1,9 @@
-#include "integrator/light_walk.h"
+#include "renderer/integrator/light_walk.h"
 
 #include <algorithm>
 
-#include "integrator/path_vertex.h"
-#include "shape/shape_interaction.h"
+#include "renderer/integrator/path_vertex.h"
+#include "renderer/shape/shape_interaction.h"
 
 namespace tessera {
 

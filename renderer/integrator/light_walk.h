@@ -2,11 +2,11 @@
 // hit it: through `interface` surfaces and media, collecting what media emit.
 #pragma once
 
-#include "integrator/medium_tracker.h"
-#include "integrator/path_integrator.h"
-#include "integrator/world.h"
-#include "sampler/sampler.h"
-#include "shape/interaction.h"
+#include "renderer/integrator/medium_tracker.h"
+#include "renderer/integrator/path_integrator.h"
+#include "renderer/integrator/world.h"
+#include "renderer/sampler/sampler.h"
+#include "renderer/shape/interaction.h"
 
 namespace tessera {
 

@@ -1,7 +1,7 @@
-#include "integrator/medium_tracker.h"
+#include "renderer/integrator/medium_tracker.h"
 
-#include "integrator/path_vertex.h"
-#include "shape/shape_interaction.h"
+#include "renderer/integrator/path_vertex.h"
+#include "renderer/shape/shape_interaction.h"
 
 namespace tessera {
 

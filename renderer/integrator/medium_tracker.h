@@ -1,8 +1,8 @@
 // A path's view of the media of its world.
 #pragma once
 
-#include "integrator/world.h"
-#include "medium/flight.h"
+#include "renderer/integrator/world.h"
+#include "renderer/medium/flight.h"
 
 namespace tessera {
 

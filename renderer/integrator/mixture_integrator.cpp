@@ -1,9 +1,9 @@
-#include "integrator/mixture_integrator.h"
+#include "renderer/integrator/mixture_integrator.h"
 
 #include <algorithm>
 
-#include "integrator/light_walk.h"
-#include "integrator/path_vertex.h"
+#include "renderer/integrator/light_walk.h"
+#include "renderer/integrator/path_vertex.h"
 
 namespace tessera {
 namespace {

@@ -5,10 +5,10 @@
 // Russian roulette: paths end at the depth limit, or when nothing is left of them.
 #pragma once
 
-#include "color/wavelengths.h"
-#include "integrator/light_directions.h"
-#include "integrator/path_integrator.h"
-#include "integrator/world.h"
+#include "renderer/color/wavelengths.h"
+#include "renderer/integrator/light_directions.h"
+#include "renderer/integrator/path_integrator.h"
+#include "renderer/integrator/world.h"
 
 namespace tessera {
 

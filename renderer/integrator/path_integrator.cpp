@@ -1,8 +1,8 @@
-#include "integrator/path_integrator.h"
+#include "renderer/integrator/path_integrator.h"
 
-#include "integrator/path_vertex.h"
-#include "math/sampling.h"
-#include "shape/shape_interaction.h"
+#include "renderer/integrator/path_vertex.h"
+#include "renderer/math/sampling.h"
+#include "renderer/shape/shape_interaction.h"
 
 namespace tessera {
 namespace {

@@ -2,10 +2,10 @@
 // against each other by the power heuristic (Veach 1997; Pharr, Jakob, Humphreys 2023, section 13.4).
 #pragma once
 
-#include "color/wavelengths.h"
-#include "integrator/world.h"
-#include "math/ray.h"
-#include "sampler/sampler.h"
+#include "renderer/color/wavelengths.h"
+#include "renderer/integrator/world.h"
+#include "renderer/math/ray.h"
+#include "renderer/sampler/sampler.h"
 
 namespace tessera {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "integrator/path_integrator.h"
-#include "integrator/texture_context.h"
+#include "renderer/integrator/path_integrator.h"
+#include "renderer/integrator/texture_context.h"
 
 namespace tessera {
 

@@ -1,7 +1,7 @@
-#include "integrator/random_walk_integrator.h"
+#include "renderer/integrator/random_walk_integrator.h"
 
-#include "integrator/light_walk.h"
-#include "math/sampling.h"
+#include "renderer/integrator/light_walk.h"
+#include "renderer/math/sampling.h"
 
 namespace tessera {
 

@@ -3,9 +3,9 @@
 // which it cannot hit the lobes of, stay black.
 #pragma once
 
-#include "color/wavelengths.h"
-#include "integrator/path_integrator.h"
-#include "integrator/world.h"
+#include "renderer/color/wavelengths.h"
+#include "renderer/integrator/path_integrator.h"
+#include "renderer/integrator/world.h"
 
 namespace tessera {
 

@@ -1,8 +1,8 @@
-#include "integrator/simple_path_integrator.h"
+#include "renderer/integrator/simple_path_integrator.h"
 
-#include "integrator/light_walk.h"
-#include "integrator/path_vertex.h"
-#include "math/sampling.h"
+#include "renderer/integrator/light_walk.h"
+#include "renderer/integrator/path_vertex.h"
+#include "renderer/math/sampling.h"
 
 namespace tessera {
 namespace {

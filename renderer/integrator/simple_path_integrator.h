@@ -3,9 +3,9 @@
 // distributed ray tracing. No roulette. (pbrt-v4's SimplePathIntegrator has the same switches.)
 #pragma once
 
-#include "color/wavelengths.h"
-#include "integrator/path_integrator.h"
-#include "integrator/world.h"
+#include "renderer/color/wavelengths.h"
+#include "renderer/integrator/path_integrator.h"
+#include "renderer/integrator/world.h"
 
 namespace tessera {
 

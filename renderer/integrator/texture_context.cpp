@@ -1,4 +1,4 @@
-#include "integrator/texture_context.h"
+#include "renderer/integrator/texture_context.h"
 
 #include <algorithm>
 

@@ -1,9 +1,9 @@
 // The footprint of a pixel at a surface point, for texture filtering.
 #pragma once
 
-#include "camera/camera.h"
-#include "shape/interaction.h"
-#include "texture/texture.h"
+#include "renderer/camera/camera.h"
+#include "renderer/shape/interaction.h"
+#include "renderer/texture/texture.h"
 
 namespace tessera {
 

@@ -1,9 +1,9 @@
-#include "integrator/volume_path_integrator.h"
+#include "renderer/integrator/volume_path_integrator.h"
 
-#include "integrator/medium_tracker.h"
-#include "integrator/path_vertex.h"
-#include "math/sampling.h"
-#include "shape/shape_interaction.h"
+#include "renderer/integrator/medium_tracker.h"
+#include "renderer/integrator/path_vertex.h"
+#include "renderer/math/sampling.h"
+#include "renderer/shape/shape_interaction.h"
 
 namespace tessera {
 namespace {

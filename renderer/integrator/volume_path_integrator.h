@@ -3,7 +3,7 @@
 // `volpath` in what counts as scattering.
 #pragma once
 
-#include "integrator/path_integrator.h"
+#include "renderer/integrator/path_integrator.h"
 
 namespace tessera {
 

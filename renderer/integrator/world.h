@@ -3,13 +3,13 @@
 
 #include <memory>
 
-#include "accelerator/accelerator.h"
-#include "camera/camera.h"
-#include "light/light.h"
-#include "material/material.h"
-#include "medium/medium.h"
-#include "shape/geometry.h"
-#include "texture/texture.h"
+#include "renderer/accelerator/accelerator.h"
+#include "renderer/camera/camera.h"
+#include "renderer/light/light.h"
+#include "renderer/material/material.h"
+#include "renderer/medium/medium.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/texture/texture.h"
 
 namespace tessera {
 

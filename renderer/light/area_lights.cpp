@@ -1,6 +1,6 @@
-#include "light/area_lights.h"
+#include "renderer/light/area_lights.h"
 
-#include "light/emission.h"
+#include "renderer/light/emission.h"
 
 namespace tessera {
 namespace {

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "color/spectrum.h"
-#include "light/emission_image.h"
-#include "light/light.h"
-#include "light/light_chooser.h"
+#include "renderer/color/spectrum.h"
+#include "renderer/light/emission_image.h"
+#include "renderer/light/light.h"
+#include "renderer/light/light_chooser.h"
 
 namespace tessera {
 

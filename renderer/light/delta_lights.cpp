@@ -1,6 +1,6 @@
-#include "light/delta_lights.h"
+#include "renderer/light/delta_lights.h"
 
-#include "light/emission.h"
+#include "renderer/light/emission.h"
 
 namespace tessera {
 namespace {

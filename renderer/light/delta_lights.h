@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "color/spectrum.h"
-#include "language/parameter_reader.h"
-#include "light/light.h"
-#include "light/light_chooser.h"
+#include "renderer/color/spectrum.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/light/light.h"
+#include "renderer/light/light_chooser.h"
 
 namespace tessera {
 

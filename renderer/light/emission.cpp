@@ -1,7 +1,7 @@
-#include "light/emission.h"
+#include "renderer/light/emission.h"
 
-#include "color/named_spectra.h"
-#include "color/spectrum_parameter.h"
+#include "renderer/color/named_spectra.h"
+#include "renderer/color/spectrum_parameter.h"
 
 namespace tessera {
 

@@ -3,10 +3,10 @@
 
 #include <string_view>
 
-#include "color/color_space.h"
-#include "color/spectrum.h"
-#include "language/file_source.h"
-#include "language/parameter_reader.h"
+#include "renderer/color/color_space.h"
+#include "renderer/color/spectrum.h"
+#include "renderer/description/file_source.h"
+#include "renderer/description/parameter_reader.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "light/emission_image.h"
+#include "renderer/light/emission_image.h"
 
 #include <cmath>
 

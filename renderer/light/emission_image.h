@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "color/color_space.h"
-#include "image/image.h"
-#include "language/parameter_reader.h"
+#include "renderer/color/color_space.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/image/image.h"
 
 namespace tessera {
 

@@ -1,12 +1,12 @@
 // Light from all around, infinitely far away.
 #pragma once
 
-#include "color/spectrum.h"
-#include "language/parameter_reader.h"
-#include "light/emission_image.h"
-#include "light/light.h"
-#include "light/light_chooser.h"
-#include "math/distribution.h"
+#include "renderer/color/spectrum.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/light/emission_image.h"
+#include "renderer/light/light.h"
+#include "renderer/light/light_chooser.h"
+#include "renderer/math/distribution.h"
 
 namespace tessera {
 

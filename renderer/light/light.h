@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "color/wavelengths.h"
-#include "image/image.h"
-#include "language/scene_description.h"
-#include "shape/geometry.h"
-#include "shape/interaction.h"
-#include "shape/shape_sampling.h"
-#include "texture/texture.h"
+#include "renderer/color/wavelengths.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/image/image.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/interaction.h"
+#include "renderer/shape/shape_sampling.h"
+#include "renderer/texture/texture.h"
 
 namespace tessera {
 
@@ -65,9 +65,8 @@ class LightTable {
   // Builds the LightSource directives, then one diffuse area light per primitive of every shape with an
   // AreaLightSource, writing its SurfaceProperties::area_light. The is_interface flag and alpha of all
   // surfaces must be set already. The shapes of `geometry` must outlive the table and stay where they are.
-  // Adds to `warnings`.
-  static Result<LightTable> Build(const LightInputs& inputs, Geometry& geometry,
-                                  std::vector<std::string>* warnings);
+  // Adds to `diagnostics`.
+  static Result<LightTable> Build(const LightInputs& inputs, Geometry& geometry, Diagnostics& diagnostics);
 
   // Chooses a light for a reference point; nothing if none can contribute. u in [0, 1).
   std::optional<ChosenLight> Choose(const ReferencePoint& reference, float u) const;

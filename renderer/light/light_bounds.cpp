@@ -1,6 +1,6 @@
-#include "light/light_bounds.h"
+#include "renderer/light/light_bounds.h"
 
-#include "math/transform.h"
+#include "renderer/math/transform.h"
 
 namespace tessera {
 namespace {

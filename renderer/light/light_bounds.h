@@ -5,8 +5,8 @@
 
 #include <limits>
 
-#include "math/bounds.h"
-#include "shape/shape_sampling.h"
+#include "renderer/math/bounds.h"
+#include "renderer/shape/shape_sampling.h"
 
 namespace tessera {
 

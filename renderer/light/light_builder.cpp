@@ -1,8 +1,8 @@
 // From the directives of a scene to a LightTable.
 #include <array>
 
-#include "light/light_data.h"
-#include "util/text.h"
+#include "renderer/light/light_data.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
@@ -15,8 +15,8 @@ constexpr size_t kLightsMax = size_t{1} << 30;
 
 class LightBuilder {
  public:
-  LightBuilder(const LightInputs& inputs, Geometry& geometry, std::vector<std::string>* warnings)
-      : inputs_(inputs), geometry_(geometry), warnings_(warnings) {}
+  LightBuilder(const LightInputs& inputs, Geometry& geometry, Diagnostics& diagnostics)
+      : inputs_(inputs), geometry_(geometry), diagnostics_(diagnostics) {}
 
   // Adds everything to `data`.
   Result<void> Build(LightTable::Data& data);
@@ -27,13 +27,11 @@ class LightBuilder {
   Result<void> AddSources();
   Result<void> AddAreas();
   Result<LightChooser::Method> ReadMethod() const;
-  void Warn(const SourceLocation& where, const std::string& text) {
-    warnings_->push_back(where.Text() + ": " + text);
-  }
+  void Warn(const SourceLocation& where, const std::string& text) { diagnostics_.Warn(where, text); }
 
   const LightInputs& inputs_;
   Geometry& geometry_;
-  std::vector<std::string>* warnings_;
+  Diagnostics& diagnostics_;
   LightTable::Data* data_ = nullptr;
 };
 
@@ -145,9 +143,9 @@ Result<void> LightBuilder::Build(LightTable::Data& data) {
 }  // namespace
 
 Result<LightTable> LightTable::Build(const LightInputs& inputs, Geometry& geometry,
-                                     std::vector<std::string>* warnings) {
+                                     Diagnostics& diagnostics) {
   LightTable table;
-  LightBuilder builder(inputs, geometry, warnings);
+  LightBuilder builder(inputs, geometry, diagnostics);
   if (const Result<void> built = builder.Build(*table.data_); !built) return built.error();
   return table;
 }

@@ -1,4 +1,4 @@
-#include "light/light_chooser.h"
+#include "renderer/light/light_chooser.h"
 
 #include <algorithm>
 

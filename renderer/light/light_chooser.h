@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "light/light_bounds.h"
-#include "light/light_tree.h"
-#include "math/distribution.h"
+#include "renderer/light/light_bounds.h"
+#include "renderer/light/light_tree.h"
+#include "renderer/math/distribution.h"
 
 namespace tessera {
 

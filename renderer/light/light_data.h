@@ -3,12 +3,12 @@
 
 #include <variant>
 
-#include "light/area_lights.h"
-#include "light/delta_lights.h"
-#include "light/infinite_lights.h"
-#include "light/light.h"
-#include "light/light_chooser.h"
-#include "light/projector_lights.h"
+#include "renderer/light/area_lights.h"
+#include "renderer/light/delta_lights.h"
+#include "renderer/light/infinite_lights.h"
+#include "renderer/light/light.h"
+#include "renderer/light/light_chooser.h"
+#include "renderer/light/projector_lights.h"
 
 namespace tessera {
 

@@ -1,5 +1,5 @@
-#include "light/light.h"
-#include "light/light_data.h"
+#include "renderer/light/light.h"
+#include "renderer/light/light_data.h"
 
 namespace tessera {
 namespace {

@@ -1,8 +1,8 @@
-#include "light/light_tree.h"
+#include "renderer/light/light_tree.h"
 
 #include <bit>
 
-#include "light/light_tree_builder.h"
+#include "renderer/light/light_tree_builder.h"
 
 namespace tessera {
 namespace {

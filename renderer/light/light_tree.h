@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "light/light.h"
-#include "light/light_bounds.h"
-#include "math/float4.h"
+#include "renderer/light/light.h"
+#include "renderer/light/light_bounds.h"
+#include "renderer/math/float4.h"
 
 namespace tessera {
 

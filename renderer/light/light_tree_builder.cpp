@@ -1,4 +1,4 @@
-#include "light/light_tree_builder.h"
+#include "renderer/light/light_tree_builder.h"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "light/light_tree.h"
+#include "renderer/light/light_tree.h"
 
 namespace tessera {
 

@@ -1,7 +1,7 @@
-#include "light/projector_lights.h"
+#include "renderer/light/projector_lights.h"
 
-#include "light/emission.h"
-#include "math/equal_area.h"
+#include "renderer/light/emission.h"
+#include "renderer/math/equal_area.h"
 
 namespace tessera {
 namespace {

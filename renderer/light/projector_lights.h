@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "light/delta_lights.h"
-#include "light/emission_image.h"
+#include "renderer/light/delta_lights.h"
+#include "renderer/light/emission_image.h"
 
 namespace tessera {
 

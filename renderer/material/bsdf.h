@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "material/bxdf.h"
-#include "math/vec.h"
+#include "renderer/material/bxdf.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

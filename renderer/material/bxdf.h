@@ -3,14 +3,14 @@
 
 #include <optional>
 
-#include "material/bxdf_sample.h"
-#include "material/coated_diffuse_bxdf.h"
-#include "material/conductor_bxdf.h"
-#include "material/dielectric_bxdf.h"
-#include "material/diffuse_bxdf.h"
-#include "material/diffuse_transmission_bxdf.h"
-#include "material/layered_diffuse_bxdf.h"
-#include "material/thin_dielectric_bxdf.h"
+#include "renderer/material/bxdf_sample.h"
+#include "renderer/material/coated_diffuse_bxdf.h"
+#include "renderer/material/conductor_bxdf.h"
+#include "renderer/material/dielectric_bxdf.h"
+#include "renderer/material/diffuse_bxdf.h"
+#include "renderer/material/diffuse_transmission_bxdf.h"
+#include "renderer/material/layered_diffuse_bxdf.h"
+#include "renderer/material/thin_dielectric_bxdf.h"
 
 namespace tessera {
 

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "color/sampled_spectrum.h"
-#include "math/vec.h"
+#include "renderer/color/sampled_spectrum.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -1,10 +1,10 @@
-#include "material/coat_table.h"
+#include "renderer/material/coat_table.h"
 
 #include <algorithm>
 
-#include "material/dielectric_bxdf.h"
-#include "material/fresnel.h"
-#include "math/sampling.h"
+#include "renderer/material/dielectric_bxdf.h"
+#include "renderer/material/fresnel.h"
+#include "renderer/math/sampling.h"
 
 namespace tessera {
 namespace {

@@ -1,7 +1,7 @@
-#include "material/coated_diffuse_bxdf.h"
+#include "renderer/material/coated_diffuse_bxdf.h"
 
-#include "material/fresnel.h"
-#include "math/sampling.h"
+#include "renderer/material/fresnel.h"
+#include "renderer/math/sampling.h"
 
 namespace tessera {
 namespace {

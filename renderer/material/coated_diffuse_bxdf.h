@@ -12,9 +12,9 @@
 
 #include <optional>
 
-#include "material/bxdf_sample.h"
-#include "material/coat_table.h"
-#include "material/dielectric_bxdf.h"
+#include "renderer/material/bxdf_sample.h"
+#include "renderer/material/coat_table.h"
+#include "renderer/material/dielectric_bxdf.h"
 
 namespace tessera {
 

@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "material/bxdf_sample.h"
-#include "material/fresnel.h"
-#include "material/microfacet.h"
+#include "renderer/material/bxdf_sample.h"
+#include "renderer/material/fresnel.h"
+#include "renderer/material/microfacet.h"
 
 namespace tessera {
 

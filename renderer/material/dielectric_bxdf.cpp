@@ -1,8 +1,8 @@
-#include "material/dielectric_bxdf.h"
+#include "renderer/material/dielectric_bxdf.h"
 
 #include <cmath>
 
-#include "material/fresnel.h"
+#include "renderer/material/fresnel.h"
 
 namespace tessera {
 namespace {

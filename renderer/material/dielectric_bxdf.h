@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "material/bxdf_sample.h"
-#include "material/microfacet.h"
+#include "renderer/material/bxdf_sample.h"
+#include "renderer/material/microfacet.h"
 
 namespace tessera {
 

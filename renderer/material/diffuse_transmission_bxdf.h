@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "material/bxdf_sample.h"
-#include "math/sampling.h"
+#include "renderer/material/bxdf_sample.h"
+#include "renderer/math/sampling.h"
 
 namespace tessera {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "color/sampled_spectrum.h"
-#include "math/vec.h"
+#include "renderer/color/sampled_spectrum.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

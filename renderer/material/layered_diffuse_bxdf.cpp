@@ -1,12 +1,12 @@
-#include "material/layered_diffuse_bxdf.h"
+#include "renderer/material/layered_diffuse_bxdf.h"
 
 #include <bit>
 #include <cmath>
 #include <limits>
 
-#include "material/fresnel.h"
-#include "math/sampling.h"
-#include "util/hash.h"
+#include "renderer/material/fresnel.h"
+#include "renderer/math/sampling.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 namespace {

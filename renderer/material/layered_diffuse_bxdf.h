@@ -5,8 +5,8 @@
 
 #include <optional>
 
-#include "material/bxdf_sample.h"
-#include "material/dielectric_bxdf.h"
+#include "renderer/material/bxdf_sample.h"
+#include "renderer/material/dielectric_bxdf.h"
 
 namespace tessera {
 

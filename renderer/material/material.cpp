@@ -1,13 +1,13 @@
-#include "material/material.h"
+#include "renderer/material/material.h"
 
 #include <bit>
 #include <limits>
 
-#include "material/material_builder.h"
-#include "material/material_kinds.h"
-#include "material/relief.h"
-#include "material/texture_use.h"
-#include "util/hash.h"
+#include "renderer/material/material_builder.h"
+#include "renderer/material/material_kinds.h"
+#include "renderer/material/relief.h"
+#include "renderer/material/texture_use.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 namespace {

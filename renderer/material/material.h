@@ -5,12 +5,12 @@
 #include <memory>
 #include <vector>
 
-#include "color/wavelengths.h"
-#include "language/file_source.h"
-#include "language/scene_description.h"
-#include "material/bsdf.h"
-#include "shape/interaction.h"
-#include "texture/texture_builder.h"
+#include "renderer/color/wavelengths.h"
+#include "renderer/description/file_source.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/material/bsdf.h"
+#include "renderer/shape/interaction.h"
+#include "renderer/texture/texture_builder.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "material/material_builder.h"
+#include "renderer/material/material_builder.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <array>
 #include <limits>
 
-#include "color/named_spectra.h"
-#include "util/hash.h"
-#include "util/text.h"
+#include "renderer/color/named_spectra.h"
+#include "renderer/util/hash.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "language/parameter_reader.h"
-#include "material/material_kinds.h"
-#include "texture/texture_builder.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/material/material_kinds.h"
+#include "renderer/texture/texture_builder.h"
 
 namespace tessera {
 

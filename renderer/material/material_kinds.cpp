@@ -1,4 +1,4 @@
-#include "material/material_kinds.h"
+#include "renderer/material/material_kinds.h"
 
 #include <algorithm>
 

@@ -6,10 +6,10 @@
 #include <optional>
 #include <variant>
 
-#include "material/bxdf.h"
-#include "material/coat_table.h"
-#include "material/normal_map.h"
-#include "texture/texture.h"
+#include "renderer/material/bxdf.h"
+#include "renderer/material/coat_table.h"
+#include "renderer/material/normal_map.h"
+#include "renderer/texture/texture.h"
 
 namespace tessera {
 

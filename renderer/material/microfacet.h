@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/sampling.h"
-#include "math/vec.h"
+#include "renderer/math/sampling.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "material/normal_map.h"
+#include "renderer/material/normal_map.h"
 
 #include <cmath>
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <memory>
 
-#include "image/image.h"
-#include "math/vec.h"
+#include "renderer/image/image.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "material/relief.h"
+#include "renderer/material/relief.h"
 
 #include <cmath>
 

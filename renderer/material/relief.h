@@ -1,9 +1,9 @@
 // Bump and normal mapping: changes the shading frame of a point as if the surface had relief (Blinn 1978).
 #pragma once
 
-#include "material/normal_map.h"
-#include "shape/interaction.h"
-#include "texture/texture.h"
+#include "renderer/material/normal_map.h"
+#include "renderer/shape/interaction.h"
+#include "renderer/texture/texture.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "material/texture_use.h"
+#include "renderer/material/texture_use.h"
 
 namespace tessera {
 namespace {

@@ -1,7 +1,7 @@
 // Which materials look at textures: the others need no footprint of the pixel.
 #pragma once
 
-#include "material/material_kinds.h"
+#include "renderer/material/material_kinds.h"
 
 namespace tessera {
 

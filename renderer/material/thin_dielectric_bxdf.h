@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "material/bxdf_sample.h"
-#include "material/fresnel.h"
+#include "renderer/material/bxdf_sample.h"
+#include "renderer/material/fresnel.h"
 
 namespace tessera {
 

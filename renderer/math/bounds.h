@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "math/vec.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -1,10 +1,10 @@
-#include "math/distribution.h"
+#include "renderer/math/distribution.h"
 
 #include <immintrin.h>
 
 #include <bit>
 
-#include "util/check.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 namespace {

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "math/vec.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "math/equal_area.h"
+#include "renderer/math/equal_area.h"
 
 namespace tessera {
 namespace {

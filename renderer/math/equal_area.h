@@ -4,7 +4,7 @@
 // the square is 4 pi times the one per solid angle.
 #pragma once
 
-#include "math/vec.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -28,25 +28,61 @@ struct Float4 {
   }
 };
 
-inline Float4 operator+(Float4 a, Float4 b) { return _mm_add_ps(a.v, b.v); }
-inline Float4 operator-(Float4 a, Float4 b) { return _mm_sub_ps(a.v, b.v); }
-inline Float4 operator*(Float4 a, Float4 b) { return _mm_mul_ps(a.v, b.v); }
-inline Float4 operator/(Float4 a, Float4 b) { return _mm_div_ps(a.v, b.v); }
-inline Float4 operator*(Float4 a, float s) { return a * Float4(s); }
-inline Float4 operator*(float s, Float4 a) { return a * Float4(s); }
-inline Float4 operator/(Float4 a, float s) { return a / Float4(s); }
-inline Float4 operator+(Float4 a, float s) { return a + Float4(s); }
-inline Float4 operator-(float s, Float4 a) { return Float4(s) - a; }
-inline Float4 operator-(Float4 a) { return _mm_xor_ps(a.v, _mm_set1_ps(-0.0f)); }
-inline Float4& operator+=(Float4& a, Float4 b) { return a = a + b; }
-inline Float4& operator*=(Float4& a, Float4 b) { return a = a * b; }
-inline Float4& operator*=(Float4& a, float s) { return a = a * s; }
-inline Float4& operator/=(Float4& a, float s) { return a = a / s; }
+inline Float4 operator+(Float4 a, Float4 b) {
+  return _mm_add_ps(a.v, b.v);
+}
+inline Float4 operator-(Float4 a, Float4 b) {
+  return _mm_sub_ps(a.v, b.v);
+}
+inline Float4 operator*(Float4 a, Float4 b) {
+  return _mm_mul_ps(a.v, b.v);
+}
+inline Float4 operator/(Float4 a, Float4 b) {
+  return _mm_div_ps(a.v, b.v);
+}
+inline Float4 operator*(Float4 a, float s) {
+  return a * Float4(s);
+}
+inline Float4 operator*(float s, Float4 a) {
+  return a * Float4(s);
+}
+inline Float4 operator/(Float4 a, float s) {
+  return a / Float4(s);
+}
+inline Float4 operator+(Float4 a, float s) {
+  return a + Float4(s);
+}
+inline Float4 operator-(float s, Float4 a) {
+  return Float4(s) - a;
+}
+inline Float4 operator-(Float4 a) {
+  return _mm_xor_ps(a.v, _mm_set1_ps(-0.0f));
+}
+inline Float4& operator+=(Float4& a, Float4 b) {
+  return a = a + b;
+}
+inline Float4& operator*=(Float4& a, Float4 b) {
+  return a = a * b;
+}
+inline Float4& operator*=(Float4& a, float s) {
+  return a = a * s;
+}
+inline Float4& operator/=(Float4& a, float s) {
+  return a = a / s;
+}
 
-inline Float4 Min(Float4 a, Float4 b) { return _mm_min_ps(a.v, b.v); }
-inline Float4 Max(Float4 a, Float4 b) { return _mm_max_ps(a.v, b.v); }
-inline Float4 Sqrt(Float4 a) { return _mm_sqrt_ps(a.v); }
-inline Float4 SafeSqrt(Float4 a) { return _mm_sqrt_ps(_mm_max_ps(a.v, _mm_setzero_ps())); }
+inline Float4 Min(Float4 a, Float4 b) {
+  return _mm_min_ps(a.v, b.v);
+}
+inline Float4 Max(Float4 a, Float4 b) {
+  return _mm_max_ps(a.v, b.v);
+}
+inline Float4 Sqrt(Float4 a) {
+  return _mm_sqrt_ps(a.v);
+}
+inline Float4 SafeSqrt(Float4 a) {
+  return _mm_sqrt_ps(_mm_max_ps(a.v, _mm_setzero_ps()));
+}
 // a / b where b is not 0, else 0.
 inline Float4 SafeDiv(Float4 a, Float4 b) {
   const __m128 zero = _mm_cmpeq_ps(b.v, _mm_setzero_ps());
@@ -59,7 +95,9 @@ inline float Sum(Float4 a) {
   const __m128 pairs = _mm_add_ps(a.v, swapped);
   return _mm_cvtss_f32(_mm_add_ss(pairs, _mm_movehl_ps(pairs, pairs)));
 }
-inline float Average(Float4 a) { return Sum(a) * 0.25f; }
+inline float Average(Float4 a) {
+  return Sum(a) * 0.25f;
+}
 inline float MaxElement(Float4 a) {
   const __m128 pairs = _mm_max_ps(a.v, _mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(2, 3, 0, 1)));
   return _mm_cvtss_f32(_mm_max_ss(pairs, _mm_movehl_ps(pairs, pairs)));
@@ -69,7 +107,9 @@ inline float MinElement(Float4 a) {
   return _mm_cvtss_f32(_mm_min_ss(pairs, _mm_movehl_ps(pairs, pairs)));
 }
 // Whether any element is not 0.
-inline bool AnyNonZero(Float4 a) { return _mm_movemask_ps(_mm_cmpneq_ps(a.v, _mm_setzero_ps())) != 0; }
+inline bool AnyNonZero(Float4 a) {
+  return _mm_movemask_ps(_mm_cmpneq_ps(a.v, _mm_setzero_ps())) != 0;
+}
 inline bool AllFinite(Float4 a) {
   const __m128 magnitude = _mm_andnot_ps(_mm_set1_ps(-0.0f), a.v);
   return _mm_movemask_ps(_mm_cmplt_ps(magnitude, _mm_set1_ps(INFINITY))) == 15;

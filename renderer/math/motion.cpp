@@ -1,4 +1,4 @@
-#include "math/motion.h"
+#include "renderer/math/motion.h"
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "math/transform.h"
+#include "renderer/math/transform.h"
 
 namespace tessera {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "math/vec.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 
@@ -20,8 +20,12 @@ struct Ray {
 };
 
 // The next float after v in the direction of +infinity or -infinity.
-inline float NextFloatUp(float v) { return std::nextafterf(v, std::numeric_limits<float>::infinity()); }
-inline float NextFloatDown(float v) { return std::nextafterf(v, -std::numeric_limits<float>::infinity()); }
+inline float NextFloatUp(float v) {
+  return std::nextafterf(v, std::numeric_limits<float>::infinity());
+}
+inline float NextFloatDown(float v) {
+  return std::nextafterf(v, -std::numeric_limits<float>::infinity());
+}
 
 // Bound of the relative error of n float operations in a row (Higham 2002).
 constexpr float Gamma(int n) {
@@ -29,16 +33,19 @@ constexpr float Gamma(int n) {
   return (n * kHalfEpsilon) / (1 - n * kHalfEpsilon);
 }
 
-// A point on the side of the surface to which w points, outside the box of half size `error` around p: a ray from
-// there cannot hit the surface at p again (Pharr, Jakob, Humphreys 2023, section 6.8.6). n is the unit normal.
+// A point on the side of the surface to which w points, outside the box of half size `error` around p: a ray
+// from there cannot hit the surface at p again (Pharr, Jakob, Humphreys 2023, section 6.8.6). n is the unit
+// normal.
 inline Point3 OffsetRayOrigin(Point3 p, Vec3 error, Normal3 n, Vec3 w) {
   float d = Dot(Abs(n), error);
   if (Dot(w, n) < 0) d = -d;
   const Vec3 offset = n * d;
   Point3 po = p + offset;
   for (int i = 0; i < 3; ++i) {
-    if (offset[i] > 0) po[i] = NextFloatUp(po[i]);
-    else if (offset[i] < 0) po[i] = NextFloatDown(po[i]);
+    if (offset[i] > 0)
+      po[i] = NextFloatUp(po[i]);
+    else if (offset[i] < 0)
+      po[i] = NextFloatDown(po[i]);
   }
   return po;
 }

@@ -1,10 +1,10 @@
-// Maps from the unit square to the shapes that path tracing samples, each beside its density and, where it has
-// one, its inverse. Every density says with respect to which measure.
+// Maps from the unit square to the shapes that path tracing samples, each beside its density and, where it
+// has one, its inverse. Every density says with respect to which measure.
 #pragma once
 
 #include <cmath>
 
-#include "math/vec.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 
@@ -28,7 +28,9 @@ inline Vec3 SampleCosineHemisphere(Point2 u) {
   const Point2 d = SampleUniformDiskConcentric(u);
   return {d.x, d.y, SafeSqrt(1 - d.x * d.x - d.y * d.y)};
 }
-inline float CosineHemispherePdf(float cos_theta) { return cos_theta * kInvPi; }
+inline float CosineHemispherePdf(float cos_theta) {
+  return cos_theta * kInvPi;
+}
 
 // Directions with density 1/(4 pi) per solid angle.
 inline Vec3 SampleUniformSphere(Point2 u) {
@@ -37,7 +39,9 @@ inline Vec3 SampleUniformSphere(Point2 u) {
   const float phi = 2 * kPi * u.y;
   return {r * std::cos(phi), r * std::sin(phi), z};
 }
-constexpr float UniformSpherePdf() { return kInv4Pi; }
+constexpr float UniformSpherePdf() {
+  return kInv4Pi;
+}
 
 // Directions about +z with density 1/(2 pi) per solid angle.
 inline Vec3 SampleUniformHemisphere(Point2 u) {
@@ -45,7 +49,9 @@ inline Vec3 SampleUniformHemisphere(Point2 u) {
   const float phi = 2 * kPi * u.y;
   return {r * std::cos(phi), r * std::sin(phi), u.x};
 }
-constexpr float UniformHemispherePdf() { return kInv2Pi; }
+constexpr float UniformHemispherePdf() {
+  return kInv2Pi;
+}
 
 // Barycentric coordinates of a point uniform in a triangle, close to area-preserving (Heitz 2019). Density
 // 1/area per area.
@@ -72,8 +78,8 @@ inline float LinearPdf(float x, float a, float b) {
   return 2 * Lerp(x, a, b) / (a + b);
 }
 
-// Multiple importance sampling weight of a technique with density f_pdf against one with g_pdf, one sample each
-// (Veach 1997, power heuristic with exponent 2).
+// Multiple importance sampling weight of a technique with density f_pdf against one with g_pdf, one sample
+// each (Veach 1997, power heuristic with exponent 2).
 inline float PowerHeuristic(float f_pdf, float g_pdf) {
   if (std::isinf(f_pdf * f_pdf)) return 1;
   const float f2 = f_pdf * f_pdf;

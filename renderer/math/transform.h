@@ -4,8 +4,8 @@
 #include <array>
 #include <optional>
 
-#include "math/bounds.h"
-#include "math/vec.h"
+#include "renderer/math/bounds.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 
@@ -57,8 +57,8 @@ Transform Translate(Vec3 delta);
 Transform Scale(float x, float y, float z);
 // By `degrees` about `axis`, which must not be zero.
 Transform Rotate(float degrees, Vec3 axis);
-// World to camera: +x right, +y up, +z forward, left-handed as in pbrt. Nothing if `up` is parallel to the view
-// or the points coincide.
+// World to camera: +x right, +y up, +z forward, left-handed as in pbrt. Nothing if `up` is parallel to the
+// view or the points coincide.
 std::optional<Transform> LookAt(Point3 eye, Point3 look, Vec3 up);
 // Projection onto z = 1 with z mapped from [near, far] to [0, 1].
 Transform Perspective(float fov_degrees, float near, float far);

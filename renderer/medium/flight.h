@@ -12,9 +12,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "math/ray.h"
-#include "medium/majorant.h"
-#include "util/hash.h"
+#include "renderer/math/ray.h"
+#include "renderer/medium/majorant.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 

@@ -1,11 +1,11 @@
-#include "medium/homogeneous_medium.h"
+#include "renderer/medium/homogeneous_medium.h"
 
 #include <algorithm>
 
-#include "color/color_space.h"
-#include "color/spectrum_parameter.h"
-#include "medium/scattering_presets.h"
-#include "util/text.h"
+#include "renderer/color/color_space.h"
+#include "renderer/color/spectrum_parameter.h"
+#include "renderer/medium/scattering_presets.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
@@ -36,15 +36,16 @@ float ReadAsymmetry(ParameterReader& reader) {
   return g;
 }
 
-const ScatteringPreset* ReadPreset(ParameterReader& reader, std::vector<std::string>* warnings) {
+const ScatteringPreset* ReadPreset(ParameterReader& reader, Diagnostics& diagnostics) {
   const std::optional<std::string> name = reader.FindString("preset");
   if (!name || name->empty()) return nullptr;
   const ScatteringPreset* preset = FindScatteringPreset(*name);
   if (preset == nullptr) {
     std::vector<std::string_view> known;
     for (const ScatteringPreset& candidate : ScatteringPresets()) known.push_back(candidate.name);
-    warnings->push_back(reader.LocationOf("preset").Text() + ": unknown medium preset \"" + *name + "\"" +
-                        DidYouMean(*name, known) + ": sigma_a and sigma_s count");
+    diagnostics.Warn(
+        reader.LocationOf("preset"),
+        "unknown medium preset \"" + *name + "\"" + DidYouMean(*name, known) + ": sigma_a and sigma_s count");
   }
   return preset;
 }
@@ -66,9 +67,9 @@ SampledSpectrum AllTheFirst(SampledSpectrum value) {
 }  // namespace
 
 HomogeneousMedium HomogeneousMedium::Read(ParameterReader& reader, FileSource& files,
-                                          std::vector<std::string>* warnings) {
+                                          Diagnostics& diagnostics) {
   Spectrum sigma_a = Spectrum::Constant(1), sigma_s = sigma_a;
-  if (const ScatteringPreset* preset = ReadPreset(reader, warnings)) {
+  if (const ScatteringPreset* preset = ReadPreset(reader, diagnostics)) {
     sigma_a = ColorSpace::Srgb().ToSpectrum(preset->sigma_a, SpectrumUse::kUnbounded);
     sigma_s = ColorSpace::Srgb().ToSpectrum(preset->sigma_s, SpectrumUse::kUnbounded);
   } else {

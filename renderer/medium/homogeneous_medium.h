@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "color/spectrum.h"
-#include "language/file_source.h"
-#include "language/parameter_reader.h"
-#include "medium/majorant.h"
-#include "medium/phase_function.h"
+#include "renderer/color/spectrum.h"
+#include "renderer/description/file_source.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/medium/majorant.h"
+#include "renderer/medium/phase_function.h"
 
 namespace tessera {
 
@@ -23,8 +23,7 @@ class HomogeneousMedium {
  public:
   // Reads `preset`, `sigma_a`, `sigma_s`, `scale`, `Le`, `Lescale` and `g`; errors are remembered by the
   // reader. An unknown preset is a warning, and the parameters count, as in pbrt-v4.
-  static HomogeneousMedium Read(ParameterReader& reader, FileSource& files,
-                                std::vector<std::string>* warnings);
+  static HomogeneousMedium Read(ParameterReader& reader, FileSource& files, Diagnostics& diagnostics);
 
   // Where dispersion has dropped all wavelengths but the first, all four are the first.
   MediumCoefficients At(const SampledWavelengths& wavelengths) const;

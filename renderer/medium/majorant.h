@@ -10,7 +10,7 @@
 
 #include <limits>
 
-#include "color/sampled_spectrum.h"
+#include "renderer/color/sampled_spectrum.h"
 
 namespace tessera {
 

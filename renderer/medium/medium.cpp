@@ -1,9 +1,9 @@
-#include "medium/medium.h"
+#include "renderer/medium/medium.h"
 
 #include <algorithm>
 #include <array>
 
-#include "util/text.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
@@ -22,7 +22,7 @@ Error WhyNot(const Entity& entity) {
 }  // namespace
 
 Result<MediumTable> MediumTable::Build(const SceneDescription& scene, Unsupported unsupported,
-                                       FileSource& files, std::vector<std::string>* warnings) {
+                                       FileSource& files, Diagnostics& diagnostics) {
   MediumTable table;
   table.media_.reserve(scene.media.size());
   for (const MediumDescription& description : scene.media) {
@@ -35,7 +35,7 @@ Result<MediumTable> MediumTable::Build(const SceneDescription& scene, Unsupporte
       continue;
     }
     ParameterReader reader(entity);
-    table.media_.push_back(HomogeneousMedium::Read(reader, files, warnings));
+    table.media_.push_back(HomogeneousMedium::Read(reader, files, diagnostics));
     if (const Result<void> finished = reader.Finish(); !finished) return finished.error();
   }
   return table;

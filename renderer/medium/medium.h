@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "language/file_source.h"
-#include "language/scene_description.h"
-#include "medium/homogeneous_medium.h"
+#include "renderer/description/file_source.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/medium/homogeneous_medium.h"
 
 namespace tessera {
 
@@ -20,7 +20,7 @@ class MediumTable {
     kIgnore,  // an integrator that does not follow media: only what is supported is checked
   };
   static Result<MediumTable> Build(const SceneDescription& scene, Unsupported unsupported, FileSource& files,
-                                   std::vector<std::string>* warnings);
+                                   Diagnostics& diagnostics);
 
   const HomogeneousMedium& operator[](int medium) const { return media_[static_cast<size_t>(medium)]; }
   bool empty() const { return media_.empty(); }

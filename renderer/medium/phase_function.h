@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/vec.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -4,7 +4,7 @@
 //   S. G. Narasimhan, M. Gupta, C. Donner, R. Ramamoorthi, S. K. Nayar, H. W. Jensen, "Acquiring Scattering
 //   Properties of Participating Media by Dilution", SIGGRAPH 2006 (table 3, scaled to usual concentrations).
 // Names and digits are those of pbrt-v4.
-#include "medium/scattering_presets.h"
+#include "renderer/medium/scattering_presets.h"
 
 namespace tessera {
 namespace {

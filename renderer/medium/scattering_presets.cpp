@@ -1,4 +1,4 @@
-#include "medium/scattering_presets.h"
+#include "renderer/medium/scattering_presets.h"
 
 namespace tessera {
 

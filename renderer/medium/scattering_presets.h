@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "math/vec.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "sampler/sampler.h"
+#include "renderer/sampler/sampler.h"
 
 namespace tessera {
 namespace {

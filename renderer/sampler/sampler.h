@@ -12,10 +12,10 @@
 
 #include <cstdint>
 
-#include "math/vec.h"
-#include "sampler/sampler_settings.h"
-#include "sampler/sobol.h"
-#include "util/hash.h"
+#include "renderer/math/vec.h"
+#include "renderer/sampler/sampler_settings.h"
+#include "renderer/sampler/sobol.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 

@@ -1,13 +1,13 @@
-#include "sampler/sampler_settings.h"
+#include "renderer/sampler/sampler_settings.h"
 
 #include <fmt/format.h>
 
 #include <bit>
 #include <cmath>
 
-#include "film/sample_range.h"
-#include "language/parameter_reader.h"
-#include "util/text.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/film/sample_range.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
@@ -60,13 +60,14 @@ void ReadSampleCount(ParameterReader& reader, std::optional<uint32_t> samples, S
 
 // A power of two, as the sequence needs: rounded down like pbrt's.
 void PrepareZSobol(const Entity& entity, int width, int height, SamplerSettings* settings,
-                   std::vector<std::string>* warnings) {
+                   Diagnostics& diagnostics) {
   settings->log2_samples = std::bit_width(settings->samples_per_pixel) - 1;
   const uint32_t rounded = 1u << settings->log2_samples;
   if (rounded != settings->samples_per_pixel) {
-    warnings->push_back(
-        fmt::format("{}: sampler \"zsobol\" needs a power of two: {} samples per pixel instead of {}",
-                    entity.location.Text(), rounded, settings->samples_per_pixel));
+    diagnostics.Warn(
+        entity.location,
+        fmt::format("sampler \"zsobol\" needs a power of two: {} samples per pixel instead of {}", rounded,
+                    settings->samples_per_pixel));
     settings->samples_per_pixel = rounded;
   }
   const uint32_t side = std::bit_ceil(static_cast<uint32_t>(std::max(width, height)));
@@ -77,7 +78,7 @@ void PrepareZSobol(const Entity& entity, int width, int height, SamplerSettings*
 
 Result<SamplerSettings> ReadSampler(const Entity& entity, int width, int height,
                                     std::optional<uint32_t> samples, std::optional<uint64_t> seed,
-                                    uint64_t default_seed, std::vector<std::string>* warnings) {
+                                    uint64_t default_seed, Diagnostics& diagnostics) {
   const Result<SamplerKind> kind = FindKind(entity);
   if (!kind) return kind.error();
   ParameterReader reader(entity);
@@ -98,7 +99,7 @@ Result<SamplerSettings> ReadSampler(const Entity& entity, int width, int height,
     }
   }
   if (Result<void> done = reader.Finish(); !done) return done.error();
-  if (settings.kind == SamplerKind::kZSobol) PrepareZSobol(entity, width, height, &settings, warnings);
+  if (settings.kind == SamplerKind::kZSobol) PrepareZSobol(entity, width, height, &settings, diagnostics);
   return settings;
 }
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "language/scene_description.h"
-#include "sampler/sobol.h"
-#include "util/result.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/sampler/sobol.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 
@@ -29,9 +29,9 @@ struct SamplerSettings {
 };
 
 // Reads a Sampler directive. `samples` and `seed` override the scene's. `width` and `height` are those of the
-// whole picture. What is done otherwise than asked is added to `warnings`.
+// whole picture. What is done otherwise than asked is added to `diagnostics`.
 Result<SamplerSettings> ReadSampler(const Entity& entity, int width, int height,
                                     std::optional<uint32_t> samples, std::optional<uint64_t> seed,
-                                    uint64_t default_seed, std::vector<std::string>* warnings);
+                                    uint64_t default_seed, Diagnostics& diagnostics);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-#include "sampler/sobol.h"
+#include "renderer/sampler/sobol.h"
 
 #include <vector>
 

@@ -4,8 +4,8 @@
 #include <bit>
 #include <cstdint>
 
-#include "sampler/sobol_data.h"
-#include "util/hash.h"
+#include "renderer/sampler/sobol_data.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 

@@ -1,7 +1,7 @@
 // Direction numbers of Sobol' sequences: primitive polynomials and starting values m of S. Joe and F. Y. Kuo,
-// "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci. Comput. 30 (2008), their set
-// new-joe-kuo-6, dimensions 2 to 256.
-#include "sampler/sobol_data.h"
+// "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci. Comput. 30 (2008),
+// their set new-joe-kuo-6, dimensions 2 to 256.
+#include "renderer/sampler/sobol_data.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "scene/film_sensor.h"
+#include "renderer/scene/film_sensor.h"
 
 namespace tessera {
 namespace {

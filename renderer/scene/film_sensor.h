@@ -3,9 +3,9 @@
 
 #include <limits>
 
-#include "color/color_space.h"
-#include "color/named_spectra.h"
-#include "color/wavelengths.h"
+#include "renderer/color/color_space.h"
+#include "renderer/color/named_spectra.h"
+#include "renderer/color/wavelengths.h"
 
 namespace tessera {
 

@@ -1,12 +1,12 @@
-#include "scene/film_settings.h"
+#include "renderer/scene/film_settings.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <limits>
 
-#include "language/parameter_reader.h"
-#include "util/text.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {

@@ -1,9 +1,9 @@
 // What the Film directive asks for, with the command line's overrides.
 #pragma once
 
-#include "film/frame_spec.h"
-#include "language/scene_description.h"
-#include "scene/scene.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/film/frame_spec.h"
+#include "renderer/scene/scene.h"
 
 namespace tessera {
 

@@ -1,11 +1,11 @@
-#include "scene/integrator_choice.h"
+#include "renderer/scene/integrator_choice.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "language/parameter_reader.h"
-#include "util/text.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
@@ -31,7 +31,7 @@ Error UnknownIntegrator(const std::string& where, const std::string& kind) {
 }
 
 // The parameters of a kind that we have.
-void ReadKind(ParameterReader& reader, IntegratorChoice* choice, std::vector<std::string>* warnings) {
+void ReadKind(ParameterReader& reader, IntegratorChoice* choice, Diagnostics& diagnostics) {
   const Entity& entity = reader.entity();
   if (entity.kind == "simplepath") {
     choice->sample_lights = reader.Bool("samplelights", true);
@@ -43,8 +43,7 @@ void ReadKind(ParameterReader& reader, IntegratorChoice* choice, std::vector<std
   if (choice->light_sampler == "exhaustive")
     reader.FailAt("lightsampler", "\"exhaustive\" is not supported yet");
   if (entity.kind != "mixture" && reader.Bool("regularize", false)) {
-    warnings->push_back(entity.location.Text() +
-                        ": \"regularize\" is not available: the picture is not biased by it");
+    diagnostics.Warn(entity.location, "\"regularize\" is not available: the picture is not biased by it");
   }
 }
 
@@ -66,7 +65,7 @@ Result<void> Override(const RenderOptions& options, IntegratorChoice* choice) {
 }  // namespace
 
 Result<IntegratorChoice> ChooseIntegrator(const SceneDescription& scene, const RenderOptions& options,
-                                          std::vector<std::string>* warnings) {
+                                          Diagnostics& diagnostics) {
   const Entity& entity = scene.integrator;
   IntegratorChoice choice;
   choice.name = entity.kind;
@@ -78,13 +77,14 @@ Result<IntegratorChoice> ChooseIntegrator(const SceneDescription& scene, const R
   if (Contains(kReplacedKinds, entity.kind)) {
     reader.IgnoreRest();
     choice.name = "volpath";
-    warnings->push_back(
-        entity.location.Text() + ": integrator \"" + entity.kind +
-        "\" is not available: \"volpath\", which converges to the same picture, renders instead");
+    diagnostics.Warn(
+        entity.location,
+        "integrator \"" + entity.kind +
+            "\" is not available: \"volpath\", which converges to the same picture, renders instead");
   } else if (!Contains(kKinds, entity.kind)) {
     return UnknownIntegrator(entity.location.Text(), entity.kind);
   } else {
-    ReadKind(reader, &choice, warnings);
+    ReadKind(reader, &choice, diagnostics);
   }
   if (Result<void> done = reader.Finish(); !done) return done.error();
   if (Result<void> overridden = Override(options, &choice); !overridden) return overridden.error();

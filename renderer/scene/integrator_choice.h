@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "language/scene_description.h"
-#include "scene/scene.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/scene/scene.h"
 
 namespace tessera {
 
@@ -19,6 +19,6 @@ struct IntegratorChoice {
 // Reads the Integrator directive with the command line's overrides. Integrators that estimate the same
 // picture in another way are replaced by ours, with a warning.
 Result<IntegratorChoice> ChooseIntegrator(const SceneDescription& scene, const RenderOptions& options,
-                                          std::vector<std::string>* warnings);
+                                          Diagnostics& diagnostics);
 
 }  // namespace tessera

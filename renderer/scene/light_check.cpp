@@ -1,4 +1,4 @@
-#include "scene/light_check.h"
+#include "renderer/scene/light_check.h"
 
 namespace tessera {
 namespace {
@@ -38,14 +38,14 @@ std::vector<UnseenLight> UnseenLights(const SceneDescription& scene, const Geome
 }  // namespace
 
 Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& scene,
-                            const Geometry& geometry, std::vector<std::string>* warnings) {
+                            const Geometry& geometry, Diagnostics& diagnostics) {
   if (HasShadowRays(estimator)) return {};
   for (const UnseenLight& light : UnseenLights(scene, geometry)) {
     const std::string what = light.name + " cannot be hit by rays, and this integrator has no shadow rays";
     if (estimator.kind == IntegratorKind::kMixture) {
       return ErrorAt(*light.location, what + ": \"mixture\" cannot render it (\"path\" can)");
     }
-    warnings->push_back(light.location->Text() + ": " + what + ": it stays dark");
+    diagnostics.Warn(*light.location, what + ": it stays dark");
   }
   return {};
 }

@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "integrator/estimator.h"
-#include "language/scene_description.h"
-#include "util/result.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/integrator/estimator.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 
 // Lights that no ray can hit (points, directions, emitters of alpha 0) need shadow rays. `mixture`, which has
 // none, refuses them by name and place; other estimators that would miss them get a warning for each.
 Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& scene,
-                            const Geometry& geometry, std::vector<std::string>* warnings);
+                            const Geometry& geometry, Diagnostics& diagnostics);
 
 }  // namespace tessera

@@ -1,11 +1,11 @@
-#include "scene/probe.h"
+#include "renderer/scene/probe.h"
 
 #include <map>
 #include <string>
 
-#include "film/radiance_tile.h"
-#include "scene/probe_scene.h"
-#include "scene/scene.h"
+#include "renderer/film/radiance_tile.h"
+#include "renderer/scene/probe_scene.h"
+#include "renderer/scene/scene.h"
 
 namespace tessera {
 namespace {

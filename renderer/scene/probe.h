@@ -2,8 +2,8 @@
 // its release does (another processor, compiler or library) would spoil every picture it has a part in.
 #pragma once
 
-#include "util/digest.h"
-#include "util/result.h"
+#include "renderer/util/digest.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "scene/probe_scene.h"
+#include "renderer/scene/probe_scene.h"
 
 #include <cstdint>
 

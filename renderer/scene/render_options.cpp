@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 
-#include "scene/scene.h"
-#include "util/text.h"
+#include "renderer/scene/scene.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {

@@ -1,20 +1,20 @@
-#include "scene/scene.h"
+#include "renderer/scene/scene.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 
-#include "language/motion.h"
-#include "language/parser.h"
-#include "scene/film_settings.h"
-#include "scene/integrator_choice.h"
-#include "scene/light_check.h"
-#include "scene/scene_data.h"
-#include "scene/scene_options.h"
-#include "scene/summary.h"
-#include "scene/version.h"
-#include "scene/world_builder.h"
+#include "renderer/description/motion.h"
+#include "renderer/pbrt/parser.h"
+#include "renderer/scene/film_settings.h"
+#include "renderer/scene/integrator_choice.h"
+#include "renderer/scene/light_check.h"
+#include "renderer/scene/scene_data.h"
+#include "renderer/scene/scene_options.h"
+#include "renderer/scene/summary.h"
+#include "renderer/scene/version.h"
+#include "renderer/scene/world_builder.h"
 
 namespace tessera {
 namespace {
@@ -90,7 +90,7 @@ Result<void> SceneLoader::StopTime(const std::string& name) {
   if (!moving) return moving.error();
   data_->summary.moving = static_cast<uint64_t>(*moving);
   if (*moving > 0) {
-    data_->summary.warnings.push_back(name + ": what moves is shown as it is at one moment, " +
+    scene_.diagnostics.Warn(name, std::string("what moves is shown as it is at one moment, ") +
                                       (options_.time ? "the frame's time" : "the middle of the shutter") +
                                       ", without motion blur");
   }
@@ -99,8 +99,7 @@ Result<void> SceneLoader::StopTime(const std::string& name) {
 
 Result<void> SceneLoader::ReadSettings() {
   Scene::Data& data = *data_;
-  std::vector<std::string>& warnings = data.summary.warnings;
-  const Result<SceneOptions> scene_options = ReadSceneOptions(scene_, &warnings);
+  const Result<SceneOptions> scene_options = ReadSceneOptions(scene_, scene_.diagnostics);
   if (!scene_options) return scene_options.error();
   wavefront_ = scene_options->wavefront;
   const Result<FilmSettings> film = ReadFilm(scene_.film, options_);
@@ -113,11 +112,11 @@ Result<void> SceneLoader::ReadSettings() {
   data.filter = std::move(*filter);
   const Result<SamplerSettings> sampler =
       ReadSampler(scene_.sampler, film->width, film->height, options_.samples_per_pixel, options_.seed,
-                  scene_options->seed, &warnings);
+                  scene_options->seed, scene_.diagnostics);
   if (!sampler) return sampler.error();
   data.sampler = *sampler;
   data.summary.extendable = !data.sampler.DependsOnCount();
-  const Result<IntegratorChoice> integrator = ChooseIntegrator(scene_, options_, &warnings);
+  const Result<IntegratorChoice> integrator = ChooseIntegrator(scene_, options_, scene_.diagnostics);
   if (!integrator) return integrator.error();
   // As fine as pbrt's for many samples if the number is open: it must not show in the first of them.
   constexpr float kSpacingMin = 0.125f;
@@ -133,9 +132,9 @@ Result<void> SceneLoader::ReadSettings() {
   const bool with_media =
       integrator->name != "path" && integrator->name != "simplepath" && integrator->name != "randomwalk";
   const WorldRequest request{scene_, files_, images_, integrator->light_sampler, with_media};
-  if (Result<void> built = BuildWorld(request, &data.world, &warnings); !built) return built;
+  if (Result<void> built = BuildWorld(request, &data.world, scene_.diagnostics); !built) return built;
   if (data.estimator.kind == IntegratorKind::kMixture) data.estimator.lights.emplace(data.world);
-  return CheckLightsFor(data.estimator, scene_, data.world.geometry, &warnings);
+  return CheckLightsFor(data.estimator, scene_, data.world.geometry, scene_.diagnostics);
 }
 
 Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator) {
@@ -166,7 +165,7 @@ Result<void> SceneLoader::CheckLights(const std::string& name) {
   if (!data_->world.lights.empty() || data_->world.media.is_emissive()) return {};
   if (wavefront_)
     return BadInput(name + ": the scene asks for the wavefront renderer but has no light source");
-  data_->summary.warnings.push_back(name + ": the scene has no light source: every pixel will be black");
+  scene_.diagnostics.Warn(name, "the scene has no light source: every pixel will be black");
   return {};
 }
 
@@ -201,7 +200,6 @@ Result<std::unique_ptr<Scene::Data>> SceneLoader::Load(const std::string& name, 
   Result<SceneDescription> scene = ParseScene(files_, name);
   if (!scene) return scene.error();
   scene_ = std::move(*scene);
-  data_->summary.warnings = scene_.warnings;
   if (Result<void> stopped = StopTime(name); !stopped) return stopped.error();
   if (Result<void> settings = ReadSettings(); !settings) return settings.error();
   if (Result<void> lit = CheckLights(name); !lit) return lit.error();
@@ -214,6 +212,7 @@ Result<std::unique_ptr<Scene::Data>> SceneLoader::Load(const std::string& name, 
     if (Result<void> built = BuildAccelerator(); !built) return built.error();
   }
   if (depth == Scene::Depth::kSurvey) SurveyAccelerators();
+  data_->summary.warnings = scene_.diagnostics.WarningTexts();
   return std::move(data_);
 }
 

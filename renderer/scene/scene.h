@@ -10,10 +10,10 @@
 #include <string_view>
 #include <vector>
 
-#include "film/frame_spec.h"
-#include "film/pixel_mask.h"
-#include "film/radiance_tile.h"
-#include "language/file_source.h"
+#include "renderer/description/file_source.h"
+#include "renderer/film/frame_spec.h"
+#include "renderer/film/pixel_mask.h"
+#include "renderer/film/radiance_tile.h"
 
 namespace tessera {
 

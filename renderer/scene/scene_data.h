@@ -3,14 +3,14 @@
 
 #include <string>
 
-#include "camera/camera.h"
-#include "film/frame_spec.h"
-#include "filter/filter.h"
-#include "integrator/estimator.h"
-#include "integrator/world.h"
-#include "sampler/sampler_settings.h"
-#include "scene/film_sensor.h"
-#include "scene/scene.h"
+#include "renderer/camera/camera.h"
+#include "renderer/film/frame_spec.h"
+#include "renderer/filter/filter.h"
+#include "renderer/integrator/estimator.h"
+#include "renderer/integrator/world.h"
+#include "renderer/sampler/sampler_settings.h"
+#include "renderer/scene/film_sensor.h"
+#include "renderer/scene/scene.h"
 
 namespace tessera {
 

@@ -1,8 +1,8 @@
-#include "scene/scene_options.h"
+#include "renderer/scene/scene_options.h"
 
 #include <algorithm>
 
-#include "util/text.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
@@ -40,7 +40,7 @@ bool IsFalse(const Parameter& option) {
 
 }  // namespace
 
-Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, std::vector<std::string>* warnings) {
+Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics& diagnostics) {
   SceneOptions options;
   for (const Parameter& option : scene.options) {
     if (!Contains(kNames, option.name)) {
@@ -54,8 +54,8 @@ Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, std::vector
       if (!seed) return seed.error();
       options.seed = *seed;
     } else if (!Contains(kWithoutEffect, option.name) && !IsFalse(option)) {
-      warnings->push_back(option.location.Text() + ": option \"" + option.name +
-                          "\" is not available and is ignored");
+      diagnostics.Warn(option.location,
+                       std::string("option \"") + option.name + "\" is not available and is ignored");
     }
   }
   return options;

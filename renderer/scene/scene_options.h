@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "language/scene_description.h"
+#include "renderer/description/scene_description.h"
 
 namespace tessera {
 
@@ -15,7 +15,7 @@ struct SceneOptions {
 };
 
 // Options that we do not have are warnings, values that make no sense are errors.
-Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, std::vector<std::string>* warnings);
+Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics& diagnostics);
 
 // The accelerator to use: what the command line names, else "embree". Scenes name structures of pbrt's own,
 // which do not change the picture: their names are checked and nothing more.

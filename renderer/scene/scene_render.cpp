@@ -1,8 +1,8 @@
 #include <array>
 
-#include "film/dyadic_sum.h"
-#include "scene/scene.h"
-#include "scene/scene_data.h"
+#include "renderer/film/dyadic_sum.h"
+#include "renderer/scene/scene.h"
+#include "renderer/scene/scene_data.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/summary.h"
+#include "renderer/scene/summary.h"
 
 namespace tessera {
 namespace {

@@ -1,10 +1,10 @@
 // What a scene holds, in numbers.
 #pragma once
 
-#include "image/image.h"
-#include "integrator/world.h"
-#include "language/scene_description.h"
-#include "scene/scene.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/image/image.h"
+#include "renderer/integrator/world.h"
+#include "renderer/scene/scene.h"
 
 namespace tessera {
 

@@ -1,20 +1,20 @@
-#include "scene/world_builder.h"
+#include "renderer/scene/world_builder.h"
 
 #include <map>
 
-#include "shape/shape_builder.h"
-#include "texture/texture_builder.h"
+#include "renderer/shape/shape_builder.h"
+#include "renderer/texture/texture_builder.h"
 
 namespace tessera {
 namespace {
 
 class WorldBuilder {
  public:
-  WorldBuilder(const WorldRequest& request, World* world, std::vector<std::string>* warnings)
+  WorldBuilder(const WorldRequest& request, World* world, Diagnostics& diagnostics)
       : request_(request),
         scene_(request.scene),
         world_(*world),
-        warnings_(*warnings),
+        diagnostics_(diagnostics),
         render_from_world_(world->camera.render_from_world()),
         textures_(request.files, request.images, render_from_world_) {}
 
@@ -32,7 +32,7 @@ class WorldBuilder {
   const WorldRequest& request_;
   const SceneDescription& scene_;
   World& world_;
-  std::vector<std::string>& warnings_;
+  Diagnostics& diagnostics_;
   Transform render_from_world_;
   TextureBuilder textures_;
   std::map<std::string, int> group_index_, medium_index_;
@@ -43,7 +43,7 @@ class WorldBuilder {
 Result<void> WorldBuilder::AddMedia() {
   using Unsupported = MediumTable::Unsupported;
   const Unsupported unsupported = request_.with_media ? Unsupported::kRefuse : Unsupported::kIgnore;
-  Result<MediumTable> media = MediumTable::Build(scene_, unsupported, request_.files, &warnings_);
+  Result<MediumTable> media = MediumTable::Build(scene_, unsupported, request_.files, diagnostics_);
   if (!media) return media.error();
   if (!request_.with_media) return {};
   for (const MediumDescription& medium : scene_.media) {
@@ -67,7 +67,7 @@ Result<void> WorldBuilder::AddShape(const ShapeDescription& description, const T
                                     std::vector<Shape>* shapes,
                                     std::vector<const ShapeDescription*>* sources) {
   Result<std::vector<Shape>> built =
-      BuildShape(description, transform, request_.files, textures_, &warnings_);
+      BuildShape(description, transform, request_.files, textures_, diagnostics_);
   if (!built) return built.error();
   const int inside = MediumIndex(description.inside_medium),
             outside = MediumIndex(description.outside_medium);
@@ -90,9 +90,8 @@ Result<void> WorldBuilder::AddGroups() {
     ShapeGroup group;
     for (const ShapeDescription& shape : object.shapes) {
       if (shape.area_light) {
-        warnings_.push_back(
-            shape.area_light->location.Text() +
-            ": area lights inside object definitions are not supported: the shape does not emit");
+        diagnostics_.Warn(shape.area_light->location,
+                          "area lights inside object definitions are not supported: the shape does not emit");
       }
       if (Result<void> added = AddShape(shape, Transform(), &group.shapes, nullptr); !added) return added;
     }
@@ -135,7 +134,7 @@ Result<void> WorldBuilder::Build() {
   world_.textures = textures_.Finish();
   const LightInputs inputs{scene_,         sources,         render_from_world_, request_.light_sampler,
                            request_.files, request_.images, world_.textures};
-  Result<LightTable> lights = LightTable::Build(inputs, world_.geometry, &warnings_);
+  Result<LightTable> lights = LightTable::Build(inputs, world_.geometry, diagnostics_);
   if (!lights) return lights.error();
   world_.lights = std::move(*lights);
   return {};
@@ -143,8 +142,8 @@ Result<void> WorldBuilder::Build() {
 
 }  // namespace
 
-Result<void> BuildWorld(const WorldRequest& request, World* world, std::vector<std::string>* warnings) {
-  return WorldBuilder(request, world, warnings).Build();
+Result<void> BuildWorld(const WorldRequest& request, World* world, Diagnostics& diagnostics) {
+  return WorldBuilder(request, world, diagnostics).Build();
 }
 
 }  // namespace tessera

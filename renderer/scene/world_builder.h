@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "image/image.h"
-#include "integrator/world.h"
-#include "language/scene_description.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/image/image.h"
+#include "renderer/integrator/world.h"
 
 namespace tessera {
 
@@ -22,6 +22,6 @@ struct WorldRequest {
 
 // Fills geometry, textures, materials, media and lights of `world`, whose camera is ready, from a scene in
 // which nothing moves (StopMotion). The accelerator stays null.
-Result<void> BuildWorld(const WorldRequest& request, World* world, std::vector<std::string>* warnings);
+Result<void> BuildWorld(const WorldRequest& request, World* world, Diagnostics& diagnostics);
 
 }  // namespace tessera

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "math/transform.h"
-#include "math/vec.h"
+#include "renderer/math/transform.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -1,8 +1,8 @@
-#include "shape/geometry.h"
+#include "renderer/shape/geometry.h"
 
-#include "shape/interaction.h"
-#include "shape/quadric.h"
-#include "util/check.h"
+#include "renderer/shape/interaction.h"
+#include "renderer/shape/quadric.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 namespace {

@@ -7,10 +7,10 @@
 #include <variant>
 #include <vector>
 
-#include "math/bounds.h"
-#include "math/transform.h"
-#include "math/vec.h"
-#include "texture/texture.h"
+#include "renderer/math/bounds.h"
+#include "renderer/math/transform.h"
+#include "renderer/math/vec.h"
+#include "renderer/texture/texture.h"
 
 namespace tessera {
 

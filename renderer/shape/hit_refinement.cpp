@@ -1,9 +1,9 @@
-#include "shape/hit_refinement.h"
+#include "renderer/shape/hit_refinement.h"
 
 #include <algorithm>
 
-#include "shape/patch_intersection.h"
-#include "shape/triangle.h"
+#include "renderer/shape/patch_intersection.h"
+#include "renderer/shape/triangle.h"
 
 namespace tessera {
 namespace {

@@ -3,9 +3,9 @@
 // primitive that was found.
 #pragma once
 
-#include "shape/double3.h"
-#include "shape/geometry.h"
-#include "shape/interaction.h"
+#include "renderer/shape/double3.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/interaction.h"
 
 namespace tessera {
 

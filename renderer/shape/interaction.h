@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "math/ray.h"
-#include "math/vec.h"
+#include "renderer/math/ray.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "shape/mesh_builder.h"
+#include "renderer/shape/mesh_builder.h"
 
 #include <utility>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "shape/geometry.h"
+#include "renderer/shape/geometry.h"
 
 namespace tessera {
 

@@ -1,6 +1,6 @@
-#include "shape/patch.h"
+#include "renderer/shape/patch.h"
 
-#include "shape/shading_geometry.h"
+#include "renderer/shape/shading_geometry.h"
 
 namespace tessera {
 namespace {

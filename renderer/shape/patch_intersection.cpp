@@ -1,8 +1,8 @@
-#include "shape/patch_intersection.h"
+#include "renderer/shape/patch_intersection.h"
 
 #include <algorithm>
 
-#include "shape/triangle.h"
+#include "renderer/shape/triangle.h"
 
 namespace tessera {
 namespace {

@@ -1,7 +1,7 @@
 // Ray against bilinear patch.
 #pragma once
 
-#include "shape/patch.h"
+#include "renderer/shape/patch.h"
 
 namespace tessera {
 

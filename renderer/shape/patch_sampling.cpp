@@ -1,6 +1,6 @@
-#include "shape/patch_sampling.h"
+#include "renderer/shape/patch_sampling.h"
 
-#include "shape/solid_angle_density.h"
+#include "renderer/shape/solid_angle_density.h"
 
 namespace tessera {
 namespace {

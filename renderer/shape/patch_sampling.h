@@ -1,8 +1,8 @@
 // Sampling of one bilinear patch of a mesh.
 #pragma once
 
-#include "shape/patch.h"
-#include "shape/shape_sampling.h"
+#include "renderer/shape/patch.h"
+#include "renderer/shape/shape_sampling.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "shape/ply_header.h"
+#include "renderer/shape/ply_header.h"
 
 #include <fmt/format.h>
 

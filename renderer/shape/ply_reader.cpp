@@ -1,4 +1,4 @@
-#include "shape/ply_reader.h"
+#include "renderer/shape/ply_reader.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <array>
 #include <limits>
 
-#include "shape/ply_header.h"
-#include "shape/ply_values.h"
+#include "renderer/shape/ply_header.h"
+#include "renderer/shape/ply_values.h"
 
 namespace tessera {
 namespace {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "math/vec.h"
-#include "util/result.h"
+#include "renderer/math/vec.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 

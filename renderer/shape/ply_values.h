@@ -7,7 +7,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "shape/ply_header.h"
+#include "renderer/shape/ply_header.h"
 
 namespace tessera {
 

@@ -1,6 +1,6 @@
-#include "shape/quadric.h"
+#include "renderer/shape/quadric.h"
 
-#include "shape/shading_geometry.h"
+#include "renderer/shape/shading_geometry.h"
 
 namespace tessera {
 namespace {

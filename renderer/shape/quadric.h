@@ -1,9 +1,9 @@
 // Spheres, cylinders and disks: extent, and what the surface is like at a point.
 #pragma once
 
-#include "shape/double3.h"
-#include "shape/geometry.h"
-#include "shape/interaction.h"
+#include "renderer/shape/double3.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/interaction.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "shape/quadric_intersection.h"
+#include "renderer/shape/quadric_intersection.h"
 
 namespace tessera {
 namespace {

@@ -1,7 +1,7 @@
 // Ray against sphere, cylinder or disk.
 #pragma once
 
-#include "shape/quadric.h"
+#include "renderer/shape/quadric.h"
 
 namespace tessera {
 

@@ -1,8 +1,8 @@
-#include "shape/quadric_sampling.h"
+#include "renderer/shape/quadric_sampling.h"
 
-#include "math/sampling.h"
-#include "shape/shading_geometry.h"
-#include "shape/solid_angle_density.h"
+#include "renderer/math/sampling.h"
+#include "renderer/shape/shading_geometry.h"
+#include "renderer/shape/solid_angle_density.h"
 
 namespace tessera {
 namespace {

@@ -1,8 +1,8 @@
 // Sampling of spheres, cylinders and disks.
 #pragma once
 
-#include "shape/quadric.h"
-#include "shape/shape_sampling.h"
+#include "renderer/shape/quadric.h"
+#include "renderer/shape/shape_sampling.h"
 
 namespace tessera {
 

@@ -1,8 +1,8 @@
-#include "shape/ray_crossings.h"
+#include "renderer/shape/ray_crossings.h"
 
-#include "shape/patch_intersection.h"
-#include "shape/quadric_intersection.h"
-#include "shape/triangle.h"
+#include "renderer/shape/patch_intersection.h"
+#include "renderer/shape/quadric_intersection.h"
+#include "renderer/shape/triangle.h"
 
 namespace tessera {
 namespace {

@@ -1,8 +1,8 @@
 // Every point where a ray meets one primitive, not only the nearest: what a density over directions needs.
 #pragma once
 
-#include "shape/geometry.h"
-#include "shape/interaction.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/interaction.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "shape/shading_geometry.h"
+#include "renderer/shape/shading_geometry.h"
 
 namespace tessera {
 namespace {

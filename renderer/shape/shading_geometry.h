@@ -1,9 +1,9 @@
 // What the kinds of shapes share when they fill the shading part of an interaction.
 #pragma once
 
-#include "math/transform.h"
-#include "shape/double3.h"
-#include "shape/interaction.h"
+#include "renderer/math/transform.h"
+#include "renderer/shape/double3.h"
+#include "renderer/shape/interaction.h"
 
 namespace tessera {
 

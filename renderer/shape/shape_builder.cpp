@@ -1,4 +1,4 @@
-#include "shape/shape_builder.h"
+#include "renderer/shape/shape_builder.h"
 
 #include <fmt/format.h>
 
@@ -7,11 +7,11 @@
 #include <memory>
 #include <utility>
 
-#include "language/parameter_reader.h"
-#include "shape/mesh_builder.h"
-#include "shape/ply_reader.h"
-#include "util/file.h"
-#include "util/text.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/shape/mesh_builder.h"
+#include "renderer/shape/ply_reader.h"
+#include "renderer/util/file.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
@@ -26,10 +26,10 @@ struct Directive {
   ParameterReader& reader;
   MeshPlacement placement;
   FileSource& files;
-  std::vector<std::string>* warnings;
+  Diagnostics& diagnostics;
 
   void Warn(std::string_view parameter, const std::string& text) const {
-    warnings->push_back(reader.LocationOf(parameter).Text() + ": " + text);
+    diagnostics.Warn(reader.LocationOf(parameter), text);
   }
 };
 
@@ -237,15 +237,14 @@ bool IsFinite(const Shape& shape) {
 }  // namespace
 
 Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, const Transform& render_from_world,
-                                      FileSource& files, TextureBuilder& textures,
-                                      std::vector<std::string>* warnings) {
+                                      FileSource& files, TextureBuilder& textures, Diagnostics& diagnostics) {
   const Entity& entity = description.entity;
   TESSERA_CHECK(!description.world_from_object.IsAnimated());
   ParameterReader reader(entity);
   const Transform render_from_object = render_from_world * description.world_from_object.start;
   const FloatInput alpha = textures.Float(reader, "alpha", 1);
   std::vector<Form> forms =
-      ReadForms({reader, {render_from_object, description.reverse_orientation}, files, warnings});
+      ReadForms({reader, {render_from_object, description.reverse_orientation}, files, diagnostics});
   if (Result<void> done = reader.Finish(); !done) return done.error();
   std::vector<Shape> shapes;
   for (Form& form : forms) {

@@ -1,10 +1,10 @@
 // From Shape directives to Geometry.
 #pragma once
 
-#include "language/file_source.h"
-#include "language/scene_description.h"
-#include "shape/geometry.h"
-#include "texture/texture_builder.h"
+#include "renderer/description/file_source.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/texture/texture_builder.h"
 
 namespace tessera {
 
@@ -12,9 +12,8 @@ namespace tessera {
 // `render_from_world` after the directive's own transform. Never empty: a PLY file of triangles and quads
 // yields two. Reads PLY files from `files`. The caller fills the rest of the surface properties and
 // Shape::description. What is ignored for being wrong (a list of normals of another length than P) is added
-// to `warnings`, with its place. Not supported kinds are errors that name them. The shape must not move.
+// to `diagnostics`, with its place. Not supported kinds are errors that name them. The shape must not move.
 Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, const Transform& render_from_world,
-                                      FileSource& files, TextureBuilder& textures,
-                                      std::vector<std::string>* warnings);
+                                      FileSource& files, TextureBuilder& textures, Diagnostics& diagnostics);
 
 }  // namespace tessera

@@ -1,10 +1,10 @@
-#include "shape/shape_interaction.h"
+#include "renderer/shape/shape_interaction.h"
 
-#include "shape/hit_refinement.h"
-#include "shape/patch.h"
-#include "shape/quadric.h"
-#include "shape/shading_geometry.h"
-#include "shape/triangle.h"
+#include "renderer/shape/hit_refinement.h"
+#include "renderer/shape/patch.h"
+#include "renderer/shape/quadric.h"
+#include "renderer/shape/shading_geometry.h"
+#include "renderer/shape/triangle.h"
 
 namespace tessera {
 namespace {

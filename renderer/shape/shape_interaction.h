@@ -1,8 +1,8 @@
 // From a hit to the local geometry of the surface.
 #pragma once
 
-#include "shape/geometry.h"
-#include "shape/interaction.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/interaction.h"
 
 namespace tessera {
 

@@ -1,8 +1,8 @@
-#include "shape/shape_sampling.h"
+#include "renderer/shape/shape_sampling.h"
 
-#include "shape/patch_sampling.h"
-#include "shape/quadric_sampling.h"
-#include "shape/triangle_sampling.h"
+#include "renderer/shape/patch_sampling.h"
+#include "renderer/shape/quadric_sampling.h"
+#include "renderer/shape/triangle_sampling.h"
 
 namespace tessera {
 

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "shape/geometry.h"
-#include "shape/interaction.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/interaction.h"
 
 namespace tessera {
 

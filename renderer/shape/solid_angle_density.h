@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "shape/shape_sampling.h"
-#include "shape/spherical_sampling.h"
+#include "renderer/shape/shape_sampling.h"
+#include "renderer/shape/spherical_sampling.h"
 
 namespace tessera {
 

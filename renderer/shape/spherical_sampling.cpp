@@ -1,8 +1,8 @@
-#include "shape/spherical_sampling.h"
+#include "renderer/shape/spherical_sampling.h"
 
 #include <algorithm>
 
-#include "math/sampling.h"
+#include "renderer/math/sampling.h"
 
 namespace tessera {
 namespace {

@@ -2,9 +2,9 @@
 // inverses. Inside, double precision with + - * / sqrt alone; angles by float functions.
 #pragma once
 
-#include "math/vec.h"
-#include "shape/double3.h"
-#include "shape/triangle.h"
+#include "renderer/math/vec.h"
+#include "renderer/shape/double3.h"
+#include "renderer/shape/triangle.h"
 
 namespace tessera {
 

@@ -1,6 +1,6 @@
-#include "shape/triangle.h"
+#include "renderer/shape/triangle.h"
 
-#include "shape/shading_geometry.h"
+#include "renderer/shape/shading_geometry.h"
 
 namespace tessera {
 namespace {

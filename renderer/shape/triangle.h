@@ -1,9 +1,9 @@
 // One triangle of a mesh: where a ray meets it and what the surface is like there.
 #pragma once
 
-#include "shape/double3.h"
-#include "shape/geometry.h"
-#include "shape/interaction.h"
+#include "renderer/shape/double3.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/interaction.h"
 
 namespace tessera {
 

@@ -1,7 +1,7 @@
-#include "shape/triangle_sampling.h"
+#include "renderer/shape/triangle_sampling.h"
 
-#include "math/sampling.h"
-#include "shape/solid_angle_density.h"
+#include "renderer/math/sampling.h"
+#include "renderer/shape/solid_angle_density.h"
 
 namespace tessera {
 namespace {

@@ -1,8 +1,8 @@
 // Sampling of one triangle of a mesh.
 #pragma once
 
-#include "shape/shape_sampling.h"
-#include "shape/triangle.h"
+#include "renderer/shape/shape_sampling.h"
+#include "renderer/shape/triangle.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "texture/image_texture.h"
+#include "renderer/texture/image_texture.h"
 
 #include <array>
 #include <charconv>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "image/image_format.h"
-#include "language/parameter_reader.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/image/image_format.h"
 
 namespace tessera {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "image/image.h"
-#include "texture/texture_assembly.h"
+#include "renderer/image/image.h"
+#include "renderer/texture/texture_assembly.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "texture/mip_map.h"
+#include "renderer/texture/mip_map.h"
 
 #include <immintrin.h>
 

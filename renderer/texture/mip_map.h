@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "image/image.h"
-#include "math/float4.h"
-#include "math/vec.h"
-#include "texture/wrap_mode.h"
+#include "renderer/image/image.h"
+#include "renderer/math/float4.h"
+#include "renderer/math/vec.h"
+#include "renderer/texture/wrap_mode.h"
 
 namespace tessera {
 

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <functional>
 
-#include "image/color_encoding.h"
-#include "texture/mip_map.h"
+#include "renderer/image/color_encoding.h"
+#include "renderer/texture/mip_map.h"
 
 namespace tessera {
 namespace {

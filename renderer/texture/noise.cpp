@@ -1,9 +1,9 @@
-#include "texture/noise.h"
+#include "renderer/texture/noise.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "texture/noise_data.h"
+#include "renderer/texture/noise_data.h"
 
 namespace tessera {
 namespace {

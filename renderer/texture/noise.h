@@ -2,7 +2,7 @@
 // functions.
 #pragma once
 
-#include "math/vec.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "texture/noise_data.h"
+#include "renderer/texture/noise_data.h"
 
 namespace tessera {
 

@@ -1,9 +1,9 @@
-#include "texture/patterns.h"
+#include "renderer/texture/patterns.h"
 
 #include <array>
 #include <cmath>
 
-#include "texture/noise.h"
+#include "renderer/texture/noise.h"
 
 namespace tessera {
 namespace {

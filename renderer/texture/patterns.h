@@ -1,7 +1,7 @@
 // The procedural patterns, as functions of texture coordinates alone.
 #pragma once
 
-#include "texture/texture_mapping.h"
+#include "renderer/texture/texture_mapping.h"
 
 namespace tessera {
 

@@ -1,8 +1,8 @@
-#include "texture/texture.h"
+#include "renderer/texture/texture.h"
 
-#include "color/color_space.h"
-#include "texture/noise.h"
-#include "texture/texture_node.h"
+#include "renderer/color/color_space.h"
+#include "renderer/texture/noise.h"
+#include "renderer/texture/texture_node.h"
 
 namespace tessera {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string_view>
 
-#include "color/spectrum.h"
-#include "math/vec.h"
+#include "renderer/color/spectrum.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 

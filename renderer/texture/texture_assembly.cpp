@@ -1,4 +1,4 @@
-#include "texture/texture_assembly.h"
+#include "renderer/texture/texture_assembly.h"
 
 namespace tessera {
 namespace {

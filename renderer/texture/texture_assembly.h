@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "texture/texture_node.h"
+#include "renderer/texture/texture_node.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "texture/texture_builder.h"
+#include "renderer/texture/texture_builder.h"
 
 #include <array>
 #include <map>
@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "language/parameter_reader.h"
-#include "texture/texture_assembly.h"
-#include "texture/texture_kinds.h"
-#include "util/text.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/texture/texture_assembly.h"
+#include "renderer/texture/texture_kinds.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {

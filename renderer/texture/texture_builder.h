@@ -5,11 +5,11 @@
 #include <optional>
 #include <string_view>
 
-#include "color/spectrum_parameter.h"
-#include "image/image.h"
-#include "language/scene_description.h"
-#include "math/transform.h"
-#include "texture/texture.h"
+#include "renderer/color/spectrum_parameter.h"
+#include "renderer/description/scene_description.h"
+#include "renderer/image/image.h"
+#include "renderer/math/transform.h"
+#include "renderer/texture/texture.h"
 
 namespace tessera {
 

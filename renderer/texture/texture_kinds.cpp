@@ -1,11 +1,11 @@
-#include "texture/texture_kinds.h"
+#include "renderer/texture/texture_kinds.h"
 
 #include <array>
 
 #include <fmt/format.h>
 
-#include "texture/image_texture.h"
-#include "util/text.h"
+#include "renderer/texture/image_texture.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {

@@ -1,9 +1,9 @@
 // Makes nodes from the parameters of one Texture directive.
 #pragma once
 
-#include "language/parameter_reader.h"
-#include "texture/texture_assembly.h"
-#include "texture/texture_builder.h"
+#include "renderer/description/parameter_reader.h"
+#include "renderer/texture/texture_assembly.h"
+#include "renderer/texture/texture_builder.h"
 
 namespace tessera {
 

@@ -1,9 +1,9 @@
-#include "texture/texture_mapping.h"
+#include "renderer/texture/texture_mapping.h"
 
 #include <array>
 #include <cmath>
 
-#include "language/parameter_reader.h"
+#include "renderer/description/parameter_reader.h"
 
 namespace tessera {
 namespace {

@@ -1,8 +1,8 @@
 // From a point on a surface to the coordinates of a texture.
 #pragma once
 
-#include "math/transform.h"
-#include "texture/texture.h"
+#include "renderer/math/transform.h"
+#include "renderer/texture/texture.h"
 
 namespace tessera {
 

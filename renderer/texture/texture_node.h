@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include "texture/mip_map.h"
-#include "texture/patterns.h"
-#include "texture/texture.h"
-#include "texture/texture_mapping.h"
+#include "renderer/texture/mip_map.h"
+#include "renderer/texture/patterns.h"
+#include "renderer/texture/texture.h"
+#include "renderer/texture/texture_mapping.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "util/check.h"
+#include "renderer/util/check.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -6,7 +6,8 @@
 namespace tessera {
 
 void CheckFailed(const char* file, int line, const char* condition) {
-  std::fprintf(stderr, "%s:%d: internal error: %s does not hold; please report this\n", file, line, condition);
+  std::fprintf(stderr, "%s:%d: internal error: %s does not hold; please report this\n", file, line,
+               condition);
   std::abort();
 }
 

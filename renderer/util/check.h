@@ -1,5 +1,6 @@
-// TESSERA_CHECK(condition): stops the program with the place and the condition when the impossible has happened.
-// Always on: a wrong picture costs more than a branch. Not for user input, files or the network (see result.h).
+// TESSERA_CHECK(condition): stops the program with the place and the condition when the impossible has
+// happened. Always on: a wrong picture costs more than a branch. Not for user input, files or the network
+// (see result.h).
 #pragma once
 
 namespace tessera {

@@ -1,4 +1,4 @@
-#include "util/cores.h"
+#include "renderer/util/cores.h"
 
 #include <sched.h>
 

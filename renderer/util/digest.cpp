@@ -1,8 +1,8 @@
-#include "util/digest.h"
+#include "renderer/util/digest.h"
 
 #include <openssl/evp.h>
 
-#include "util/check.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 namespace {
@@ -54,7 +54,9 @@ Sha256Stream::Sha256Stream() : context_(EVP_MD_CTX_new()) {
   TESSERA_CHECK(EVP_DigestInit_ex(static_cast<EVP_MD_CTX*>(context_), EVP_sha256(), nullptr) == 1);
 }
 
-Sha256Stream::~Sha256Stream() { EVP_MD_CTX_free(static_cast<EVP_MD_CTX*>(context_)); }
+Sha256Stream::~Sha256Stream() {
+  EVP_MD_CTX_free(static_cast<EVP_MD_CTX*>(context_));
+}
 
 void Sha256Stream::Add(std::string_view bytes) {
   TESSERA_CHECK(EVP_DigestUpdate(static_cast<EVP_MD_CTX*>(context_), bytes.data(), bytes.size()) == 1);

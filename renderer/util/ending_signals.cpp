@@ -1,9 +1,9 @@
-#include "util/ending_signals.h"
+#include "renderer/util/ending_signals.h"
 
 #include <pthread.h>
 #include <signal.h>
 
-#include "util/check.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 namespace {

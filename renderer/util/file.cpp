@@ -1,4 +1,4 @@
-#include "util/file.h"
+#include "renderer/util/file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,12 +1,13 @@
-// Counter-based random numbers: a hash of (seed, pixel, sample, dimension) takes the place of a generator's state,
-// so that a sample is a pure function of its place in the picture.
+// Counter-based random numbers: a hash of (seed, pixel, sample, dimension) takes the place of a generator's
+// state, so that a sample is a pure function of its place in the picture.
 #pragma once
 
 #include <cstdint>
 
 namespace tessera {
 
-// A bijective mixer of 64 bits with full avalanche: the finaliser "mix13" of D. Stafford (2011), as in SplitMix64.
+// A bijective mixer of 64 bits with full avalanche: the finaliser "mix13" of D. Stafford (2011), as in
+// SplitMix64.
 inline uint64_t MixBits(uint64_t v) {
   v ^= v >> 30;
   v *= 0xbf58476d1ce4e5b9u;
@@ -27,6 +28,8 @@ inline uint64_t Hash(uint64_t first, T... rest) {
 constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;  // the largest float below 1
 
 // Uniform in [0, 1) from the upper 24 bits: every value is a multiple of 2^-24, so never rounds up to 1.
-inline float UniformFloat(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+inline float UniformFloat(uint32_t bits) {
+  return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
 
 }  // namespace tessera

@@ -1,6 +1,6 @@
 // Compiled for the first x86-64 (renderer/CMakeLists.txt): nothing here may need what it checks for. So it
 // uses no other code of ours and none of the standard library's templates.
-#include "util/processor.h"
+#include "renderer/util/processor.h"
 
 #include <cpuid.h>
 #include <unistd.h>

@@ -7,25 +7,30 @@
 #include <utility>
 #include <variant>
 
-#include "util/check.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 
 // What a program answers with when an error ends it (DESIGN.md section 8).
 enum class ErrorKind {
-  kFailed = 1,       // the render, the farm, the disk or the network failed
-  kBadInput = 2,     // usage, scene or any other input is wrong
-  kInterrupted = 130 // the user asked to stop
+  kFailed = 1,        // the render, the farm, the disk or the network failed
+  kBadInput = 2,      // usage, scene or any other input is wrong
+  kInterrupted = 130  // the user asked to stop
 };
 
-// Why something could not be done. `message` names the object and its place and says what to do; it is one line.
+// Why something could not be done. `message` names the object and its place and says what to do; it is one
+// line.
 struct Error {
   ErrorKind kind = ErrorKind::kFailed;
   std::string message;
 };
 
-inline Error BadInput(std::string message) { return {ErrorKind::kBadInput, std::move(message)}; }
-inline Error Failed(std::string message) { return {ErrorKind::kFailed, std::move(message)}; }
+inline Error BadInput(std::string message) {
+  return {ErrorKind::kBadInput, std::move(message)};
+}
+inline Error Failed(std::string message) {
+  return {ErrorKind::kFailed, std::move(message)};
+}
 
 // Members are named as those of std::expected.
 template <typename T>
@@ -36,10 +41,22 @@ class [[nodiscard]] Result {
 
   bool has_value() const { return state_.index() == 0; }
   explicit operator bool() const { return has_value(); }
-  T& value() & { TESSERA_CHECK(has_value()); return std::get<0>(state_); }
-  const T& value() const& { TESSERA_CHECK(has_value()); return std::get<0>(state_); }
-  T&& value() && { TESSERA_CHECK(has_value()); return std::get<0>(std::move(state_)); }
-  const Error& error() const { TESSERA_CHECK(!has_value()); return std::get<1>(state_); }
+  T& value() & {
+    TESSERA_CHECK(has_value());
+    return std::get<0>(state_);
+  }
+  const T& value() const& {
+    TESSERA_CHECK(has_value());
+    return std::get<0>(state_);
+  }
+  T&& value() && {
+    TESSERA_CHECK(has_value());
+    return std::get<0>(std::move(state_));
+  }
+  const Error& error() const {
+    TESSERA_CHECK(!has_value());
+    return std::get<1>(state_);
+  }
   T& operator*() & { return value(); }
   const T& operator*() const& { return value(); }
   T&& operator*() && { return std::move(*this).value(); }
@@ -58,7 +75,10 @@ class [[nodiscard]] Result<void> {
 
   bool has_value() const { return !error_.has_value(); }
   explicit operator bool() const { return has_value(); }
-  const Error& error() const { TESSERA_CHECK(error_.has_value()); return *error_; }
+  const Error& error() const {
+    TESSERA_CHECK(error_.has_value());
+    return *error_;
+  }
 
  private:
   std::optional<Error> error_;

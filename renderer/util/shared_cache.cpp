@@ -1,4 +1,4 @@
-#include "util/shared_cache.h"
+#include "renderer/util/shared_cache.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "util/text.h"
+#include "renderer/util/text.h"
 
 #include <algorithm>
 #include <cctype>

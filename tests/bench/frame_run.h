@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "film/merger.h"
-#include "film/picture_file.h"
-#include "scene/scene.h"
+#include "renderer/film/merger.h"
+#include "renderer/film/picture_file.h"
+#include "renderer/scene/scene.h"
 
 namespace tessera {
 

@@ -12,8 +12,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "renderer/util/file.h"
 #include "tests/bench/frame_run.h"
-#include "util/file.h"
 
 namespace tessera {
 namespace {

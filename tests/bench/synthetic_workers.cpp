@@ -9,10 +9,10 @@
 #include <map>
 #include <mutex>
 
-#include "film/radiance_tile.h"
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
-#include "wire/channel.h"
-#include "wire/convert.h"
+#include "renderer/film/radiance_tile.h"
 
 namespace tessera {
 namespace {

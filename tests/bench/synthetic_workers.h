@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "wire/address.h"
+#include "proto/wire/address.h"
 
 namespace tessera {
 

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "film/sample_range.h"
+#include "renderer/film/sample_range.h"
 
 namespace tessera {
 

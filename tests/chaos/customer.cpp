@@ -7,8 +7,9 @@
 #include <stdexcept>
 #include <thread>
 
+#include "renderer/util/file.h"
+#include "tests/build_paths.h"
 #include "tests/end_to_end/process.h"
-#include "util/file.h"
 
 namespace tessera {
 namespace {
@@ -55,7 +56,7 @@ ChaosJob Prepare(const std::string& folder, std::string scene, std::vector<std::
 }  // namespace
 
 std::vector<ChaosJob> PrepareJobs(const std::string& folder, int samples_per_pixel) {
-  const std::string scenes = std::string(TESSERA_SOURCE_DIR) + "/tests/scenes/";
+  const std::string scenes = SourceDir() + "/tests/scenes/";
   const auto spp = [&](int divisor) { return std::to_string(std::max(1, samples_per_pixel / divisor)); };
   WriteSequence(folder, samples_per_pixel);
   return {Prepare(folder, scenes + "box.pbrt", {"--spp", spp(1), "--tile-size", "16"}, 1),

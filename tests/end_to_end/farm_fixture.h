@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/build_paths.h"
 #include "tests/end_to_end/process.h"
 
 namespace tessera {
@@ -53,7 +54,7 @@ class EndToEnd : public testing::Test {
 
 // The scene that most tests render.
 inline std::string BoxScene() {
-  return std::string(TESSERA_SOURCE_DIR) + "/tests/scenes/box.pbrt";
+  return SourceDir() + "/tests/scenes/box.pbrt";
 }
 
 // Options that make a render of it long: what happens at a quarter of it happens in mid-frame, on a loaded

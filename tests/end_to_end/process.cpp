@@ -1,4 +1,5 @@
 #include "tests/end_to_end/process.h"
+#include "tests/build_paths.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -53,7 +54,7 @@ Process::Process(const std::string& folder, const std::string& program,
   const std::string name = Unique(folder, program);
   output_path_ = name + ".out";
   errors_path_ = name + ".err";
-  std::string path = std::string(TESSERA_BINARY_DIR) + "/bin/" + program;
+  std::string path = BinaryDir() + "/bin/" + program;
   std::vector<char*> words{path.data()};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);

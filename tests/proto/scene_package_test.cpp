@@ -1,9 +1,9 @@
-#include "terms/scene_package.h"
+#include "proto/scene_package.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 namespace tessera {
 namespace {

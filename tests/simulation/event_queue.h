@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "core/instant.h"
+#include "coordinator/core/instant.h"
 
 namespace tessera {
 

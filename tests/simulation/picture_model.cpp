@@ -1,8 +1,8 @@
 #include "tests/simulation/picture_model.h"
 
-#include "film/adaptive.h"
-#include "film/dyadic_sum.h"
-#include "util/hash.h"
+#include "renderer/film/adaptive.h"
+#include "renderer/film/dyadic_sum.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 

@@ -2,9 +2,9 @@
 // compared to the last bit with what one machine alone would make.
 #pragma once
 
-#include "film/frame_spec.h"
-#include "film/merger.h"
-#include "film/radiance_tile.h"
+#include "renderer/film/frame_spec.h"
+#include "renderer/film/merger.h"
+#include "renderer/film/radiance_tile.h"
 
 namespace tessera {
 

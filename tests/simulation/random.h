@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "core/instant.h"
-#include "util/hash.h"
+#include "coordinator/core/instant.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 

@@ -5,8 +5,8 @@
 #include <set>
 #include <tuple>
 
-#include "core/sample_set.h"
-#include "terms/terms.h"
+#include "coordinator/core/sample_set.h"
+#include "proto/terms.h"
 
 namespace tessera {
 

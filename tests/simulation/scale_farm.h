@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/farm.h"
+#include "coordinator/core/farm.h"
 #include "tests/simulation/event_queue.h"
 #include "tests/simulation/random.h"
 #include "tests/simulation/worker_model.h"

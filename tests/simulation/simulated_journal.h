@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/journal.h"
+#include "coordinator/core/journal.h"
 #include "tests/simulation/random.h"
 
 namespace tessera {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/spool.h"
+#include "coordinator/core/spool.h"
 #include "tests/simulation/random.h"
 
 namespace tessera {

@@ -10,7 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "core/farm.h"
+#include "coordinator/core/farm.h"
+#include "renderer/util/digest.h"
 #include "tests/simulation/event_queue.h"
 #include "tests/simulation/picture_model.h"
 #include "tests/simulation/random.h"
@@ -19,7 +20,6 @@
 #include "tests/simulation/simulated_spool.h"
 #include "tests/simulation/simulation_options.h"
 #include "tests/simulation/worker_model.h"
-#include "util/digest.h"
 
 namespace tessera {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "film/adaptive.h"
+#include "renderer/film/adaptive.h"
 #include "tests/simulation/simulation.h"
 
 namespace tessera {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/instant.h"
-#include "terms/terms.h"
-#include "worker_core/workload.h"
+#include "coordinator/core/instant.h"
+#include "proto/terms.h"
+#include "worker/core/workload.h"
 
 namespace tessera {
 

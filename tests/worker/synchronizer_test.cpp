@@ -8,10 +8,10 @@
 
 #include <thread>
 
+#include "proto/wire/address.h"
+#include "proto/wire/channel.h"
 #include "proto/work.grpc.pb.h"
 #include "tests/coordinator/store/temporary_dir.h"
-#include "wire/address.h"
-#include "wire/channel.h"
 
 namespace tessera {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "terms/package_names.h"
+#include "proto/package_names.h"
 #include "worker/scene_loader.h"
 
 namespace tessera {

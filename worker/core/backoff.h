@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "util/hash.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "worker_core/lease_book.h"
+#include "worker/core/lease_book.h"
 
 #include <algorithm>
 

@@ -12,7 +12,7 @@
 #include <set>
 #include <vector>
 
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 namespace tessera {
 

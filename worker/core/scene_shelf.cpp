@@ -1,4 +1,4 @@
-#include "worker_core/scene_shelf.h"
+#include "worker/core/scene_shelf.h"
 
 #include <algorithm>
 

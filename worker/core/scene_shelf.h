@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "terms/terms.h"
+#include "proto/terms.h"
 
 namespace tessera {
 

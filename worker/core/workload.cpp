@@ -1,4 +1,4 @@
-#include "worker_core/workload.h"
+#include "worker/core/workload.h"
 
 #include <algorithm>
 

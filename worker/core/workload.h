@@ -10,9 +10,9 @@
 #include <variant>
 #include <vector>
 
-#include "terms/terms.h"
-#include "worker_core/lease_book.h"
-#include "worker_core/scene_shelf.h"
+#include "proto/terms.h"
+#include "worker/core/lease_book.h"
+#include "worker/core/scene_shelf.h"
 
 namespace tessera {
 

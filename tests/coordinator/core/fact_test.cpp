@@ -1,8 +1,8 @@
-#include "core/fact.h"
+#include "coordinator/core/fact.h"
 
 #include <gtest/gtest.h>
 
-#include "util/hash.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 namespace {

@@ -1,7 +1,7 @@
 // What is counted, and where a job's time is said to have gone.
 #include <gtest/gtest.h>
 
-#include "core/farm.h"
+#include "coordinator/core/farm.h"
 
 namespace tessera {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/farm.h"
+#include "coordinator/core/farm.h"
 
 namespace tessera {
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "terms/probe.h"
+#include "proto/probe.h"
 #include "tests/coordinator/core/farm_stage.h"
 
 namespace tessera {

@@ -1,10 +1,10 @@
-#include "core/frame_work.h"
+#include "coordinator/core/frame_work.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "core/policy.h"
+#include "coordinator/core/policy.h"
 
 namespace tessera {
 namespace {

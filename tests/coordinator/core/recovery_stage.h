@@ -6,9 +6,9 @@
 
 #include <map>
 
-#include "core/farm.h"
-#include "film/adaptive.h"
-#include "util/hash.h"
+#include "coordinator/core/farm.h"
+#include "renderer/film/adaptive.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 

@@ -1,10 +1,10 @@
-#include "core/sample_set.h"
+#include "coordinator/core/sample_set.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "util/hash.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/policy.h"
-#include "core/scheduler.h"
+#include "coordinator/core/policy.h"
+#include "coordinator/core/scheduler.h"
 
 namespace tessera {
 

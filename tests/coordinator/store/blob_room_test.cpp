@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "store/blob_store.h"
-#include "terms/scene_package.h"
+#include "coordinator/store/blob_store.h"
+#include "proto/scene_package.h"
 #include "tests/coordinator/store/temporary_dir.h"
 
 namespace tessera {

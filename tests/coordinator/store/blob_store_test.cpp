@@ -1,12 +1,12 @@
-#include "store/blob_store.h"
+#include "coordinator/store/blob_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "store/data_dir.h"
-#include "terms/terms.h"
+#include "coordinator/store/data_dir.h"
+#include "proto/terms.h"
 #include "tests/coordinator/store/temporary_dir.h"
 
 namespace tessera {

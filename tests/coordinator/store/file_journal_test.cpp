@@ -1,4 +1,4 @@
-#include "store/file_journal.h"
+#include "coordinator/store/file_journal.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "renderer/util/file.h"
 #include "tests/coordinator/store/temporary_dir.h"
-#include "util/file.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "store/file_spool.h"
+#include "coordinator/store/file_spool.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,9 +7,9 @@
 #include <fstream>
 #include <map>
 
+#include "renderer/util/file.h"
+#include "renderer/util/hash.h"
 #include "tests/coordinator/store/temporary_dir.h"
-#include "util/file.h"
-#include "util/hash.h"
 
 namespace tessera {
 namespace {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "util/check.h"
+#include "renderer/util/check.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "wire/address.h"
+#include "proto/wire/address.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Everything that comes in through messages: good values survive the way there and back, bad ones are
 // refused.
-#include "wire/convert.h"
+#include "proto/wire/convert.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

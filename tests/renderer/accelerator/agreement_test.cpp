@@ -4,8 +4,8 @@
 #include <bit>
 #include <tuple>
 
-#include "accelerator/accelerator.h"
-#include "accelerator/bvh_builder.h"
+#include "renderer/accelerator/accelerator.h"
+#include "renderer/accelerator/bvh_builder.h"
 #include "tests/renderer/shape/example_shapes.h"
 
 namespace tessera {

@@ -1,8 +1,8 @@
 // Embree's answers against brute force in double precision.
 #include <gtest/gtest.h>
 
-#include "accelerator/accelerator.h"
-#include "accelerator/embree_accelerator.h"
+#include "renderer/accelerator/accelerator.h"
+#include "renderer/accelerator/embree_accelerator.h"
 #include "tests/renderer/shape/example_shapes.h"
 
 namespace tessera {

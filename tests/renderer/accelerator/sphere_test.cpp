@@ -1,7 +1,7 @@
 // Rays that graze a sphere, start inside it or come from afar, for every accelerator.
 #include <gtest/gtest.h>
 
-#include "accelerator/accelerator.h"
+#include "renderer/accelerator/accelerator.h"
 #include "tests/renderer/shape/example_shapes.h"
 
 namespace tessera {

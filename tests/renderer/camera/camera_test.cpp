@@ -1,4 +1,4 @@
-#include "camera/camera.h"
+#include "renderer/camera/camera.h"
 
 #include <gtest/gtest.h>
 

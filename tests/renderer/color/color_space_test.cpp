@@ -1,14 +1,14 @@
-#include "color/color_space.h"
+#include "renderer/color/color_space.h"
 
 #include <cmath>
 #include <cstring>
 
 #include <gtest/gtest.h>
 
-#include "color/named_spectra.h"
-#include "color/rgb_primaries.h"
-#include "color/rgb_table.h"
-#include "color/srgb_table_data.h"
+#include "renderer/color/named_spectra.h"
+#include "renderer/color/rgb_primaries.h"
+#include "renderer/color/rgb_table.h"
+#include "renderer/color/srgb_table_data.h"
 #include "tests/chi_square.h"
 
 namespace tessera {

@@ -1,4 +1,4 @@
-#include "color/named_spectra.h"
+#include "renderer/color/named_spectra.h"
 
 #include <cmath>
 #include <numeric>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "color/rgb_primaries.h"
+#include "renderer/color/rgb_primaries.h"
 
 namespace tessera {
 namespace {

@@ -1,10 +1,10 @@
-#include "color/wavelengths.h"
+#include "renderer/color/wavelengths.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "math/vec.h"
+#include "renderer/math/vec.h"
 #include "tests/chi_square.h"
 
 namespace tessera {

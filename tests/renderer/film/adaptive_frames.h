@@ -5,10 +5,10 @@
 #include <random>
 #include <vector>
 
-#include "film/adaptive.h"
-#include "film/dyadic_sum.h"
-#include "film/merger.h"
-#include "util/hash.h"
+#include "renderer/film/adaptive.h"
+#include "renderer/film/dyadic_sum.h"
+#include "renderer/film/merger.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 

@@ -1,5 +1,5 @@
 // The decisions of adaptive frames: which units there are, what is estimated, when a tile stops.
-#include "film/adaptive.h"
+#include "renderer/film/adaptive.h"
 
 #include <gtest/gtest.h>
 

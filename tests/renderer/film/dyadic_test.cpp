@@ -4,8 +4,8 @@
 #include <random>
 #include <vector>
 
-#include "film/dyadic_sum.h"
-#include "film/sample_range.h"
+#include "renderer/film/dyadic_sum.h"
+#include "renderer/film/sample_range.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "film/frame_spec.h"
+#include "renderer/film/frame_spec.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

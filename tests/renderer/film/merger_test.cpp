@@ -1,5 +1,5 @@
 // The frame depends on the set of results alone: any cut, order, copy or overlap gives the same bits.
-#include "film/merger.h"
+#include "renderer/film/merger.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <random>
 
-#include "film/dyadic_sum.h"
-#include "util/hash.h"
+#include "renderer/film/dyadic_sum.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "film/picture_file.h"
+#include "renderer/film/picture_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "util/file.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "film/radiance_tile.h"
+#include "renderer/film/radiance_tile.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

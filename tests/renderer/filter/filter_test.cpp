@@ -1,4 +1,4 @@
-#include "filter/filter.h"
+#include "renderer/filter/filter.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "image/image.h"
+#include "renderer/image/image.h"
 #include "tests/renderer/image/encoded_images.h"
 
 namespace tessera {

@@ -5,19 +5,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "image/image.h"
+#include "renderer/image/image.h"
+#include "renderer/util/file.h"
+#include "tests/build_paths.h"
 #include "tests/renderer/image/encoded_images.h"
-#include "util/file.h"
 
 namespace tessera {
 namespace {
 
 constexpr ColorEncoding kLinear{ColorEncoding::Kind::kLinear, 1};
-// Pictures of others, beside the source tree or where TESSERA_SHARED says; tests without them skip themselves.
+// Pictures of others, beside the source tree or where TESSERA_SHARED says; tests without them skip
+// themselves.
 std::filesystem::path SharedFolder() {
   const char* shared = std::getenv("TESSERA_SHARED");
   if (shared != nullptr) return shared;
-  return std::filesystem::path(TESSERA_SOURCE_DIR).parent_path() / "shared";
+  return std::filesystem::path(SourceDir()).parent_path() / "shared";
 }
 
 const std::filesystem::path kCorpus = SharedFolder() / "corpora/images/png-corpus";

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "image/image.h"
+#include "renderer/image/image.h"
 #include "tests/renderer/image/encoded_images.h"
 
 namespace tessera {

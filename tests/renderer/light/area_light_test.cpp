@@ -152,8 +152,8 @@ TEST(AreaLight, OnInterfacesIsIgnoredWithAWarning) {
   ASSERT_EQ(lights.error, "");
   EXPECT_TRUE(lights.table.empty());
   EXPECT_EQ(lights.geometry.shapes[0].surface.area_light, -1);
-  ASSERT_EQ(lights.warnings.size(), 1u);
-  EXPECT_EQ(lights.warnings[0],
+  ASSERT_EQ(lights.diagnostics.warnings().size(), 1u);
+  EXPECT_EQ(lights.diagnostics.WarningTexts()[0],
             "lights.pbrt:3:1: the area light of a shape with an \"interface\" material is ignored");
 }
 

@@ -1,4 +1,4 @@
-#include "math/distribution.h"
+#include "renderer/math/distribution.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "math/equal_area.h"
+#include "renderer/math/equal_area.h"
 
 #include <gtest/gtest.h>
 
-#include "math/sampling.h"
+#include "renderer/math/sampling.h"
 #include "tests/chi_square.h"
 
 namespace tessera {

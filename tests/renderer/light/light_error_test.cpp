@@ -85,8 +85,9 @@ TEST(LightWarnings, MovingLightsStandStill) {
   LightScene lights;
   lights.Build("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All\nLightSource \"point\"");
   EXPECT_EQ(lights.error, "");
-  ASSERT_EQ(lights.warnings.size(), 1u);
-  EXPECT_EQ(lights.warnings[0].find("lights.pbrt:4:1: lights do not move"), 0u) << lights.warnings[0];
+  ASSERT_EQ(lights.diagnostics.warnings().size(), 1u);
+  EXPECT_EQ(lights.diagnostics.WarningTexts()[0].find("lights.pbrt:4:1: lights do not move"), 0u)
+      << lights.diagnostics.WarningTexts()[0];
   EXPECT_NEAR(SampleLuminance(lights.table, 0, At({0, 0, 2}), {}), 0.25f, 1e-4f);
 }
 

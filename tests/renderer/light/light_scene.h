@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "color/named_spectra.h"
-#include "language/parser.h"
-#include "light/light.h"
-#include "math/sampling.h"
+#include "renderer/color/named_spectra.h"
+#include "renderer/light/light.h"
+#include "renderer/math/sampling.h"
+#include "renderer/pbrt/parser.h"
 #include "tests/chi_square.h"
 
 namespace tessera {
@@ -48,7 +48,7 @@ struct LightScene {
   SceneDescription scene;
   Geometry geometry;
   LightTable table;
-  std::vector<std::string> warnings;
+  Diagnostics diagnostics;
   std::string error;  // of the table
 
   // The pictures must be in `files` already.
@@ -64,7 +64,7 @@ struct LightScene {
     for (const ShapeDescription& shape : scene.shapes) sources.push_back(&shape);
     const Transform identity;
     const LightInputs inputs{scene, sources, identity, light_sampler, files, images, textures};
-    Result<LightTable> built = LightTable::Build(inputs, geometry, &warnings);
+    Result<LightTable> built = LightTable::Build(inputs, geometry, diagnostics);
     if (built)
       table = *std::move(built);
     else

@@ -1,10 +1,10 @@
-#include "light/light_tree.h"
+#include "renderer/light/light_tree.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "math/sampling.h"
+#include "renderer/math/sampling.h"
 #include "tests/chi_square.h"
 
 namespace tessera {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "material/bxdf.h"
+#include "renderer/material/bxdf.h"
 
 namespace tessera {
 

@@ -1,9 +1,9 @@
 // What holds of every kind: samples follow the density, light can be turned round, energy is not made.
-#include "material/bxdf.h"
+#include "renderer/material/bxdf.h"
 
 #include <gtest/gtest.h>
 
-#include "material/bsdf.h"
+#include "renderer/material/bsdf.h"
 #include "tests/chi_square.h"
 #include "tests/renderer/material/bxdf_examples.h"
 

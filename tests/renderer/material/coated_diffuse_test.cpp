@@ -1,11 +1,11 @@
 // The closed form of a coated Lambertian base against the random walk that defines it.
-#include "material/coated_diffuse_bxdf.h"
+#include "renderer/material/coated_diffuse_bxdf.h"
 
 #include <gtest/gtest.h>
 
+#include "renderer/util/hash.h"
 #include "tests/chi_square.h"
 #include "tests/renderer/material/bxdf_examples.h"
-#include "util/hash.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "material/fresnel.h"
+#include "renderer/material/fresnel.h"
 
 #include <gtest/gtest.h>
 

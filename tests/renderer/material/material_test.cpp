@@ -1,12 +1,12 @@
 // From directives to Bsdfs, with relief, mixes and messages.
-#include "material/material.h"
+#include "renderer/material/material.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "language/parser.h"
+#include "renderer/pbrt/parser.h"
 #include "tests/chi_square.h"
 #include "tests/renderer/material/bxdf_examples.h"
 

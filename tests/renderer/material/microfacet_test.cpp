@@ -1,4 +1,4 @@
-#include "material/microfacet.h"
+#include "renderer/material/microfacet.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "math/vec.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 namespace {

@@ -1,5 +1,5 @@
 // Every map from the square against its density.
-#include "math/sampling.h"
+#include "renderer/math/sampling.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "math/transform.h"
+#include "renderer/math/transform.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "math/vec.h"
+#include "renderer/math/vec.h"
 
 #include <gtest/gtest.h>
 
-#include "math/bounds.h"
-#include "math/float4.h"
-#include "math/sampling.h"
+#include "renderer/math/bounds.h"
+#include "renderer/math/float4.h"
+#include "renderer/math/sampling.h"
 #include "tests/chi_square.h"
 
 namespace tessera {

@@ -1,10 +1,10 @@
-#include "medium/flight.h"
+#include "renderer/medium/flight.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "medium/homogeneous_medium.h"
+#include "renderer/medium/homogeneous_medium.h"
 #include "tests/chi_square.h"
 
 namespace tessera {

@@ -1,10 +1,10 @@
-#include "medium/medium.h"
+#include "renderer/medium/medium.h"
 
 #include <gtest/gtest.h>
 
-#include "color/named_spectra.h"
-#include "language/parser.h"
-#include "medium/scattering_presets.h"
+#include "renderer/color/named_spectra.h"
+#include "renderer/medium/scattering_presets.h"
+#include "renderer/pbrt/parser.h"
 
 namespace tessera {
 namespace {
@@ -17,7 +17,7 @@ class NoFiles : public FileSource {
 struct BuiltMedia {
   MediumTable table;
   std::string error;
-  std::vector<std::string> warnings;
+  Diagnostics diagnostics;
 };
 
 BuiltMedia Build(const std::string& media,
@@ -30,7 +30,7 @@ BuiltMedia Build(const std::string& media,
     built.error = scene.error().message;
     return built;
   }
-  Result<MediumTable> table = MediumTable::Build(*scene, unsupported, files, &built.warnings);
+  Result<MediumTable> table = MediumTable::Build(*scene, unsupported, files, built.diagnostics);
   if (table)
     built.table = std::move(*table);
   else
@@ -113,7 +113,7 @@ TEST(Medium, EveryPresetIsReadByItsName) {
     const BuiltMedia built =
         Homogeneous("\"float scale\" 1000 \"string preset\" \"" + std::string(preset.name) + "\"");
     ASSERT_EQ(built.error, "") << preset.name;
-    EXPECT_TRUE(built.warnings.empty());
+    EXPECT_TRUE(built.diagnostics.warnings().empty());
     // What is the same in all three channels is so at all wavelengths; elsewhere the spectrum is near the
     // channels.
     const MediumCoefficients at = built.table[0].At(kWavelengths);
@@ -131,9 +131,9 @@ TEST(Medium, EveryPresetIsReadByItsName) {
 TEST(Medium, AnUnknownPresetIsAWarningAndTheCoefficientsCount) {
   const BuiltMedia built = Homogeneous("\"string preset\" \"Marbel\" \"rgb sigma_a\" [ 0 0 0 ]");
   ASSERT_EQ(built.error, "");
-  ASSERT_EQ(built.warnings.size(), 1u);
+  ASSERT_EQ(built.diagnostics.warnings().size(), 1u);
   EXPECT_EQ(
-      built.warnings[0],
+      built.diagnostics.WarningTexts()[0],
       "m.pbrt:3:49: unknown medium preset \"Marbel\" (did you mean \"Marble\"?): sigma_a and sigma_s count");
   ExpectAll(built.table[0].At(kWavelengths).sigma_a, 0);
 }

@@ -1,4 +1,4 @@
-#include "medium/phase_function.h"
+#include "renderer/medium/phase_function.h"
 
 #include <gtest/gtest.h>
 

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "estimator_scenes.h"
-#include "memory_files.h"
-#include "scene/scene.h"
+#include "renderer/scene/scene.h"
+#include "tests/renderer/scene/estimator_scenes.h"
+#include "tests/renderer/scene/memory_files.h"
 
 namespace tessera {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "memory_files.h"
-#include "scene/scene.h"
+#include "renderer/scene/scene.h"
+#include "tests/renderer/scene/memory_files.h"
 
 namespace tessera {
 namespace {

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "language/file_source.h"
+#include "renderer/description/file_source.h"
 
 namespace tessera {
 

@@ -4,14 +4,14 @@
 #include <array>
 #include <numbers>
 
-#include "accelerator/accelerator.h"
-#include "estimator_scenes.h"
-#include "integrator/mixture_integrator.h"
-#include "language/parser.h"
-#include "memory_files.h"
-#include "scene/world_builder.h"
-#include "shape/shape_interaction.h"
+#include "renderer/accelerator/accelerator.h"
+#include "renderer/integrator/mixture_integrator.h"
+#include "renderer/pbrt/parser.h"
+#include "renderer/scene/world_builder.h"
+#include "renderer/shape/shape_interaction.h"
 #include "tests/chi_square.h"
+#include "tests/renderer/scene/estimator_scenes.h"
+#include "tests/renderer/scene/memory_files.h"
 
 namespace tessera {
 namespace {
@@ -35,8 +35,8 @@ std::unique_ptr<Place> PlaceAlong(const char* text, Vec3 d) {
   auto place = std::make_unique<Place>();
   World& world = place->world;
   world.camera = *Camera::Read(scene->camera, scene->camera_from_world, 8, 8);
-  std::vector<std::string> warnings;
-  const Result<void> built = BuildWorld({*scene, files, images, "bvh"}, &world, &warnings);
+  Diagnostics diagnostics;
+  const Result<void> built = BuildWorld({*scene, files, images, "bvh"}, &world, diagnostics);
   EXPECT_TRUE(built) << built.error().message;
   world.accelerator = *MakeAccelerator("embree", world.geometry, world.textures);
   const Ray ray{{0, 0, 0}, Normalize(d)};

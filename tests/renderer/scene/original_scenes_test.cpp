@@ -3,8 +3,9 @@
 
 #include <algorithm>
 
-#include "film/sample_range.h"
-#include "scene/scene.h"
+#include "renderer/film/sample_range.h"
+#include "renderer/scene/scene.h"
+#include "tests/build_paths.h"
 
 namespace tessera {
 namespace {
@@ -14,7 +15,7 @@ constexpr uint32_t kSamples = 4;  // per pixel
 
 std::unique_ptr<Scene> Load(const std::string& name, const std::string& integrator,
                             const std::string& accelerator) {
-  DiskFileSource files(TESSERA_SOURCE_DIR "/tests/scenes/original");
+  DiskFileSource files(SourceDir() + "/tests/scenes/original");
   RenderOptions options;
   options.samples_per_pixel = kSamples;
   options.width = options.height = kSize;

@@ -1,4 +1,5 @@
-#include "scene/probe.h"
+#include "renderer/scene/probe.h"
+#include "tests/build_paths.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +12,7 @@ namespace {
 // The digest that the programs of this release expect, as proto/probe.h has it: the renderer does not link
 // that.
 std::string ExpectedDigest() {
-  std::ifstream file(std::string(TESSERA_SOURCE_DIR) + "/proto/probe.h");
+  std::ifstream file(SourceDir() + "/proto/probe.h");
   std::ostringstream text;
   text << file.rdbuf();
   const size_t begin = text.str().find("kProbeDigest = \"") + 16;

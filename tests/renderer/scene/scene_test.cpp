@@ -1,12 +1,12 @@
-#include "scene/scene.h"
+#include "renderer/scene/scene.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <thread>
 
-#include "film/merger.h"
-#include "memory_files.h"
+#include "renderer/film/merger.h"
+#include "tests/renderer/scene/memory_files.h"
 
 namespace tessera {
 namespace {

@@ -6,7 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "scene/scene.h"
+#include "renderer/scene/scene.h"
+#include "tests/build_paths.h"
 #include "tests/renderer/scene/memory_files.h"
 
 namespace tessera {
@@ -71,8 +72,8 @@ class SharedFiles : public testing::Test {
  protected:
   SharedFiles() : folder_(testing::TempDir() + "sequence-" + std::to_string(::getpid())) {
     std::filesystem::create_directories(folder_);
-    std::filesystem::copy_file(std::string(TESSERA_SOURCE_DIR) + "/tests/scenes/original/earth.jpg",
-                               folder_ + "/map.jpg", std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::copy_file(SourceDir() + "/tests/scenes/original/earth.jpg", folder_ + "/map.jpg",
+                               std::filesystem::copy_options::overwrite_existing);
     WriteMesh(1);
     Write("scene.pbrt", std::string(kFilm) +
                             "Camera \"perspective\" WorldBegin LightSource \"infinite\" Translate 0 0 3\n"

@@ -5,13 +5,13 @@
 #include <utility>
 #include <vector>
 
-#include "math/sampling.h"
-#include "shape/geometry.h"
-#include "shape/hit_refinement.h"
-#include "shape/patch_intersection.h"
-#include "shape/quadric_intersection.h"
-#include "shape/shape_interaction.h"
-#include "shape/triangle.h"
+#include "renderer/math/sampling.h"
+#include "renderer/shape/geometry.h"
+#include "renderer/shape/hit_refinement.h"
+#include "renderer/shape/patch_intersection.h"
+#include "renderer/shape/quadric_intersection.h"
+#include "renderer/shape/shape_interaction.h"
+#include "renderer/shape/triangle.h"
 #include "tests/chi_square.h"
 
 namespace tessera {

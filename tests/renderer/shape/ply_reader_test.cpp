@@ -1,5 +1,5 @@
 // PLY files: every encoding, and every way of being wrong.
-#include "shape/ply_reader.h"
+#include "renderer/shape/ply_reader.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

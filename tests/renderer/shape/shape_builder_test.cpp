@@ -1,5 +1,5 @@
 // From Shape directives to geometry: parameters, defaults, warnings and errors.
-#include "shape/shape_builder.h"
+#include "renderer/shape/shape_builder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 
 #include <map>
 
-#include "language/parser.h"
-#include "shape/shape_interaction.h"
+#include "renderer/pbrt/parser.h"
+#include "renderer/shape/shape_interaction.h"
 
 namespace tessera {
 namespace {
@@ -28,7 +28,7 @@ class MemoryFiles : public FileSource {
 
 struct Built {
   std::vector<Shape> shapes;
-  std::vector<std::string> warnings;
+  Diagnostics diagnostics;
   std::string error;
 };
 
@@ -64,7 +64,7 @@ Built Build(const std::string& text) {
   TextureBuilder textures(files, images, Transform());
   if (const Result<void> added = textures.Add(*scene); !added) built.error = added.error().message;
   Result<std::vector<Shape>> shapes =
-      BuildShape(scene->shapes[0], Transform(), files, textures, &built.warnings);
+      BuildShape(scene->shapes[0], Transform(), files, textures, built.diagnostics);
   if (shapes) {
     built.shapes = *std::move(shapes);
   } else {
@@ -126,7 +126,7 @@ TEST(ShapeBuilder, MeshesComeToRenderingSpaceWithRoomForOneMoreVertex) {
   EXPECT_EQ(mesh.uv[2], (Point2{0.5f, 1}));
   EXPECT_EQ(mesh.indices, (std::vector<uint32_t>{0, 1, 2}));
   EXPECT_GT(mesh.P.capacity(), mesh.P.size());
-  EXPECT_THAT(built.warnings, IsEmpty());
+  EXPECT_THAT(built.diagnostics.WarningTexts(), IsEmpty());
 }
 
 TEST(ShapeBuilder, ListsOfTheWrongLengthAreIgnoredWithAWarning) {
@@ -137,7 +137,7 @@ TEST(ShapeBuilder, ListsOfTheWrongLengthAreIgnoredWithAWarning) {
   EXPECT_TRUE(mesh.N.empty());
   EXPECT_TRUE(mesh.uv.empty());
   EXPECT_EQ(mesh.indices.size(), 3u);
-  EXPECT_THAT(built.warnings,
+  EXPECT_THAT(built.diagnostics.WarningTexts(),
               ElementsAre("a.pbrt:3:3: 4 indices are not a multiple of 3: the last 1 is ignored",
                           "a.pbrt:2:72: 1 values of \"uv\" for 3 points: ignored",
                           "a.pbrt:2:53: 1 values of \"N\" for 3 points: ignored"));

@@ -1,13 +1,13 @@
 // The local geometry of surfaces: against finite differences, and by its conventions.
-#include "shape/shape_interaction.h"
+#include "renderer/shape/shape_interaction.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "shape/patch.h"
-#include "shape/quadric.h"
-#include "shape/shading_geometry.h"
+#include "renderer/shape/patch.h"
+#include "renderer/shape/quadric.h"
+#include "renderer/shape/shading_geometry.h"
 #include "tests/renderer/shape/example_shapes.h"
 
 namespace tessera {

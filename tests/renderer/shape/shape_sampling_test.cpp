@@ -1,5 +1,5 @@
 // Every shape's sampling against its own density, and both against the geometry.
-#include "shape/shape_sampling.h"
+#include "renderer/shape/shape_sampling.h"
 
 #include <gtest/gtest.h>
 

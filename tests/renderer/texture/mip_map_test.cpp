@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "texture/mip_map.h"
+#include "renderer/texture/mip_map.h"
 
 namespace tessera {
 namespace {

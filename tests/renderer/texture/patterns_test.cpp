@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "texture/noise.h"
-#include "texture/patterns.h"
+#include "renderer/texture/noise.h"
+#include "renderer/texture/patterns.h"
 
 namespace tessera {
 namespace {

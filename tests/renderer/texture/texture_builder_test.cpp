@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "renderer/texture/patterns.h"
 #include "tests/renderer/texture/texture_scene.h"
-#include "texture/patterns.h"
 
 namespace tessera {
 namespace {

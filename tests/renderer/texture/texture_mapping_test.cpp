@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "texture/texture_mapping.h"
+#include "renderer/texture/texture_mapping.h"
 
 namespace tessera {
 namespace {

@@ -4,9 +4,9 @@
 #include <map>
 #include <string>
 
-#include "color/color_space.h"
-#include "language/parser.h"
-#include "texture/texture_builder.h"
+#include "renderer/color/color_space.h"
+#include "renderer/pbrt/parser.h"
+#include "renderer/texture/texture_builder.h"
 
 namespace tessera {
 

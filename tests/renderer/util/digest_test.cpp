@@ -1,4 +1,4 @@
-#include "util/digest.h"
+#include "renderer/util/digest.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "util/hash.h"
-#include "util/result.h"
+#include "renderer/util/hash.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "util/file.h"
+#include "renderer/util/file.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

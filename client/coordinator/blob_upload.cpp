@@ -1,0 +1,207 @@
+// CoordinatorClient::Upload: the files of a scene, each as a blob, then the manifest that lists them.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <map>
+#include <thread>
+#include <vector>
+
+#include "client/coordinator/coordinator_connection.h"
+#include "proto/wire/convert.h"
+
+namespace tessera {
+namespace {
+
+// Bytes to send: a file on disk, or bytes in memory.
+struct Source {
+  Digest digest;
+  uint64_t size = 0;
+  std::string path;  // empty: `bytes`
+  std::string_view bytes;
+};
+
+// Gives the source piece by piece.
+class SourceReader {
+ public:
+  SourceReader(const Source& source, uint64_t offset)
+      : source_(source),
+        offset_(offset),
+        fd_(source.path.empty() ? -1 : ::open(source.path.c_str(), O_RDONLY | O_CLOEXEC)) {}
+  ~SourceReader() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  SourceReader(const SourceReader&) = delete;
+  SourceReader& operator=(const SourceReader&) = delete;
+
+  // Fills `piece`; empty at the end. False if the file cannot be read.
+  bool Next(std::string& piece) {
+    const uint64_t left = source_.size - offset_;
+    piece.resize(std::min<uint64_t>(left, kChunkBytesMax));
+    if (source_.path.empty()) {
+      piece = source_.bytes.substr(offset_, piece.size());
+    } else if (!piece.empty()) {
+      ssize_t got = 0;
+      do {
+        got = ::pread(fd_, piece.data(), piece.size(), static_cast<off_t>(offset_));
+      } while (got < 0 && errno == EINTR);
+      if (got <= 0) return false;
+      piece.resize(static_cast<size_t>(got));
+    }
+    offset_ += piece.size();
+    return true;
+  }
+
+ private:
+  const Source& source_;
+  uint64_t offset_;
+  int fd_;
+};
+
+// Sends what follows `offset`; adds what was sent to `bytes_sent`.
+grpc::Status SendBlob(proto::Blobs::Stub& stub, grpc::ClientContext* context, const Source& source,
+                      uint64_t offset, std::atomic<uint64_t>& bytes_sent) {
+  SourceReader reader(source, offset);
+  proto::UploadAnswer answer;
+  const auto writer = stub.Upload(context, &answer);
+  proto::UploadChunk chunk;
+  chunk.set_digest(WriteDigest(source.digest));
+  chunk.set_size(source.size);
+  chunk.set_offset(offset);
+  bool is_first = true;
+  do {
+    if (!reader.Next(*chunk.mutable_data())) {
+      context->TryCancel();
+      writer->Finish();
+      return {grpc::StatusCode::FAILED_PRECONDITION, fmt::format("{} cannot be read any more", source.path)};
+    }
+    const bool is_last = chunk.data().empty() && !is_first;
+    if (is_last || !writer->Write(chunk))
+      break;  // a refused write: the coordinator has it already, or an error
+    bytes_sent += chunk.data().size();
+    is_first = false;
+    chunk.clear_digest();
+    chunk.clear_size();
+    chunk.clear_offset();
+  } while (!chunk.data().empty());
+  writer->WritesDone();
+  return writer->Finish();
+}
+
+// What the coordinator lacks, and how many bytes of each it has.
+using Missing = std::map<std::string, uint64_t>;
+
+// Sends blobs over several streams at the same time, so that neither small files wait for each other's
+// answers nor one large file for all others.
+class Uploader {
+ public:
+  Uploader(proto::Blobs::Stub& stub, std::stop_token stop) : stub_(stub), stop_(std::move(stop)) {}
+
+  Result<Missing> FindMissing(const std::vector<std::string>& digests) {
+    proto::FindMissingRequest request;
+    for (const std::string& digest : digests) request.add_digests(digest);
+    proto::FindMissingAnswer answer;
+    auto asked = WithRetries(stop_, "ask for missing files", [&] {
+      CallContext context(stop_, kCallPatience);
+      return stub_.FindMissing(context.get(), request, &answer);
+    });
+    if (!asked) return asked.error();
+    Missing missing;
+    for (int i = 0; i < answer.missing_size(); ++i)
+      missing[answer.missing(i)] = i < answer.held_size() ? answer.held(i) : 0;
+    return missing;
+  }
+  // All of them, or the first error.
+  Result<void> Send(std::vector<std::pair<const Source*, uint64_t>> queue) {
+    queue_ = std::move(queue);
+    const std::stop_callback on_stop(stop_, [this] { broken_.request_stop(); });
+    std::vector<std::thread> threads;
+    for (size_t i = 0; i < std::min(kUploadsAtOnce, queue_.size()); ++i)
+      threads.emplace_back([this] { SendNext(); });
+    for (std::thread& thread : threads) thread.join();
+    if (error_) return *error_;
+    return {};
+  }
+  uint64_t bytes_sent() const { return bytes_sent_; }
+
+ private:
+  static constexpr size_t kUploadsAtOnce = 4;
+
+  void SendNext() {
+    for (size_t next = taken_++; next < queue_.size() && !broken_.stop_requested(); next = taken_++) {
+      const auto sent = SendOne(*queue_[next].first, queue_[next].second);
+      if (sent) continue;
+      const std::lock_guard lock(mutex_);
+      if (!error_) error_ = sent.error();
+      broken_.request_stop();
+    }
+  }
+  // An upload that breaks goes on where it stopped, for as long as something gets through.
+  Result<void> SendOne(const Source& source, uint64_t held) {
+    const std::string what = fmt::format("send {}", source.path.empty() ? "the list of files" : source.path);
+    std::chrono::milliseconds pause = kRetryFirst;
+    auto give_up = std::chrono::steady_clock::now() + kRetryPatience;
+    while (true) {
+      CallContext context(broken_.get_token());
+      const grpc::Status status =
+          SendBlob(stub_, context.get(), source, std::min(held, source.size), bytes_sent_);
+      if (status.ok()) return {};
+      const bool too_late = std::chrono::steady_clock::now() > give_up;
+      if (!IsTransient(status) || too_late || !Pause(broken_.get_token(), pause))
+        return ToError(status, what);
+      const auto missing = FindMissing({WriteDigest(source.digest)});
+      if (!missing) return missing.error();
+      if (missing->empty()) return {};
+      pause = std::min(pause * 2, kRetryMax);
+      if (missing->begin()->second > held) {
+        give_up = std::chrono::steady_clock::now() + kRetryPatience;
+        pause = kRetryFirst;
+      }
+      held = missing->begin()->second;
+    }
+  }
+
+  proto::Blobs::Stub& stub_;
+  std::stop_token stop_;
+  std::stop_source broken_;  // ends the other streams when one fails
+  std::vector<std::pair<const Source*, uint64_t>> queue_;
+  std::atomic<size_t> taken_{0};
+  std::atomic<uint64_t> bytes_sent_{0};
+  std::mutex mutex_;
+  std::optional<Error> error_;  // guarded by mutex_
+};
+
+}  // namespace
+
+Result<UploadReport> CoordinatorClient::Upload(const PackedScene& scene) {
+  std::map<std::string, Source> sources;  // by digest as it travels
+  for (const auto& [path, file] : scene.package.files) {
+    sources[WriteDigest(file.digest)] = {file.digest, file.size, scene.disk_paths.at(file.digest), {}};
+  }
+  UploadReport report;
+  report.files_total = sources.size();
+  sources[WriteDigest(scene.digest)] = {scene.digest, scene.manifest.size(), {}, scene.manifest};
+  Uploader uploader(*connection_->blobs, connection_->stop);
+  std::vector<std::pair<const Source*, uint64_t>> queue;
+  for (auto it = sources.begin(); it != sources.end();) {
+    std::vector<std::string> digests;
+    for (; it != sources.end() && digests.size() < size_t{kDigestsPerCallMax}; ++it)
+      digests.push_back(it->first);
+    const auto missing = uploader.FindMissing(digests);
+    if (!missing) return missing.error();
+    for (const auto& [digest, held] : *missing) {
+      const auto source = sources.find(digest);
+      if (source == sources.end()) return Failed("the coordinator asks for a file that is not of this scene");
+      queue.emplace_back(&source->second, held);
+      report.files_sent += source->second.path.empty() ? 0 : 1;
+    }
+  }
+  if (auto sent = uploader.Send(std::move(queue)); !sent) return sent.error();
+  report.bytes_sent = uploader.bytes_sent();
+  return report;
+}
+
+}  // namespace tessera

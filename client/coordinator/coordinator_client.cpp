@@ -1,0 +1,279 @@
+#include "client/coordinator/coordinator_client.h"
+
+#include <fmt/format.h>
+
+#include <random>
+
+#include "client/coordinator/coordinator_connection.h"
+#include "proto/wire/convert.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::seconds kSilenceNoticed{1};
+constexpr std::chrono::milliseconds kConnectSlice{100};  // how soon a stop is noticed meanwhile
+constexpr std::chrono::minutes kWatchPatience{30};  // for a coordinator that is away: a machine's restart
+constexpr uint64_t kPictureSizeMax = uint64_t{8} << 30;  // bytes: the largest frame in floats
+
+// One call with one answer.
+template <typename Stub, typename Request, typename Answer>
+Result<void> Call(std::stop_token stop, Stub& stub,
+                  grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Answer*),
+                  const Request& request, Answer& answer, const std::string& what) {
+  return WithRetries(stop, what, [&] {
+    CallContext context(stop, kCallPatience);
+    return (stub.*method)(context.get(), request, &answer);
+  });
+}
+
+proto::JobRequest RequestFor(JobId job) {
+  proto::JobRequest request;
+  request.set_job(Number(job));
+  return request;
+}
+
+// A call that names a job and is answered with its status.
+template <typename Connection, typename Request>
+Result<JobStatus> AskAboutJob(Connection& connection,
+                              grpc::Status (proto::Jobs::Stub::*method)(grpc::ClientContext*, const Request&,
+                                                                        proto::JobStatus*),
+                              const Request& request, const char* verb) {
+  proto::JobStatus answer;
+  auto asked = Call(connection.stop, *connection.jobs, method, request, answer,
+                    fmt::format("{} job {}", verb, request.job()));
+  if (!asked) return asked.error();
+  return ReadJobStatus(answer);
+}
+
+// A call about some workers that is answered with their states.
+template <typename Connection>
+Result<std::vector<WorkerStatus>> AskAboutWorkers(
+    Connection& connection,
+    grpc::Status (proto::Jobs::Stub::*method)(grpc::ClientContext*, const proto::WorkersRequest&,
+                                              proto::WorkersAnswer*),
+    const std::string& which, const std::string& what) {
+  proto::WorkersRequest request;
+  request.set_which(which);
+  proto::WorkersAnswer answer;
+  auto asked = Call(connection.stop, *connection.jobs, method, request, answer, what);
+  if (!asked) return asked.error();
+  std::vector<WorkerStatus> workers;
+  for (const proto::WorkerStatus& message : answer.workers()) {
+    auto status = ReadWorkerStatus(message);
+    if (!status) return status.error();
+    workers.push_back(std::move(*status));
+  }
+  return workers;
+}
+
+uint64_t RandomSubmission() {
+  std::random_device device;
+  const uint64_t high = device();
+  const uint64_t low = device();
+  return (high << 32 | low) | 1;  // not 0
+}
+
+// Receives one picture; `bytes` holds it if the status is good.
+grpc::Status ReceivePicture(proto::Jobs::Stub& stub, grpc::ClientContext* context,
+                            const proto::FetchRequest& request, std::string& bytes) {
+  bytes.clear();
+  const auto reader = stub.FetchPicture(context, request);
+  proto::PictureChunk chunk;
+  uint64_t size = 0;
+  std::string digest;
+  for (bool first = true; reader->Read(&chunk); first = false) {
+    if (first) {
+      size = chunk.size();
+      digest = chunk.digest();
+    }
+    if (size > kPictureSizeMax || bytes.size() + chunk.data().size() > size) {
+      context->TryCancel();
+      return {grpc::StatusCode::DATA_LOSS, "the picture does not have the size that was announced"};
+    }
+    bytes += chunk.data();
+  }
+  const grpc::Status status = reader->Finish();
+  if (!status.ok()) return status;
+  if (bytes.size() != size || WriteDigest(Sha256(bytes)) != digest) {
+    return {grpc::StatusCode::DATA_LOSS, "the picture was damaged on its way"};
+  }
+  return status;
+}
+
+Result<void> WaitForCoordinator(grpc::Channel& channel, const std::string& address,
+                                std::chrono::milliseconds patience, std::stop_token stop,
+                                const std::function<void()>& on_silence) {
+  const auto begin = std::chrono::steady_clock::now();
+  bool noticed = on_silence == nullptr;
+  while (!WaitForConnection(channel, kConnectSlice)) {
+    if (stop.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
+    const auto waited = std::chrono::steady_clock::now() - begin;
+    if (waited > patience) {
+      return Failed(fmt::format("{}: no coordinator answers there (waited {:.0f} s)", address,
+                                std::chrono::duration<double>(patience).count()));
+    }
+    if (!noticed && waited > kSilenceNoticed) {
+      on_silence();
+      noticed = true;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+CoordinatorClient::CoordinatorClient(std::unique_ptr<Connection> connection)
+    : connection_(std::move(connection)) {}
+CoordinatorClient::~CoordinatorClient() = default;
+
+Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(
+    const std::string& address, std::chrono::milliseconds patience, std::stop_token stop,
+    const std::function<void()>& on_silence) {
+  const auto parsed = ParseAddress(address, "--coordinator");
+  if (!parsed) return parsed.error();
+  auto connection = std::make_unique<Connection>();
+  connection->address = address;
+  connection->stop = stop;
+  connection->channel = OpenChannel(*parsed);
+  connection->jobs = proto::Jobs::NewStub(connection->channel);
+  connection->blobs = proto::Blobs::NewStub(connection->channel);
+  auto reached = WaitForCoordinator(*connection->channel, address, patience, stop, on_silence);
+  if (!reached) return reached.error();
+  proto::HealthAnswer health;
+  auto asked = Call(stop, *connection->jobs, &proto::Jobs::Stub::Health, proto::HealthRequest(), health,
+                    "greet the coordinator");
+  if (!asked) return asked.error();
+  if (health.protocol() != kProtocolVersion || health.software_version() != kSoftwareVersion) {
+    return Failed(fmt::format("{}: the coordinator is version {} (protocol {}); this is {} (protocol {})",
+                              address, ReadReason(health.software_version()), health.protocol(),
+                              kSoftwareVersion, kProtocolVersion));
+  }
+  return std::unique_ptr<CoordinatorClient>(new CoordinatorClient(std::move(connection)));
+}
+
+Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const Wishes& wishes) {
+  JobSpec spec;
+  spec.submission = RandomSubmission();
+  spec.name = wishes.name;
+  spec.priority = wishes.priority;
+  spec.required_tags = wishes.required_tags;
+  spec.verify_share = wishes.verify_share;
+  spec.package = scene.digest;
+  spec.frames = scene.frames;
+  proto::JobSpec request;
+  Write(spec, request);
+  proto::SubmitAnswer answer;
+  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Submit, request, answer,
+                    "submit the job");
+  if (!asked) return asked.error();
+  return JobId{answer.job()};
+}
+
+Result<JobStatus> CoordinatorClient::Status(JobId job) {
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::Status, RequestFor(job), "ask for");
+}
+
+Result<JobStatus> CoordinatorClient::Cancel(JobId job) {
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::Cancel, RequestFor(job), "cancel");
+}
+
+Result<JobStatus> CoordinatorClient::Pause(JobId job) {
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::Pause, RequestFor(job), "pause");
+}
+
+Result<JobStatus> CoordinatorClient::Resume(JobId job) {
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::Resume, RequestFor(job), "resume");
+}
+
+Result<JobStatus> CoordinatorClient::SetPriority(JobId job, int priority) {
+  proto::PriorityRequest request;
+  request.set_job(Number(job));
+  request.set_priority(priority);
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::SetPriority, request, "change the priority of");
+}
+
+Result<JobStatus> CoordinatorClient::Extend(JobId job, uint32_t samples_per_pixel) {
+  proto::ExtendRequest request;
+  request.set_job(Number(job));
+  request.set_samples_per_pixel(samples_per_pixel);
+  proto::JobStatus answer;
+  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Extend, request, answer,
+                    fmt::format("extend job {}", Number(job)));
+  if (!asked) return asked.error();
+  return ReadJobStatus(answer);
+}
+
+Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(const JobStatus&)>& report) {
+  const std::string what = fmt::format("watch job {}", Number(job));
+  auto heard = std::chrono::steady_clock::now();
+  std::chrono::milliseconds pause = kRetryFirst;
+  while (true) {
+    CallContext context(connection_->stop);
+    const auto reader = connection_->jobs->Watch(context.get(), RequestFor(job));
+    proto::JobStatus message;
+    while (reader->Read(&message)) {
+      const auto status = ReadJobStatus(message);
+      if (!status) return status.error();
+      report(*status);
+      if (HasEnded(status->state)) return status;
+      heard = std::chrono::steady_clock::now();
+      pause = kRetryFirst;
+    }
+    grpc::Status status = reader->Finish();
+    if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "the coordinator stopped reporting"};
+    const bool away_too_long = std::chrono::steady_clock::now() - heard > kWatchPatience;
+    if (!IsTransient(status) || away_too_long || !tessera::Pause(connection_->stop, pause))
+      return ToError(status, what);
+    pause = std::min(pause * 2, kRetryMax);
+  }
+}
+
+Result<std::vector<FrameStatus>> CoordinatorClient::Frames(JobId job) {
+  proto::FramesAnswer answer;
+  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Frames, RequestFor(job),
+                    answer, fmt::format("ask for the frames of job {}", Number(job)));
+  if (!asked) return asked.error();
+  return ReadFrameStatuses(answer);
+}
+
+Result<std::string> CoordinatorClient::FetchPicture(JobId job, uint32_t frame, bool preview) {
+  proto::FetchRequest request;
+  request.set_job(Number(job));
+  request.set_frame(frame);
+  request.set_preview(preview);
+  std::string bytes;
+  auto fetched = WithRetries(connection_->stop, fmt::format("fetch the picture of job {}", Number(job)), [&] {
+    CallContext context(connection_->stop);
+    return ReceivePicture(*connection_->jobs, context.get(), request, bytes);
+  });
+  if (!fetched) return fetched.error();
+  return bytes;
+}
+
+Result<std::vector<JobStatus>> CoordinatorClient::Jobs() {
+  proto::ListAnswer answer;
+  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::List, proto::ListRequest(),
+                    answer, "list the jobs");
+  if (!asked) return asked.error();
+  std::vector<JobStatus> jobs;
+  for (const proto::JobStatus& message : answer.jobs()) {
+    auto status = ReadJobStatus(message);
+    if (!status) return status.error();
+    jobs.push_back(std::move(*status));
+  }
+  return jobs;
+}
+
+Result<std::vector<WorkerStatus>> CoordinatorClient::Workers() {
+  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::Workers, "", "list the workers");
+}
+
+Result<std::vector<WorkerStatus>> CoordinatorClient::Drain(const std::string& which) {
+  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::DrainWorkers, which, "drain " + which);
+}
+
+Result<std::vector<WorkerStatus>> CoordinatorClient::Release(const std::string& which) {
+  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::ReleaseWorkers, which, "release " + which);
+}
+
+}  // namespace tessera

@@ -1,0 +1,21 @@
+// A scene, or the frames of a sequence, as sent to a farm.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "proto/scene_package.h"
+#include "proto/terms.h"
+
+namespace tessera {
+
+struct PackedScene {
+  std::vector<FrameOrder> frames;  // with the attributes that the pictures' files will have
+  ScenePackage package;
+  std::string manifest;                      // EncodeScenePackage(package)
+  Digest digest;                             // of the manifest
+  std::map<Digest, std::string> disk_paths;  // where each file of the package is
+};
+
+}  // namespace tessera

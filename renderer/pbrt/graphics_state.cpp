@@ -1,0 +1,51 @@
+#include "renderer/pbrt/graphics_state.h"
+
+#include <cmath>
+#include <iterator>
+
+namespace tessera {
+namespace {
+
+bool IsFinite(const Transform& t) {
+  for (const Matrix4* matrix : {&t.matrix(), &t.inverse_matrix()}) {
+    for (const auto& row : matrix->m) {
+      for (const float v : row) {
+        if (!std::isfinite(v)) return false;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+bool GraphicsState::Replace(const Transform& start, const Transform& end) {
+  if (start_is_active && !IsFinite(start)) return false;
+  if (end_is_active && !IsFinite(end)) return false;
+  if (start_is_active) transform.start = start;
+  if (end_is_active) transform.end = end;
+  return true;
+}
+
+bool GraphicsState::SetTransform(const Transform& next) {
+  return Replace(next, next);
+}
+
+bool GraphicsState::ConcatTransform(const Transform& next) {
+  return Replace(transform.start * next, transform.end * next);
+}
+
+const std::vector<Parameter>& GraphicsState::Attributes(AttributeTarget target) const {
+  static const std::vector<Parameter> kNone;
+  const auto& list = attributes_[static_cast<size_t>(target)];
+  return list ? *list : kNone;
+}
+
+void GraphicsState::AddAttributes(AttributeTarget target, std::vector<Parameter> parameters) {
+  auto list = std::make_shared<std::vector<Parameter>>(Attributes(target));
+  list->insert(list->end(), std::make_move_iterator(parameters.begin()),
+               std::make_move_iterator(parameters.end()));
+  attributes_[static_cast<size_t>(target)] = std::move(list);
+}
+
+}  // namespace tessera

@@ -1,0 +1,151 @@
+// Parameter lists: "type name" value or "type name" [ values ].
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "renderer/description/number.h"
+#include "renderer/pbrt/scene_parser.h"
+#include "renderer/util/text.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::array<std::string_view, 13> kTypeWords{"bool",   "float",     "integer", "point2", "vector2",
+                                                      "point3", "vector3",   "normal",  "string", "texture",
+                                                      "rgb",    "blackbody", "spectrum"};
+
+// What older versions of the language called some types; empty for others.
+std::string_view NewWord(std::string_view type) {
+  if (type == "point") return "point3";
+  if (type == "vector") return "vector3";
+  if (type == "color" || type == "xyz") return "rgb";
+  if (type == "normal3") return "normal";
+  return {};
+}
+
+bool IsType(std::string_view type) {
+  return std::find(kTypeWords.begin(), kTypeWords.end(), type) != kTypeWords.end();
+}
+
+std::string UnknownType(std::string_view type) {
+  const std::string_view renamed = NewWord(type);
+  std::string message = "unknown parameter type " + Quoted(type);
+  message += renamed.empty() ? DidYouMean(type, kTypeWords) : fmt::format(" (did you mean \"{}\"?)", renamed);
+  return message + fmt::format(", expected one of {}", fmt::join(kTypeWords, " "));
+}
+
+std::string_view TakeWord(std::string_view* text) {
+  constexpr std::string_view kBlanks = " \t";
+  text->remove_prefix(std::min(text->find_first_not_of(kBlanks), text->size()));
+  const std::string_view word = text->substr(0, text->find_first_of(kBlanks));
+  text->remove_prefix(word.size());
+  return word;
+}
+
+// What the values of a parameter should be, for messages.
+std::string Expected(ValueKind kind, const Parameter& p) {
+  const char* what = kind == ValueKind::kInteger    ? "a 32-bit integer"
+                     : kind == ValueKind::kString   ? "a string"
+                     : kind == ValueKind::kBool     ? "true or false without quotes"
+                     : kind == ValueKind::kSpectrum ? "all numbers or one name"
+                                                    : "a number";
+  return fmt::format("{} for \"{} {}\"", what, p.type, p.name);
+}
+
+std::optional<float> NumberOf(const Token& token) {
+  return token.kind == Token::Kind::kWord ? ParseFloat(token.text) : std::nullopt;
+}
+
+size_t ValueCount(const Parameter& p) {
+  return p.floats.size() + p.integers.size() + p.strings.size() + p.bools.size();
+}
+
+bool IsEmpty(const Parameter& p) {
+  return ValueCount(p) == 0;
+}
+
+}  // namespace
+
+ValueKind ValueKindOf(std::string_view type) {
+  if (type == "integer") return ValueKind::kInteger;
+  if (type == "string" || type == "texture") return ValueKind::kString;
+  if (type == "bool") return ValueKind::kBool;
+  if (type == "spectrum") return ValueKind::kSpectrum;
+  return ValueKind::kNumber;
+}
+
+bool SceneParser::ReadParameters(std::vector<Parameter>* out) {
+  while (tokens_.Peek().kind == Token::Kind::kString) {
+    out->emplace_back();
+    if (!ReadParameter(&out->back())) return false;
+  }
+  return tokens_.Peek().kind != Token::Kind::kBad || Unexpected(tokens_.Peek(), "");
+}
+
+bool SceneParser::ReadDeclaration(const Token& token, Parameter* out) {
+  std::string_view declaration = token.text;
+  const std::string_view type = TakeWord(&declaration);
+  const std::string_view name = TakeWord(&declaration);
+  out->location = token.Location();
+  if (name.empty()) {
+    return builder_->Fail(out->location,
+                          fmt::format("{} is no parameter, expected \"type name\"", Quoted(token.text)));
+  }
+  if (!IsType(type)) return builder_->Fail(out->location, UnknownType(type));
+  if (name.size() > kNameLengthMax) {
+    return builder_->Fail(out->location, fmt::format("parameter name longer than {} bytes", kNameLengthMax));
+  }
+  out->type = type;
+  out->name = name;
+  out->color_space = state_.color_space;
+  return true;
+}
+
+bool SceneParser::ReadParameter(Parameter* out) {
+  if (!ReadDeclaration(tokens_.Next(), out)) return false;
+  const ValueKind kind = ValueKindOf(out->type);
+  const Token first = tokens_.Next();
+  if (first.kind != Token::Kind::kOpen) return ReadValue(first, kind, out);
+  while (true) {
+    const Token token = tokens_.Next();
+    if (token.kind == Token::Kind::kClose) break;
+    if (token.kind == Token::Kind::kEnd) {
+      return Unexpected(token, fmt::format("\"]\" after the values of \"{} {}\"", out->type, out->name));
+    }
+    if (!ReadValue(token, kind, out)) return false;
+  }
+  if (IsEmpty(*out)) {
+    return builder_->Fail(
+        out->location, fmt::format("\"{} {}\" has no values, expected at least one", out->type, out->name));
+  }
+  out->floats.shrink_to_fit();
+  out->integers.shrink_to_fit();
+  return true;
+}
+
+bool SceneParser::ReadValue(const Token& token, ValueKind kind, Parameter* p) {
+  const bool is_string = token.kind == Token::Kind::kString;
+  const bool is_word = token.kind == Token::Kind::kWord;
+  if (kind == ValueKind::kNumber || (kind == ValueKind::kSpectrum && !is_string && p->strings.empty())) {
+    if (const std::optional<float> value = NumberOf(token)) {
+      p->floats.push_back(*value);
+      return true;
+    }
+  } else if (kind == ValueKind::kInteger) {
+    if (const std::optional<int> value = is_word ? ParseInteger(token.text) : std::nullopt) {
+      p->integers.push_back(*value);
+      return true;
+    }
+  } else if (kind == ValueKind::kBool) {
+    if (is_word && (token.text == "true" || token.text == "false")) {
+      p->bools.push_back(token.text == "true");
+      return true;
+    }
+  } else if (is_string && p->floats.empty()) {
+    p->strings.emplace_back(token.text);
+    return true;
+  }
+  return Unexpected(token, Expected(kind, *p));
+}
+
+}  // namespace tessera

@@ -1,0 +1,238 @@
+#include <fmt/format.h>
+
+#include <cctype>
+
+#include "renderer/description/number.h"
+#include "renderer/pbrt/scene_parser.h"
+#include "renderer/util/text.h"
+
+namespace tessera {
+namespace {
+
+struct KnownOption {
+  std::string_view name;
+  std::string_view type;
+};
+
+// By normalised name.
+constexpr std::array<KnownOption, 11> kOptions{{{"disablepixeljitter", "bool"},
+                                                {"disabletexturefiltering", "bool"},
+                                                {"disablewavelengthjitter", "bool"},
+                                                {"displacementedgescale", "float"},
+                                                {"forcediffuse", "bool"},
+                                                {"msereferenceimage", "string"},
+                                                {"msereferenceout", "string"},
+                                                {"pixelstats", "bool"},
+                                                {"rendercoordsys", "string"},
+                                                {"seed", "integer"},
+                                                {"wavefront", "bool"}}};
+constexpr std::array<std::string_view, 3> kRenderCoordSys{"camera", "cameraworld", "world"};
+
+// Lower case without '-' and '_'.
+std::string Normalized(std::string_view name) {
+  std::string result;
+  for (const char c : name) {
+    if (c != '-' && c != '_') result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return result;
+}
+
+const KnownOption* FindOption(std::string_view normalized) {
+  for (const KnownOption& option : kOptions) {
+    if (option.name == normalized) return &option;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+bool SceneParser::Option(const Statement& statement) {
+  std::string name;
+  const SourceLocation location = tokens_.Peek().Location();
+  if (!ReadName(statement, "name", &name)) return false;
+  Parameter option;
+  option.name = Normalized(name);
+  option.location = location;
+  const KnownOption* known = FindOption(option.name);
+  if (!known) {
+    std::vector<std::string_view> names;
+    names.reserve(std::size(kOptions));
+    for (const KnownOption& o : kOptions) names.push_back(o.name);
+    return builder_->Fail(location, "unknown option " + Quoted(name) + DidYouMean(option.name, names));
+  }
+  option.type = known->type;
+  if (!ReadOptionValue(&option)) return false;
+  if (!builder_->Charge(statement.location, SizeOf(option))) return false;
+  builder_->scene().options.push_back(std::move(option));
+  return true;
+}
+
+bool SceneParser::ReadOptionValue(Parameter* option) {
+  const Token token = tokens_.Next();
+  const SourceLocation location = token.Location();
+  if (!ReadValue(token, ValueKindOf(option->type), option)) return false;
+  if (option->type != "string") return true;
+  const std::string& value = option->strings[0];
+  if (value.empty()) return builder_->Fail(location, fmt::format("option \"{}\" is empty", option->name));
+  if (option->name != "rendercoordsys") return true;
+  for (const std::string_view allowed : kRenderCoordSys) {
+    if (value == allowed) return true;
+  }
+  return builder_->Fail(location,
+                        fmt::format("unknown coordinate system {}{}, expected one of {}", Quoted(value),
+                                    DidYouMean(value, kRenderCoordSys), fmt::join(kRenderCoordSys, " ")));
+}
+
+bool SceneParser::Camera(const Statement& statement) {
+  SceneDescription& scene = builder_->scene();
+  Entity camera;
+  if (!ReadEntity(statement, &camera)) return false;
+  scene.camera = std::move(camera);
+  scene.camera_from_world = state_.transform;
+  scene.camera_medium = state_.outside_medium;
+  coordinate_systems_["camera"] = {state_.transform.start.Inverse(), state_.transform.end.Inverse()};
+  return true;
+}
+
+bool SceneParser::Film(const Statement& statement) {
+  Entity film;
+  if (!ReadEntity(statement, &film)) return false;
+  builder_->scene().film = std::move(film);
+  builder_->scene().film_color_space = state_.color_space;
+  return true;
+}
+
+bool SceneParser::PixelFilter(const Statement& statement) {
+  Entity filter;
+  if (!ReadEntity(statement, &filter)) return false;
+  builder_->scene().filter = std::move(filter);
+  return true;
+}
+
+bool SceneParser::Sampler(const Statement& statement) {
+  Entity sampler;
+  if (!ReadEntity(statement, &sampler)) return false;
+  builder_->scene().sampler = std::move(sampler);
+  return true;
+}
+
+bool SceneParser::Integrator(const Statement& statement) {
+  Entity integrator;
+  if (!ReadEntity(statement, &integrator)) return false;
+  builder_->scene().integrator = std::move(integrator);
+  return true;
+}
+
+bool SceneParser::Accelerator(const Statement& statement) {
+  Entity accelerator;
+  if (!ReadEntity(statement, &accelerator)) return false;
+  builder_->scene().accelerator = std::move(accelerator);
+  return true;
+}
+
+bool SceneParser::WorldBegin(const Statement&) {
+  in_world_ = true;
+  state_.transform = {};
+  state_.start_is_active = state_.end_is_active = true;
+  coordinate_systems_["world"] = state_.transform;
+  return true;
+}
+
+std::unique_ptr<Lexer> SceneParser::OpenNamed(const Statement& statement) {
+  std::string name;
+  const SourceLocation location = tokens_.Peek().Location();
+  if (!ReadString(statement, "file name", &name)) return nullptr;
+  if (files_above_ + tokens_.depth() >= kIncludeDepthMax) {
+    builder_->Fail(location, fmt::format("{} {}: files nested deeper than {}, does one include itself?",
+                                         statement.name(), Quoted(name), kIncludeDepthMax));
+    return nullptr;
+  }
+  return builder_->Open(location, statement.name(), name);
+}
+
+bool SceneParser::Include(const Statement& statement) {
+  std::unique_ptr<Lexer> lexer = OpenNamed(statement);
+  if (!lexer) return false;
+  tokens_.Push(std::move(lexer));
+  return true;
+}
+
+bool SceneParser::Import(const Statement& statement) {
+  std::unique_ptr<Lexer> lexer = OpenNamed(statement);
+  if (!lexer) return false;
+  SceneParser imported(*this, std::move(lexer));
+  return imported.Run();
+}
+
+bool SceneParser::Push(const Statement& statement, bool is_object) {
+  if (pushed_.size() >= kStateDepthMax) {
+    return builder_->Fail(statement.location,
+                          fmt::format("{} nested deeper than {}", statement.name(), kStateDepthMax));
+  }
+  pushed_.push_back({state_, is_object, statement.location});
+  return true;
+}
+
+bool SceneParser::Pop(const Statement& statement, bool is_object) {
+  const std::string begin = is_object ? "ObjectBegin" : "AttributeBegin";
+  if (pushed_.empty()) {
+    return builder_->Fail(statement.location,
+                          fmt::format("{} without {} before it", statement.name(), begin));
+  }
+  if (pushed_.back().is_object != is_object) {
+    return builder_->Fail(statement.location, fmt::format("{} does not match the {} at {}", statement.name(),
+                                                          is_object ? "AttributeBegin" : "ObjectBegin",
+                                                          pushed_.back().location.Text()));
+  }
+  state_ = std::move(pushed_.back().state);
+  pushed_.pop_back();
+  return true;
+}
+
+bool SceneParser::AttributeBegin(const Statement& statement) {
+  return Push(statement, false);
+}
+
+bool SceneParser::AttributeEnd(const Statement& statement) {
+  return Pop(statement, false);
+}
+
+bool SceneParser::TransformBegin(const Statement& statement) {
+  builder_->WarnOnce("TransformBegin", statement.location,
+                     "TransformBegin and TransformEnd are deprecated: use AttributeBegin and AttributeEnd");
+  return Push(statement, false);
+}
+
+bool SceneParser::ObjectBegin(const Statement& statement) {
+  ObjectDescription object;
+  object.location = statement.location;
+  if (!ReadName(statement, "name", &object.name)) return false;
+  if (object_) {
+    return builder_->Fail(
+        statement.location,
+        fmt::format("ObjectBegin inside the definition of object {}, expected ObjectEnd first",
+                    Quoted(builder_->scene().objects[*object_].name)));
+  }
+  if (!builder_->Charge(statement.location, sizeof object) || !Push(statement, true)) return false;
+  if (!builder_->DefineObject(std::move(object))) return false;
+  object_ = builder_->scene().objects.size() - 1;
+  return true;
+}
+
+bool SceneParser::ObjectEnd(const Statement& statement) {
+  if (!Pop(statement, true)) return false;
+  object_.reset();
+  return true;
+}
+
+bool SceneParser::CheckEnd() {
+  const SourceLocation end = tokens_.Peek().Location();
+  if (!in_world_) return builder_->Fail(end, "the file ends without WorldBegin");
+  if (pushed_.empty()) return true;
+  return builder_->Fail(pushed_.back().location,
+                        pushed_.back().is_object
+                            ? "ObjectBegin without ObjectEnd before the end of the file"
+                            : "AttributeBegin without AttributeEnd before the end of the file");
+}
+
+}  // namespace tessera

@@ -1,0 +1,86 @@
+// Blobs up and down.
+#include <gtest/gtest.h>
+
+#include "tests/coordinator/services_fixture.h"
+
+namespace tessera {
+namespace {
+
+using grpc::StatusCode;
+
+TEST_F(Services, BlobsAreKeptOnlyIfTheyAreWhatTheyClaim) {
+  const std::string bytes(5000, 'x');
+  EXPECT_EQ(Upload(bytes, Sha256("other"), bytes.size()).error_code(), StatusCode::DATA_LOSS);
+  EXPECT_EQ(Upload(bytes, Sha256(bytes), 4999).error_code(), StatusCode::DATA_LOSS);
+  EXPECT_EQ(Upload(bytes, Sha256(bytes), 6000).error_code(), StatusCode::DATA_LOSS);
+  proto::FindMissingRequest request;
+  request.add_digests(WriteDigest(Sha256(bytes)));
+  proto::FindMissingAnswer answer;
+  ASSERT_TRUE(Call(*blobs, &proto::Blobs::Stub::FindMissing, request, answer).ok());
+  EXPECT_EQ(answer.missing_size(), 1);
+  EXPECT_TRUE(Upload(bytes, Sha256(bytes), bytes.size()).ok());
+  EXPECT_TRUE(Upload(bytes, Sha256(bytes), bytes.size()).ok()) << "a copy is welcome";
+  ASSERT_TRUE(Call(*blobs, &proto::Blobs::Stub::FindMissing, request, answer).ok());
+  EXPECT_EQ(answer.missing_size(), 0);
+}
+
+TEST_F(Services, AnUploadThatWasCutShortGoesOnWhereItStopped) {
+  const std::string bytes(3'000'000, 'x');
+  EXPECT_EQ(Upload(bytes.substr(0, 2'000'000), Sha256(bytes), bytes.size()).error_code(),
+            StatusCode::DATA_LOSS);
+  proto::FindMissingRequest request;
+  request.add_digests(WriteDigest(Sha256(bytes)));
+  proto::FindMissingAnswer answer;
+  ASSERT_TRUE(Call(*blobs, &proto::Blobs::Stub::FindMissing, request, answer).ok());
+  ASSERT_EQ(answer.held_size(), 1);
+  EXPECT_EQ(answer.held(0), 2'000'000u);
+  const auto send_rest = [&](uint64_t offset) {
+    grpc::ClientContext context;
+    proto::UploadAnswer uploaded;
+    const auto writer = blobs->Upload(&context, &uploaded);
+    proto::UploadChunk chunk;
+    chunk.set_digest(WriteDigest(Sha256(bytes)));
+    chunk.set_size(bytes.size());
+    chunk.set_offset(offset);
+    chunk.set_data(bytes.substr(offset, 1'000'000));
+    writer->Write(chunk);
+    writer->WritesDone();
+    return writer->Finish();
+  };
+  EXPECT_EQ(send_rest(2'500'000).error_code(), StatusCode::UNAVAILABLE) << "so much is not there";
+  EXPECT_TRUE(send_rest(2'000'000).ok());
+  EXPECT_TRUE(coordinator->blobs.Has(Sha256(bytes)));
+}
+
+TEST_F(Services, BlobsAreDownloadedFromAnyOffset) {
+  std::string bytes(3'000'000, '\0');
+  for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 7 % 251);
+  ASSERT_TRUE(coordinator->blobs.Write(Sha256(bytes), bytes));
+  for (const uint64_t offset : {uint64_t{0}, uint64_t{1'234'567}, uint64_t{3'000'000}}) {
+    grpc::ClientContext context;
+    proto::DownloadRequest request;
+    request.set_digest(WriteDigest(Sha256(bytes)));
+    request.set_offset(offset);
+    const auto reader = blobs->Download(&context, request);
+    std::string received;
+    proto::DownloadChunk chunk;
+    while (reader->Read(&chunk)) received += chunk.data();
+    EXPECT_TRUE(reader->Finish().ok());
+    EXPECT_TRUE(received == bytes.substr(offset)) << offset;
+  }
+  const std::pair<uint64_t, StatusCode> table[] = {{3'000'001, StatusCode::OUT_OF_RANGE},
+                                                   {0, StatusCode::NOT_FOUND}};
+  for (const auto& [offset, code] : table) {
+    grpc::ClientContext context;
+    proto::DownloadRequest request;
+    request.set_digest(WriteDigest(Sha256(offset > 0 ? bytes : "no such blob")));
+    request.set_offset(offset);
+    const auto reader = blobs->Download(&context, request);
+    proto::DownloadChunk chunk;
+    EXPECT_FALSE(reader->Read(&chunk));
+    EXPECT_EQ(reader->Finish().error_code(), code);
+  }
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,143 @@
+#include "coordinator/results_intake.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <future>
+#include <list>
+
+#include "tests/coordinator/services_fixture.h"
+
+namespace tessera {
+namespace {
+
+using grpc::StatusCode;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+struct Line {
+  void Enter(int call, uint64_t bytes) {
+    intake.Enter(CallId{static_cast<uint64_t>(call)}, bytes, [this, call] { admitted.push_back(call); });
+  }
+  // One is in, a large one waits, and a small one behind it.
+  void EnterWithALargeOneWaiting() {
+    Enter(1, 60);
+    Enter(2, 90);
+    Enter(3, 1);
+  }
+  ResultsIntake intake{100};
+  std::vector<int> admitted;
+};
+
+TEST(ResultsIntake, LetsInAsMuchAsThereIsRoomForAndTheNextWhenSomebodyLeaves) {
+  Line line;
+  line.Enter(1, 60);
+  line.Enter(2, 40);
+  line.Enter(3, 30);
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2));
+  line.intake.Leave(40);
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
+  EXPECT_EQ(line.intake.bytes(), 90u);
+}
+
+TEST(ResultsIntake, NobodyOvertakes) {
+  Line line;
+  line.EnterWithALargeOneWaiting();
+  EXPECT_THAT(line.admitted, ElementsAre(1));
+  line.intake.Leave(60);
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
+}
+
+TEST(ResultsIntake, WhatIsMoreThanAllRoomIsLetInAlone) {
+  Line line;
+  line.Enter(1, 1);
+  line.Enter(2, 1000);
+  EXPECT_THAT(line.admitted, ElementsAre(1));
+  line.intake.Leave(1);
+  line.Enter(3, 1);
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2));
+  line.intake.Leave(1000);
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
+}
+
+TEST(ResultsIntake, WhoeverWithdrawsMakesWayForThoseBehind) {
+  Line line;
+  line.EnterWithALargeOneWaiting();
+  EXPECT_FALSE(line.intake.Withdraw(CallId{1})) << "it is in already";
+  EXPECT_TRUE(line.intake.Withdraw(CallId{2}));
+  EXPECT_FALSE(line.intake.Withdraw(CallId{2}));
+  EXPECT_THAT(line.admitted, ElementsAre(1, 3));
+  EXPECT_EQ(line.intake.waiting(), 0u);
+}
+
+// Whether it comes true within our patience.
+bool Comes(const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (!condition() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(milliseconds(1));
+  return condition();
+}
+
+// A worker that announces results and then hangs.
+class HangingReturn {
+ public:
+  HangingReturn(proto::Work::Stub& work, int64_t bytes) : writer_(work.ReturnResults(&context_, &answer_)) {
+    proto::ResultsRequest announcement;
+    announcement.set_worker(8);
+    announcement.set_bytes(static_cast<uint64_t>(bytes));
+    writer_->Write(announcement);
+  }
+  ~HangingReturn() { CutOff(); }
+  void CutOff() {
+    context_.TryCancel();
+    if (std::exchange(open_, false)) writer_->Finish();
+  }
+
+ private:
+  grpc::ClientContext context_;
+  proto::ResultsAnswer answer_;
+  std::unique_ptr<grpc::ClientWriter<proto::ResultsRequest>> writer_;
+  bool open_ = true;
+};
+
+TEST_F(Services, ResultsWaitUntilThereIsRoomForThem) {
+  const uint64_t job = Submit();
+  const ResultsIntake& intake = coordinator->work->intake();
+  std::list<HangingReturn> admitted, in_line;
+  while ((admitted.size() + 1) * kMessageBytesMax <= kIntakeBytesMax)
+    admitted.emplace_back(*work, kMessageBytesMax);
+  ASSERT_TRUE(Comes([&] { return intake.bytes() == admitted.size() * kMessageBytesMax; }));
+  in_line.emplace_back(*work, kMessageBytesMax);
+  in_line.emplace_back(*work, kMessageBytesMax);
+  ASSERT_TRUE(Comes([&] { return intake.waiting() == 2; }));
+
+  proto::ResultsAnswer answer;
+  auto returning = std::async(std::launch::async, [&] { return Return(job, 0, {0, 4}, answer); });
+  ASSERT_TRUE(Comes([&] { return intake.waiting() == 3; }));
+  in_line.back().CutOff();
+  ASSERT_TRUE(Comes([&] { return intake.waiting() == 2; })) << "who is cut off leaves the line";
+  admitted.front().CutOff();
+  ASSERT_TRUE(returning.get().ok()) << "who is cut off gives its room to those in line";
+  EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::ACCEPTED);
+}
+
+TEST_F(Services, ResultsThatAreNotWhatWasAnnouncedAreRefused) {
+  const uint64_t job = Submit();
+  const proto::ResultsRequest results = ResultOf(job, 0, {0, 4}, "not a tile");
+  const auto refusal = [&](uint64_t worker, uint64_t bytes) {
+    proto::ResultsRequest announcement;
+    announcement.set_worker(worker);
+    announcement.set_bytes(bytes);
+    proto::ResultsAnswer answer;
+    return Return(announcement, results, answer);
+  };
+  EXPECT_THAT(refusal(0, 100).error_message(), HasSubstr("worker is missing"));
+  EXPECT_THAT(refusal(7, 0).error_message(), HasSubstr("bytes of the results are missing"));
+  EXPECT_THAT(refusal(7, 3).error_message(), HasSubstr("more than announced"));
+  EXPECT_EQ(refusal(7, 3).error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(refusal(7, kMessageBytesMax + 1).error_code(), StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_TRUE(refusal(7, 100).ok());
+  EXPECT_TRUE(Comes([&] { return coordinator->work->intake().bytes() == 0; }));
+}
+
+}  // namespace
+}  // namespace tessera

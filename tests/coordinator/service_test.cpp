@@ -1,0 +1,187 @@
+// Jobs and workers: the services spoken to as clients and workers do.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <future>
+
+#include "renderer/film/picture_file.h"
+#include "tests/coordinator/services_fixture.h"
+
+namespace tessera {
+namespace {
+
+using grpc::StatusCode;
+using testing::HasSubstr;
+
+TEST_F(Services, AJobWhoseFilesAreMissingIsRefusedByName) {
+  proto::JobSpec spec = PrepareJob();
+  ScenePackage package;
+  package.files["scene.pbrt"] = {Sha256("a scene"), 7};
+  package.files["textures/wood.png"] = {Sha256("wood"), 4};
+  const std::string manifest = EncodeScenePackage(package);
+  spec.set_package(WriteDigest(Sha256(manifest)));
+  proto::SubmitAnswer answer;
+  grpc::Status status = Call(*jobs, &proto::Jobs::Stub::Submit, spec, answer);
+  EXPECT_THAT(status.error_message(), HasSubstr("manifest"));
+  ASSERT_TRUE(Upload(manifest, Sha256(manifest), manifest.size()).ok());
+  status = Call(*jobs, &proto::Jobs::Stub::Submit, spec, answer);
+  EXPECT_EQ(status.error_code(), StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(status.error_message(), HasSubstr("textures/wood.png: was not uploaded"));
+  spec.mutable_frames(0)->set_scene_file("other.pbrt");
+  status = Call(*jobs, &proto::Jobs::Stub::Submit, spec, answer);
+  EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("other.pbrt"));
+}
+
+TEST_F(Services, AJobGoesFromSubmissionToFile) {
+  const uint64_t job = Submit();
+  std::string bytes;
+  const grpc::Status early = Fetch(job, false, bytes);
+  EXPECT_EQ(early.error_code(), StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(early.error_message(), HasSubstr("not finished"));
+  proto::ResultsAnswer answer;
+  ASSERT_TRUE(Return(job, 0, {0, 4}, answer).ok());
+  EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::ACCEPTED);
+  EXPECT_EQ(Status(job).samples_done(), 256u);
+  ASSERT_TRUE(Fetch(job, true, bytes).ok()) << "a preview of half the picture";
+  EXPECT_FALSE(bytes.empty());
+
+  // Who watches is told of the end, and of nothing after.
+  grpc::ClientContext context;
+  SetDeadline(context, kPatience);
+  proto::JobRequest watched;
+  watched.set_job(job);
+  const auto watch = jobs->Watch(&context, watched);
+  proto::JobStatus status;
+  ASSERT_TRUE(watch->Read(&status));
+  EXPECT_EQ(status.state(), proto::JOB_STATE_RUNNING);
+  ASSERT_TRUE(Return(job, 1, {0, 4}, answer).ok());
+  while (watch->Read(&status)) {
+  }
+  EXPECT_TRUE(watch->Finish().ok());
+  EXPECT_EQ(status.state(), proto::JOB_STATE_FINISHED);
+
+  bytes.clear();
+  ASSERT_TRUE(Fetch(job, false, bytes).ok());
+  std::ofstream(folder / "picture.exr", std::ios::binary) << bytes;
+  const auto picture = LoadExr(folder / "picture.exr");
+  ASSERT_TRUE(picture) << picture.error().message;
+  EXPECT_EQ(picture->width, 16);
+  for (const float value : picture->values) EXPECT_EQ(value, 0.5f);
+}
+
+TEST_F(Services, DamagedResultsAreRefused) {
+  const uint64_t job = Submit();
+  proto::ResultsAnswer answer;
+  ASSERT_TRUE(Return(ResultOf(job, 0, {0, 4}, "not a tile"), answer).ok());
+  EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::REFUSED);
+  ASSERT_EQ(answer.reasons_size(), 1);
+  EXPECT_THAT(answer.reasons(0), HasSubstr("tile 0"));
+  ASSERT_TRUE(Return(job, 0, {0, 4}, answer, std::numeric_limits<float>::quiet_NaN()).ok());
+  EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::REFUSED);
+}
+
+TEST_F(Services, AWaitingWorkerHearsOfANewJobAtOnce) {
+  std::promise<void> asked;
+  auto waiting = std::async(std::launch::async, [&] {
+    proto::WorkerDirective directive;
+    EXPECT_TRUE(Synchronize(Worker(milliseconds(10'000)), directive).ok());
+    return directive;
+  });
+  while (WorkerCount() == 0) std::this_thread::sleep_for(milliseconds(1));
+  const auto begin = std::chrono::steady_clock::now();
+  Submit();
+  const proto::WorkerDirective directive = waiting.get();
+  EXPECT_EQ(directive.scenes_size(), 1);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, milliseconds(1500)) << "not only after the wait";
+  WorkerState state = Worker(milliseconds(0));
+  Digest scene;
+  std::copy(directive.scenes(0).scene().begin(), directive.scenes(0).scene().end(), scene.bytes.begin());
+  state.scenes = {{scene, true}};
+  proto::WorkerDirective leases;
+  ASSERT_TRUE(Synchronize(state, leases).ok());
+  EXPECT_EQ(leases.leases_size(), 2);
+}
+
+TEST_F(Services, ABrokenConnectionFreesTheWorkersLeases) {
+  const uint64_t job = Submit();
+  proto::WorkerDirective directive;
+  ASSERT_TRUE(Synchronize(Worker(milliseconds(0)), directive).ok());
+  WorkerState state = Worker(milliseconds(0));
+  state.scenes = {{*ReadDigest(directive.scenes(0).scene(), "scene"), true}};
+  ASSERT_TRUE(Synchronize(state, directive).ok());
+  EXPECT_EQ(Status(job).workers(), 1u);
+  for (const auto& lease : directive.leases()) {
+    state.leases.push_back({LeaseId{lease.lease()}, *ReadWorkUnit(lease.unit()), LeaseStage::kRunning, {}});
+  }
+  state.sequence = ++sequence;
+  state.wait = milliseconds(10'000);
+  proto::WorkerState request;
+  Write(state, request);
+  grpc::ClientContext context;
+  auto waiting =
+      std::async(std::launch::async, [&] { return work->Synchronize(&context, request, &directive); });
+  std::this_thread::sleep_for(milliseconds(50));
+  context.TryCancel();
+  EXPECT_FALSE(waiting.get().ok());
+  const auto begin = std::chrono::steady_clock::now();
+  while (WorkerCount() > 0 && std::chrono::steady_clock::now() - begin < kPatience) {
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  EXPECT_EQ(WorkerCount(), 0);
+  EXPECT_EQ(Status(job).workers(), 0u);
+}
+
+TEST_F(Services, WorkersOfAnotherReleaseAreTurnedAway) {
+  WorkerState state = Worker(milliseconds(0));
+  state.software_version = "0.0.0";
+  proto::WorkerDirective directive;
+  const grpc::Status status = Synchronize(state, directive);
+  EXPECT_EQ(status.error_code(), StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(status.error_message(), HasSubstr("0.0.0"));
+}
+
+TEST_F(Services, WhatIsNotThereIsNotFound) {
+  proto::JobRequest request;
+  request.set_job(77);
+  proto::JobStatus status;
+  EXPECT_EQ(Call(*jobs, &proto::Jobs::Stub::Status, request, status).error_code(), StatusCode::NOT_FOUND);
+  EXPECT_EQ(Call(*jobs, &proto::Jobs::Stub::Cancel, request, status).error_code(), StatusCode::NOT_FOUND);
+  std::string bytes;
+  EXPECT_EQ(Fetch(77, true, bytes).error_code(), StatusCode::NOT_FOUND);
+  grpc::ClientContext context;
+  const auto watch = jobs->Watch(&context, request);
+  EXPECT_FALSE(watch->Read(&status));
+  EXPECT_EQ(watch->Finish().error_code(), StatusCode::NOT_FOUND);
+}
+
+TEST_F(Services, JobsSurviveARestart) {
+  const uint64_t job = Submit();
+  grpc::ClientContext context;
+  proto::JobRequest watched;
+  watched.set_job(job);
+  const auto watch = jobs->Watch(&context, watched);
+  proto::JobStatus status;
+  ASSERT_TRUE(watch->Read(&status));
+  coordinator.reset();
+  while (watch->Read(&status)) {
+  }
+  EXPECT_EQ(watch->Finish().error_code(), StatusCode::UNAVAILABLE) << "who watches is to try again";
+  coordinator = std::make_unique<Coordinator>(folder);
+  Connect();
+  EXPECT_EQ(Status(job).name(), "job");
+  EXPECT_EQ(Submit(), job) << "the same submission";
+}
+
+TEST_F(Services, TwoCoordinatorsCannotShareASocket) {
+  const Address address = *ParseAddress("unix:" + (folder / "socket"), "test");
+  const auto second =
+      CoordinatorServer::Start({address}, *coordinator->work, *coordinator->blob_service, *coordinator->jobs);
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, HasSubstr("cannot listen on unix:"));
+  EXPECT_EQ(WorkerCount(), 0) << "the first still serves";
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,209 @@
+// A coordinator's services over real gRPC on a Unix socket, and what clients and workers say to them.
+#pragma once
+
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "coordinator/blob_service.h"
+#include "coordinator/core_thread.h"
+#include "coordinator/jobs_service.h"
+#include "coordinator/picture_writer.h"
+#include "coordinator/recovery.h"
+#include "coordinator/server.h"
+#include "coordinator/work_service.h"
+#include "proto/scene_package.h"
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
+#include "renderer/film/radiance_tile.h"
+#include "tests/coordinator/store/temporary_dir.h"
+
+namespace tessera {
+using std::chrono::milliseconds;
+
+constexpr milliseconds kPatience{20'000};
+
+// A coordinator's parts as RunCoordinator joins them.
+struct Coordinator {
+  explicit Coordinator(const TemporaryDir& folder)
+      : directory(*DataDir::Open(folder / "data")),
+        blobs(*BlobStore::Open(directory.BlobsPath())),
+        writer(directory) {
+    auto parts = Recover(directory, {}, [this](auto task) { spooling.Post(std::move(task)); });
+    parts->write_picture = [this](FinishedPicture picture) { writer.Write(*core, std::move(picture)); };
+    parts->remove_pictures = [this](JobId job) { directory.RemovePictures(job); };
+    core = std::make_unique<CoreThread>(std::move(*parts));
+    work = std::make_unique<WorkService>(*core);
+    blob_service = std::make_unique<BlobService>(blobs);
+    jobs = std::make_unique<JobsService>(*core, blobs, directory);
+    const Address address = *ParseAddress("unix:" + (folder / "socket"), "test");
+    server = std::move(*CoordinatorServer::Start({address}, *work, *blob_service, *jobs));
+  }
+  ~Coordinator() {
+    core->Close();
+    server->Shutdown();
+    jobs->Stop();
+    writer.Stop();
+    core->Stop();
+    spooling.Stop();
+  }
+  DataDir directory;
+  BlobStore blobs;
+  PictureWriter writer;
+  BackgroundThread spooling;
+  std::unique_ptr<CoreThread> core;
+  std::unique_ptr<WorkService> work;
+  std::unique_ptr<BlobService> blob_service;
+  std::unique_ptr<JobsService> jobs;
+  std::unique_ptr<CoordinatorServer> server;
+};
+
+class Services : public testing::Test {
+ protected:
+  Services() : coordinator(std::make_unique<Coordinator>(folder)) { Connect(); }
+
+  void Connect() {
+    channel = OpenChannel(*ParseAddress("unix:" + (folder / "socket"), "test"));
+    jobs = proto::Jobs::NewStub(channel);
+    blobs = proto::Blobs::NewStub(channel);
+    work = proto::Work::NewStub(channel);
+  }
+  // One unary call.
+  template <typename Stub, typename Method, typename Request, typename Answer>
+  grpc::Status Call(Stub& stub, Method method, const Request& request, Answer& answer) {
+    grpc::ClientContext context;
+    SetDeadline(context, kPatience);
+    return (stub.*method)(&context, request, &answer);
+  }
+  grpc::Status Upload(const std::string& bytes, const Digest& digest, uint64_t size) {
+    grpc::ClientContext context;
+    SetDeadline(context, kPatience);
+    proto::UploadAnswer answer;
+    const auto writer = blobs->Upload(&context, &answer);
+    proto::UploadChunk chunk;
+    chunk.set_digest(WriteDigest(digest));
+    chunk.set_size(size);
+    for (size_t at = 0; at == 0 || at < bytes.size(); at += 1000) {
+      chunk.set_data(bytes.substr(at, 1000));
+      if (!writer->Write(chunk)) break;
+      chunk.Clear();
+    }
+    writer->WritesDone();
+    return writer->Finish();
+  }
+  // Uploads a package of one file and makes a job of it: 2 tiles of 8 x 8 pixels, 4 samples.
+  proto::JobSpec PrepareJob() {
+    const std::string scene = "a scene";
+    ScenePackage package;
+    package.files["scene.pbrt"] = {Sha256(scene), scene.size()};
+    const std::string manifest = EncodeScenePackage(package);
+    EXPECT_TRUE(Upload(scene, Sha256(scene), scene.size()).ok());
+    EXPECT_TRUE(Upload(manifest, Sha256(manifest), manifest.size()).ok());
+    JobSpec spec;
+    spec.submission = 42;
+    spec.name = "job";
+    spec.package = Sha256(manifest);
+    FrameSpec frame;
+    frame.width = 16;
+    frame.height = 8;
+    frame.crop = {0, 0, 16, 8};
+    frame.tile_size = 8;
+    frame.samples_per_pixel = 4;
+    frame.exr_type = ExrType::kFloat;
+    spec.frames = {{"scene.pbrt", "", frame, 0}};
+    proto::JobSpec message;
+    Write(spec, message);
+    return message;
+  }
+  uint64_t Submit() {
+    proto::SubmitAnswer answer;
+    const grpc::Status status = Call(*jobs, &proto::Jobs::Stub::Submit, PrepareJob(), answer);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return answer.job();
+  }
+  grpc::Status Return(uint64_t job, uint32_t tile, SampleRange range, proto::ResultsAnswer& answer,
+                      float value = 0.5f) {
+    const int x0 = static_cast<int>(tile) * 8;
+    RadianceTile radiance{{x0, 0, x0 + 8, 8}, range, 4, {}};
+    for (int pixel = 0; pixel < 64; ++pixel) {
+      for (int c = 0; c < 3; ++c) radiance.sums.push_back(value * static_cast<float>(range.size));
+      radiance.sums.push_back(static_cast<float>(range.size));
+    }
+    return Return(ResultOf(job, tile, range, EncodeRadianceTile(radiance)), answer);
+  }
+  static proto::ResultsRequest ResultOf(uint64_t job, uint32_t tile, SampleRange range,
+                                        const std::string& encoded) {
+    proto::ResultsRequest request;
+    proto::UnitResult& result = *request.add_results();
+    Write(WorkUnit{JobId{job}, 0, tile, range}, *result.mutable_unit());
+    result.set_tile(encoded);
+    result.set_render_seconds(0.01);
+    return request;
+  }
+  grpc::Status Return(const proto::ResultsRequest& results, proto::ResultsAnswer& answer) {
+    return Return(Announcement(WorkerId{7}, results), results, answer);
+  }
+  grpc::Status Return(const proto::ResultsRequest& announcement, const proto::ResultsRequest& results,
+                      proto::ResultsAnswer& answer) {
+    grpc::ClientContext context;
+    SetDeadline(context, kPatience);
+    const auto writer = work->ReturnResults(&context, &answer);
+    if (writer->Write(announcement)) writer->WriteLast(results, {});
+    return writer->Finish();
+  }
+  proto::JobStatus Status(uint64_t job) {
+    proto::JobRequest request;
+    request.set_job(job);
+    proto::JobStatus status;
+    EXPECT_TRUE(Call(*jobs, &proto::Jobs::Stub::Status, request, status).ok());
+    return status;
+  }
+  grpc::Status Fetch(uint64_t job, bool preview, std::string& bytes) {
+    grpc::ClientContext context;
+    SetDeadline(context, kPatience);
+    proto::FetchRequest request;
+    request.set_job(job);
+    request.set_preview(preview);
+    const auto reader = jobs->FetchPicture(&context, request);
+    proto::PictureChunk chunk;
+    std::string digest;
+    while (reader->Read(&chunk)) {
+      bytes += chunk.data();
+      if (!chunk.digest().empty()) digest = chunk.digest();
+    }
+    const grpc::Status status = reader->Finish();
+    EXPECT_TRUE(!status.ok() || digest == WriteDigest(Sha256(bytes)));
+    return status;
+  }
+  WorkerState Worker(milliseconds wait) {
+    WorkerState state;
+    state.worker = WorkerId{7};
+    state.sequence = ++sequence;
+    state.name = "tester";
+    state.wait = wait;
+    return state;
+  }
+  grpc::Status Synchronize(const WorkerState& state, proto::WorkerDirective& directive) {
+    proto::WorkerState request;
+    Write(state, request);
+    return Call(*work, &proto::Work::Stub::Synchronize, request, directive);
+  }
+  int WorkerCount() {
+    proto::WorkersAnswer answer;
+    EXPECT_TRUE(Call(*jobs, &proto::Jobs::Stub::Workers, proto::WorkersRequest(), answer).ok());
+    return answer.workers_size();
+  }
+
+  TemporaryDir folder;
+  std::unique_ptr<Coordinator> coordinator;
+  std::shared_ptr<grpc::Channel> channel;
+  std::unique_ptr<proto::Jobs::Stub> jobs;
+  std::unique_ptr<proto::Blobs::Stub> blobs;
+  std::unique_ptr<proto::Work::Stub> work;
+  uint64_t sequence = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,72 @@
+#include "renderer/description/motion.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/renderer/pbrt/parse_helpers.h"
+
+namespace tessera {
+namespace {
+
+// A sphere that goes from x = 0 to x = 10 between times 2 and 4.
+constexpr const char* kMovingSphere =
+    "TransformTimes 2 4 Camera \"perspective\" \"float shutteropen\" 2 \"float shutterclose\" 3 WorldBegin\n"
+    "ActiveTransform EndTime Translate 10 0 0 ActiveTransform All Shape \"sphere\"";
+
+float PlaceAt(std::optional<double> time) {
+  SceneDescription scene = *ParseText(kMovingSphere);
+  const auto moving = StopMotion(time, &scene);
+  EXPECT_TRUE(moving);
+  EXPECT_EQ(*moving, 1);
+  EXPECT_FALSE(scene.shapes[0].world_from_object.IsAnimated());
+  return scene.shapes[0].world_from_object.start.ToPoint({0, 0, 0}).x;
+}
+
+TEST(StopMotion, PutsThingsWhereTheyAreAtTheTime) {
+  EXPECT_FLOAT_EQ(PlaceAt(3), 5);
+  EXPECT_FLOAT_EQ(PlaceAt(3.5), 7.5f);
+}
+
+TEST(StopMotion, ThingsRestBeforeTheFirstAndAfterTheLastTime) {
+  EXPECT_EQ(PlaceAt(-7), 0);
+  EXPECT_EQ(PlaceAt(2), 0);
+  EXPECT_EQ(PlaceAt(4), 10);
+  EXPECT_EQ(PlaceAt(1e9), 10);
+}
+
+TEST(StopMotion, WithoutATimeItIsTheMiddleOfTheShutter) {
+  EXPECT_FLOAT_EQ(PlaceAt(std::nullopt), 2.5f);
+}
+
+TEST(StopMotion, TheCameraMovesNotTheWorldAroundIt) {
+  SceneDescription scene = *ParseText(
+      "ActiveTransform StartTime LookAt 0 0 -4  0 0 0  0 1 0 ActiveTransform EndTime LookAt 4 0 0  0 0 0  0 "
+      "1 0 "
+      "ActiveTransform All Camera \"perspective\" WorldBegin");
+  ASSERT_TRUE(StopMotion(0.5, &scene));
+  const Point3 eye = scene.camera_from_world.start.Inverse().ToPoint({0, 0, 0});
+  EXPECT_NEAR(eye.x, 2, 1e-5);
+  EXPECT_NEAR(eye.z, -2, 1e-5);
+}
+
+TEST(StopMotion, InstancesAndShapesInsideObjectsMove) {
+  SceneDescription scene = *ParseText(
+      "WorldBegin ObjectBegin \"o\" ActiveTransform EndTime Translate 2 0 0 Shape \"sphere\" ObjectEnd "
+      "ActiveTransform EndTime Translate 0 4 0 ActiveTransform All ObjectInstance \"o\"");
+  const auto moving = StopMotion(0.5, &scene);
+  ASSERT_TRUE(moving);
+  EXPECT_EQ(*moving, 2);
+  EXPECT_FLOAT_EQ(scene.objects[0].shapes[0].world_from_object.start.ToPoint({0, 0, 0}).x, 1);
+  EXPECT_FLOAT_EQ(scene.instances[0].world_from_object.start.ToPoint({0, 0, 0}).y, 2);
+}
+
+TEST(StopMotion, AMapThatIsSingularThenIsAnErrorWithItsPlace) {
+  SceneDescription scene =
+      *ParseText("WorldBegin\nActiveTransform EndTime Scale -1 -1 -1 ActiveTransform All\nShape \"sphere\"");
+  const auto moving = StopMotion(0.5, &scene);
+  ASSERT_FALSE(moving);
+  EXPECT_THAT(moving.error().message, testing::HasSubstr(":3:1: what moves here has no volume at 0.5 s"));
+}
+
+}  // namespace
+}  // namespace tessera

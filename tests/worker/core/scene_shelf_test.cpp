@@ -1,0 +1,94 @@
+#include "worker/core/scene_shelf.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/worker/tiny_scene.h"
+
+namespace tessera {
+namespace {
+
+using testing::ElementsAre;
+
+const SceneShelf::TimePoint kStart{};
+
+Digest Key(uint8_t number) {
+  Digest digest;
+  digest.bytes[0] = number;
+  return digest;
+}
+
+SceneOrder Order(uint8_t number) {
+  SceneOrder order;
+  order.key = Key(number);
+  return order;
+}
+
+bool NotInUse(const Digest&) {
+  return false;
+}
+
+std::vector<Digest> Keys(const SceneShelf& shelf) {
+  std::vector<Digest> keys;
+  for (const HeldScene& held : shelf.Held()) keys.push_back(held.key);
+  return keys;
+}
+
+void LoadAll(SceneShelf& shelf) {
+  while (const auto order = shelf.StartLoading(kStart)) shelf.Loaded(order->key, LoadTinyScene());
+}
+
+TEST(SceneShelf, LoadsTheMostWantedFirstAndEachOnce) {
+  SceneShelf shelf;
+  shelf.Want({Order(2), Order(1)}, NotInUse);
+  EXPECT_EQ(shelf.StartLoading(kStart)->key, Key(2));
+  shelf.Want({Order(2), Order(1)}, NotInUse);  // told again meanwhile
+  EXPECT_EQ(shelf.StartLoading(kStart)->key, Key(1));
+  EXPECT_FALSE(shelf.StartLoading(kStart));
+  EXPECT_FALSE(shelf.IsReady(Key(2)));
+  shelf.Loaded(Key(2), LoadTinyScene());
+  EXPECT_TRUE(shelf.IsReady(Key(2)));
+  EXPECT_NE(shelf.Use(Key(2)), nullptr);
+  EXPECT_EQ(shelf.Use(Key(1)), nullptr);
+}
+
+TEST(SceneShelf, LetsGoOfTheLongestUnusedThatNobodyWantsOrUses) {
+  SceneShelf shelf;
+  for (uint8_t i = 1; i <= kScenesHeldMax + 1; ++i) {
+    shelf.Want({Order(i)}, NotInUse);
+    LoadAll(shelf);
+  }
+  EXPECT_EQ(Keys(shelf).size(), kScenesHeldMax + 1);  // the last came after the shelf was tidied
+  shelf.Use(Key(1));
+  const auto second_in_use = [](const Digest& key) { return key == Key(2); };
+  shelf.Want({Order(3)}, second_in_use);
+  EXPECT_THAT(Keys(shelf), ElementsAre(Key(1), Key(2), Key(3), Key(5)));
+}
+
+TEST(SceneShelf, ASceneThatFailedIsTriedAgainOnlyAfterAWhileAndIfStillWanted) {
+  SceneShelf shelf;
+  shelf.Want({Order(1)}, NotInUse);
+  shelf.StartLoading(kStart);
+  shelf.Failed(Key(1), kStart);
+  EXPECT_TRUE(shelf.Held().empty());
+  EXPECT_FALSE(shelf.StartLoading(kStart));
+  EXPECT_EQ(shelf.NextRetry(), kStart + kSceneRetryInterval);
+  EXPECT_TRUE(shelf.StartLoading(kStart + kSceneRetryInterval));
+  shelf.Failed(Key(1), kStart);
+  shelf.Want({}, NotInUse);
+  EXPECT_FALSE(shelf.NextRetry());
+  EXPECT_FALSE(shelf.StartLoading(kStart + kSceneRetryInterval));
+}
+
+TEST(SceneShelf, ExpectsWhatIsWantedLoadingOrReady) {
+  SceneShelf shelf;
+  EXPECT_FALSE(shelf.Expects(Key(1)));
+  shelf.Want({Order(1)}, NotInUse);
+  EXPECT_TRUE(shelf.Expects(Key(1)));
+  LoadAll(shelf);
+  shelf.Want({}, NotInUse);
+  EXPECT_TRUE(shelf.Expects(Key(1)));
+}
+
+}  // namespace
+}  // namespace tessera
