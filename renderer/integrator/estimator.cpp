@@ -7,20 +7,10 @@
 
 namespace tessera {
 
-std::optional<IntegratorKind> IntegratorNamed(std::string_view name) {
-  if (name == "path") return IntegratorKind::kPath;
-  if (name == "volpath") return IntegratorKind::kVolPath;
-  if (name == "mixture") return IntegratorKind::kMixture;
-  if (name == "simplepath") return IntegratorKind::kSimplePath;
-  if (name == "simplevolpath") return IntegratorKind::kSimpleVolPath;
-  if (name == "randomwalk") return IntegratorKind::kRandomWalk;
-  return std::nullopt;
-}
-
 SampledSpectrum EstimateRadiance(const World& world, const Estimator& estimator, const Ray& camera_ray,
                                  SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts) {
   const PathSettings& path = estimator.path;
-  switch (estimator.kind) {
+  switch (estimator.integrator.kind) {
     case IntegratorKind::kVolPath:
       // Without media both integrators make the same picture, and the simple one makes it faster.
       if (!world.media.empty())

@@ -1,29 +1,17 @@
-// The ways to estimate a picture, by name. All converge to the same one where each is valid; they differ in
-// noise and speed.
+// An integrator with its settings, and the radiance that it estimates.
 #pragma once
 
 #include <optional>
-#include <string_view>
 
+#include "renderer/integrator/integrator_kinds.h"
 #include "renderer/integrator/light_directions.h"
 #include "renderer/integrator/path_integrator.h"
 #include "renderer/integrator/world.h"
 
 namespace tessera {
 
-//   path           light sampling and BSDF sampling at every vertex, weighted against each other; roulette
-//   volpath        the same, in participating media too
-//   mixture        one ray per vertex, drawn from BSDF and lights together (mixture_integrator.h)
-//   simplepath     one technique at a time (simple_path_integrator.h)
-//   simplevolpath  BSDF sampling, emission where rays hit it
-//   randomwalk     uniform directions, emission where rays hit it
-enum class IntegratorKind { kPath, kVolPath, kMixture, kSimplePath, kSimpleVolPath, kRandomWalk };
-
-// The kind of this name, if it is one.
-std::optional<IntegratorKind> IntegratorNamed(std::string_view name);
-
 struct Estimator {
-  IntegratorKind kind = IntegratorKind::kPath;
+  IntegratorTraits integrator;
   PathSettings path;
   bool sample_lights = true, sample_bsdf = true;  // of simplepath
   std::optional<LightDirections> lights;          // of mixture: for the same world

@@ -4,15 +4,7 @@ namespace tessera {
 namespace {
 
 bool HasShadowRays(const Estimator& estimator) {
-  switch (estimator.kind) {
-    case IntegratorKind::kPath:
-    case IntegratorKind::kVolPath: return true;
-    case IntegratorKind::kSimplePath: return estimator.sample_lights;
-    case IntegratorKind::kMixture:
-    case IntegratorKind::kSimpleVolPath:
-    case IntegratorKind::kRandomWalk: return false;
-  }
-  return false;
+  return estimator.integrator.has_shadow_rays && estimator.sample_lights;
 }
 
 struct UnseenLight {
@@ -42,7 +34,7 @@ Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& 
   if (HasShadowRays(estimator)) return {};
   for (const UnseenLight& light : UnseenLights(scene, geometry)) {
     const std::string what = light.name + " cannot be hit by rays, and this integrator has no shadow rays";
-    if (estimator.kind == IntegratorKind::kMixture) {
+    if (estimator.integrator.kind == IntegratorKind::kMixture) {
       return ErrorAt(*light.location, what + ": \"mixture\" cannot render it (\"path\" can)");
     }
     diagnostics.Warn(*light.location, what + ": it stays dark");

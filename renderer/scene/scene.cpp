@@ -123,17 +123,16 @@ Result<void> SceneLoader::ReadSettings() {
   const float spacing = data.summary.extendable
                             ? kSpacingMin
                             : 1 / std::sqrt(static_cast<float>(data.sampler.samples_per_pixel));
-  data.estimator.kind = *IntegratorNamed(integrator->name);
+  data.estimator.integrator = Integrators().Find(integrator->name)->reader;
   data.estimator.path = {integrator->max_depth, std::max(kSpacingMin, spacing)};
   data.estimator.sample_lights = integrator->sample_lights;
   data.estimator.sample_bsdf = integrator->sample_bsdf;
 
   if (Result<void> described = DescribeFrame(*film, *integrator); !described) return described;
-  const bool with_media =
-      integrator->name != "path" && integrator->name != "simplepath" && integrator->name != "randomwalk";
-  const WorldRequest request{scene_, files_, images_, integrator->light_sampler, with_media};
+  const WorldRequest request{scene_, files_, images_, integrator->light_sampler,
+                             data.estimator.integrator.follows_media};
   if (Result<void> built = BuildWorld(request, &data.world, scene_.diagnostics); !built) return built;
-  if (data.estimator.kind == IntegratorKind::kMixture) data.estimator.lights.emplace(data.world);
+  if (data.estimator.integrator.kind == IntegratorKind::kMixture) data.estimator.lights.emplace(data.world);
   return CheckLightsFor(data.estimator, scene_, data.world.geometry, scene_.diagnostics);
 }
 
