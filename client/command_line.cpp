@@ -11,7 +11,9 @@
 
 #include "client/option_values.h"
 #include "proto/terms.h"
+#include "renderer/accelerator/accelerator.h"
 #include "renderer/film/adaptive.h"
+#include "renderer/integrator/integrator_kinds.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
@@ -100,11 +102,10 @@ void AddRenderOptions(CLI::App& app, Options& options) {
   AddWord(app, "--seed", "of the random numbers", "S",
           [&render](const std::string& word) { render.seed = Take(ParseUnsigned("--seed", word)); });
   app.add_option("--integrator", render.integrator,
-                 "path, volpath, mixture, simplepath, simplevolpath or randomwalk")
+                 fmt::format("one of: {}", fmt::join(Integrators().Names(), ", ")))
       ->type_name("NAME");
   AddWord(app, "--accelerator", "embree (default), bvh or list", "NAME", [&render](const std::string& word) {
-    static constexpr std::string_view kChoices[] = {"embree", "bvh", "list"};
-    render.accelerator = Take(ParseChoice("--accelerator", word, kChoices));
+    render.accelerator = Take(ParseChoice("--accelerator", word, kAcceleratorKinds));
   });
   AddWord(app, "--max-depth", "longest path, bounces", "N", [&render](const std::string& word) {
     render.max_depth = static_cast<int>(Take(ParseInteger("--max-depth", word, 0, kPathDepthMax)));

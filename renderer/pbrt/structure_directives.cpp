@@ -3,29 +3,13 @@
 #include <cctype>
 
 #include "renderer/description/number.h"
+#include "renderer/description/option_kinds.h"
 #include "renderer/pbrt/scene_parser.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
 
-struct KnownOption {
-  std::string_view name;
-  std::string_view type;
-};
-
-// By normalised name.
-constexpr std::array<KnownOption, 11> kOptions{{{"disablepixeljitter", "bool"},
-                                                {"disabletexturefiltering", "bool"},
-                                                {"disablewavelengthjitter", "bool"},
-                                                {"displacementedgescale", "float"},
-                                                {"forcediffuse", "bool"},
-                                                {"msereferenceimage", "string"},
-                                                {"msereferenceout", "string"},
-                                                {"pixelstats", "bool"},
-                                                {"rendercoordsys", "string"},
-                                                {"seed", "integer"},
-                                                {"wavefront", "bool"}}};
 constexpr std::array<std::string_view, 3> kRenderCoordSys{"camera", "cameraworld", "world"};
 
 // Lower case without '-' and '_'.
@@ -37,13 +21,6 @@ std::string Normalized(std::string_view name) {
   return result;
 }
 
-const KnownOption* FindOption(std::string_view normalized) {
-  for (const KnownOption& option : kOptions) {
-    if (option.name == normalized) return &option;
-  }
-  return nullptr;
-}
-
 }  // namespace
 
 bool SceneParser::Option(const Statement& statement) {
@@ -53,14 +30,9 @@ bool SceneParser::Option(const Statement& statement) {
   Parameter option;
   option.name = Normalized(name);
   option.location = location;
-  const KnownOption* known = FindOption(option.name);
-  if (!known) {
-    std::vector<std::string_view> names;
-    names.reserve(std::size(kOptions));
-    for (const KnownOption& o : kOptions) names.push_back(o.name);
-    return builder_->Fail(location, "unknown option " + Quoted(name) + DidYouMean(option.name, names));
-  }
-  option.type = known->type;
+  const Kind<std::string_view>* kind = OptionKinds().Find(option.name);
+  if (kind == nullptr) return builder_->Fail(location, OptionKinds().Refusal(option.name));
+  option.type = kind->reader;
   if (!ReadOptionValue(&option)) return false;
   if (!builder_->Charge(statement.location, SizeOf(option))) return false;
   builder_->scene().options.push_back(std::move(option));

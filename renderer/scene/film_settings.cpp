@@ -6,22 +6,9 @@
 #include <limits>
 
 #include "renderer/description/parameter_reader.h"
-#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
-
-constexpr std::string_view kKinds[] = {"rgb"};
-constexpr std::string_view kLaterKinds[] = {"gbuffer", "spectral"};
-
-Result<void> CheckKind(const Entity& entity) {
-  if (entity.kind == "rgb") return {};
-  for (std::string_view later : kLaterKinds) {
-    if (entity.kind == later)
-      return ErrorAt(entity.location, "film \"" + entity.kind + "\" is not supported yet");
-  }
-  return ErrorAt(entity.location, "unknown film \"" + entity.kind + "\"" + DidYouMean(entity.kind, kKinds));
-}
 
 // Pixel bounds of a crop given as fractions: pixel = ceil(resolution x fraction).
 PixelBounds FromFractions(const std::array<float, 4>& f, int width, int height) {
@@ -83,11 +70,7 @@ Result<void> ApplyOptions(const RenderOptions& options, FilmSettings* film) {
   return {};
 }
 
-}  // namespace
-
-Result<FilmSettings> ReadFilm(const Entity& entity, const RenderOptions& options) {
-  if (Result<void> kind = CheckKind(entity); !kind) return kind.error();
-  ParameterReader reader(entity);
+FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options) {
   FilmSettings film;
   reader.String("filename", "");  // the command line names the output
   film.width = ReadResolution(reader, "xresolution", 1280, options.width);
@@ -106,6 +89,28 @@ Result<FilmSettings> ReadFilm(const Entity& entity, const RenderOptions& options
     reader.FailAt("whitebalance", "whitebalance must lie between 0 (off) and 40000 kelvin");
   }
   if (!(film.component_max > 0)) reader.FailAt("maxcomponentvalue", "maxcomponentvalue must be above 0");
+  return film;
+}
+
+using FilmReader = FilmSettings (*)(ParameterReader&, const RenderOptions&);
+constexpr Kind<FilmReader> kKinds[] = {
+    {"rgb", Support::kSupported, ReadRgbFilm},
+    {"gbuffer", Support::kNotSupported},
+    {"spectral", Support::kNotSupported},
+};
+constexpr KindTable<FilmReader> kTable("film", kKinds);
+
+}  // namespace
+
+KindList FilmKinds() {
+  return kTable.List();
+}
+
+Result<FilmSettings> ReadFilm(const Entity& entity, const RenderOptions& options) {
+  const Kind<FilmReader>* kind = kTable.Find(entity.kind);
+  if (kind == nullptr) return ErrorAt(entity.location, kTable.Refusal(entity.kind));
+  ParameterReader reader(entity);
+  FilmSettings film = kind->reader(reader, options);
   if (Result<void> done = reader.Finish(); !done) return done.error();
   if (Result<void> applied = ApplyOptions(options, &film); !applied) return applied.error();
   return film;

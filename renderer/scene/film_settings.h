@@ -1,6 +1,7 @@
-// What the Film directive asks for, with the command line's overrides.
+// What the Film directive asks for, with the overrides of the command line.
 #pragma once
 
+#include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
 #include "renderer/film/frame_spec.h"
 #include "renderer/scene/scene.h"
@@ -15,6 +16,8 @@ struct FilmSettings {
   float component_max = 0;  // largest sensor component of one sample; infinite if there is no clamp
   ExrType exr_type = ExrType::kHalf;
 };
+
+KindList FilmKinds();
 
 Result<FilmSettings> ReadFilm(const Entity& entity, const RenderOptions& options);
 

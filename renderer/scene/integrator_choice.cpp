@@ -2,56 +2,49 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "renderer/description/parameter_reader.h"
-#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
 
 constexpr int kMaxDepthMax = 1 << 20;  // scattering events; roulette ends paths long before
 
-constexpr std::string_view kKinds[] = {"path",       "volpath",       "mixture",
-                                       "simplepath", "simplevolpath", "randomwalk"};
-// Estimators of the same picture that we do not have: ours takes their place.
-constexpr std::string_view kReplacedKinds[] = {"bdpt", "lightpath", "mlt", "sppm"};
-constexpr std::string_view kRefusedKinds[] = {"ambientocclusion", "function"};
-
-template <size_t N>
-bool Contains(const std::string_view (&list)[N], std::string_view word) {
-  return std::find(std::begin(list), std::end(list), word) != std::end(list);
-}
-
-Error UnknownIntegrator(const std::string& where, const std::string& kind) {
-  if (Contains(kRefusedKinds, kind) || Contains(kReplacedKinds, kind)) {
-    return BadInput(where + ": integrator \"" + kind + "\" is not supported yet");
-  }
-  return BadInput(where + ": unknown integrator \"" + kind + "\"" + DidYouMean(kind, kKinds));
-}
-
-// The parameters of a kind that we have.
-void ReadKind(ParameterReader& reader, IntegratorChoice* choice, Diagnostics& diagnostics) {
-  const Entity& entity = reader.entity();
-  if (entity.kind == "simplepath") {
-    choice->sample_lights = reader.Bool("samplelights", true);
-    choice->sample_bsdf = reader.Bool("samplebsdf", true);
-  }
-  if (entity.kind != "path" && entity.kind != "volpath" && entity.kind != "mixture") return;
+void ReadLightSampler(ParameterReader& reader, IntegratorChoice* choice) {
   static constexpr std::string_view kLightSamplers[] = {"uniform", "power", "bvh", "exhaustive"};
   choice->light_sampler = reader.Choice("lightsampler", "bvh", kLightSamplers);
   if (choice->light_sampler == "exhaustive")
     reader.FailAt("lightsampler", "\"exhaustive\" is not supported yet");
-  if (entity.kind != "mixture" && reader.Bool("regularize", false)) {
-    diagnostics.Warn(entity.location, "\"regularize\" is not available: the picture is not biased by it");
+}
+
+// The parameters of a kind that we have.
+void ReadKind(ParameterReader& reader, IntegratorChoice* choice, Diagnostics& diagnostics) {
+  switch (choice->integrator.kind) {
+    case IntegratorKind::kPath:
+    case IntegratorKind::kVolPath:
+      ReadLightSampler(reader, choice);
+      if (reader.Bool("regularize", false)) {
+        diagnostics.Warn(reader.entity().location,
+                         "\"regularize\" is not available: the picture is not biased by it");
+      }
+      break;
+    case IntegratorKind::kMixture: ReadLightSampler(reader, choice); break;
+    case IntegratorKind::kSimplePath:
+      choice->sample_lights = reader.Bool("samplelights", true);
+      choice->sample_bsdf = reader.Bool("samplebsdf", true);
+      break;
+    case IntegratorKind::kSimpleVolPath:
+    case IntegratorKind::kRandomWalk: break;
   }
 }
 
-// The command line's word over the scene's.
+// The command line takes precedence over the scene.
 Result<void> Override(const RenderOptions& options, IntegratorChoice* choice) {
   if (!options.integrator.empty()) {
-    if (!Contains(kKinds, options.integrator)) return UnknownIntegrator("--integrator", options.integrator);
-    choice->name = options.integrator;
+    const Kind<IntegratorTraits>* kind = Integrators().Find(options.integrator);
+    if (kind == nullptr || kind->support != Support::kSupported)
+      return BadInput("--integrator: " + Integrators().Refusal(options.integrator));
+    choice->integrator = kind->reader;
+    choice->name = kind->name;
   }
   if (options.max_depth) {
     if (*options.max_depth < 0 || *options.max_depth > kMaxDepthMax) {
@@ -67,22 +60,22 @@ Result<void> Override(const RenderOptions& options, IntegratorChoice* choice) {
 Result<IntegratorChoice> ChooseIntegrator(const SceneDescription& scene, const RenderOptions& options,
                                           Diagnostics& diagnostics) {
   const Entity& entity = scene.integrator;
+  const Kind<IntegratorTraits>* kind = Integrators().Find(entity.kind);
+  if (kind == nullptr) return ErrorAt(entity.location, Integrators().Refusal(entity.kind));
   IntegratorChoice choice;
-  choice.name = entity.kind;
+  choice.integrator = kind->reader;
+  choice.name = kind->support == Support::kMapped ? kind->instead : kind->name;
   ParameterReader reader(entity);
   choice.max_depth = reader.Integer("maxdepth", 5);
   if (choice.max_depth < 0 || choice.max_depth > kMaxDepthMax) {
     reader.FailAt("maxdepth", fmt::format("maxdepth must lie between 0 and {}", kMaxDepthMax));
   }
-  if (Contains(kReplacedKinds, entity.kind)) {
+  if (kind->support == Support::kMapped) {
     reader.IgnoreRest();
-    choice.name = "volpath";
-    diagnostics.Warn(
-        entity.location,
-        "integrator \"" + entity.kind +
-            "\" is not available: \"volpath\", which converges to the same picture, renders instead");
-  } else if (!Contains(kKinds, entity.kind)) {
-    return UnknownIntegrator(entity.location.Text(), entity.kind);
+    diagnostics.Warn(entity.location,
+                     fmt::format("integrator \"{}\" is not available: \"{}\", which converges to the same "
+                                 "picture, renders instead",
+                                 kind->name, kind->instead));
   } else {
     ReadKind(reader, &choice, diagnostics);
   }

@@ -2,22 +2,23 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "renderer/description/scene_description.h"
+#include "renderer/integrator/integrator_kinds.h"
 #include "renderer/scene/scene.h"
 
 namespace tessera {
 
 struct IntegratorChoice {
-  std::string name;                               // of an IntegratorKind: what is done
+  IntegratorTraits integrator;
+  std::string name;                               // of the kind
   int max_depth = 5;                              // scattering events
   bool sample_lights = true, sample_bsdf = true;  // of simplepath
   std::string light_sampler = "bvh";
 };
 
-// Reads the Integrator directive with the command line's overrides. Integrators that estimate the same
-// picture in another way are replaced by ours, with a warning.
+// Reads the Integrator directive and applies the overrides of the command line. Mapped kinds are replaced,
+// with a warning.
 Result<IntegratorChoice> ChooseIntegrator(const SceneDescription& scene, const RenderOptions& options,
                                           Diagnostics& diagnostics);
 

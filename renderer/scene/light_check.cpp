@@ -4,7 +4,9 @@ namespace tessera {
 namespace {
 
 bool HasShadowRays(const Estimator& estimator) {
-  return estimator.integrator.has_shadow_rays && estimator.sample_lights;
+  const IntegratorTraits& integrator = estimator.integrator;
+  return integrator.has_shadow_rays &&
+         (integrator.kind != IntegratorKind::kSimplePath || estimator.sample_lights);
 }
 
 struct UnseenLight {

@@ -123,7 +123,7 @@ Result<void> SceneLoader::ReadSettings() {
   const float spacing = data.summary.extendable
                             ? kSpacingMin
                             : 1 / std::sqrt(static_cast<float>(data.sampler.samples_per_pixel));
-  data.estimator.integrator = Integrators().Find(integrator->name)->reader;
+  data.estimator.integrator = integrator->integrator;
   data.estimator.path = {integrator->max_depth, std::max(kSpacingMin, spacing)};
   data.estimator.sample_lights = integrator->sample_lights;
   data.estimator.sample_bsdf = integrator->sample_bsdf;

@@ -1,30 +1,23 @@
 #include "renderer/scene/scene_options.h"
 
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/accelerator/accelerator.h"
+#include "renderer/description/option_kinds.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::string_view kNames[] = {"disablepixeljitter",
-                                       "disabletexturefiltering",
-                                       "disablewavelengthjitter",
-                                       "displacementedgescale",
-                                       "forcediffuse",
-                                       "msereferenceimage",
-                                       "msereferenceout",
-                                       "pixelstats",
-                                       "rendercoordsys",
-                                       "seed",
-                                       "wavefront"};
-// These change how pbrt works, not what it computes.
-constexpr std::string_view kWithoutEffect[] = {"rendercoordsys", "wavefront", "pixelstats"};
-
-template <size_t N>
-bool Contains(const std::string_view (&list)[N], std::string_view word) {
-  return std::find(std::begin(list), std::end(list), word) != std::end(list);
-}
+// Scenes name structures of pbrt. None changes the picture.
+constexpr Kind<std::string_view> kSceneAccelerators[] = {
+    {"bvh", Support::kSupported, {}},
+    {"kdtree", Support::kMapped, {}, "bvh"},
+};
+constexpr KindTable<std::string_view> kSceneAcceleratorTable("accelerator", kSceneAccelerators);
 
 Result<uint64_t> ReadSeed(const Parameter& option) {
   if (option.integers.size() == 1) return static_cast<uint64_t>(static_cast<int64_t>(option.integers[0]));
@@ -42,34 +35,36 @@ bool IsFalse(const Parameter& option) {
 
 Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics& diagnostics) {
   SceneOptions options;
+  const KindTable<std::string_view> kinds = OptionKinds();
   for (const Parameter& option : scene.options) {
-    if (!Contains(kNames, option.name)) {
-      return ErrorAt(option.location,
-                     "unknown option \"" + option.name + "\"" + DidYouMean(option.name, kNames));
+    const Kind<std::string_view>* kind = kinds.Find(option.name);
+    if (kind == nullptr) return ErrorAt(option.location, kinds.Refusal(option.name));
+    if (kind->support == Support::kMapped && !IsFalse(option)) {
+      diagnostics.Warn(option.location,
+                       fmt::format("option \"{}\" is not available and is ignored", kind->name));
     }
-    if (option.name == "wavefront") {
-      options.wavefront = !IsFalse(option);
-    } else if (option.name == "seed") {
+    if (option.name == "wavefront") options.wavefront = !IsFalse(option);
+    if (option.name == "seed") {
       const Result<uint64_t> seed = ReadSeed(option);
       if (!seed) return seed.error();
       options.seed = *seed;
-    } else if (!Contains(kWithoutEffect, option.name) && !IsFalse(option)) {
-      diagnostics.Warn(option.location,
-                       std::string("option \"") + option.name + "\" is not available and is ignored");
     }
   }
   return options;
 }
 
+KindList SceneAcceleratorKinds() {
+  return kSceneAcceleratorTable.List();
+}
+
 Result<std::string> ChooseAccelerator(const Entity& entity, const std::string& option) {
-  static constexpr std::string_view kSceneKinds[] = {"bvh", "kdtree"};
-  static constexpr std::string_view kOurKinds[] = {"embree", "bvh", "list"};
-  if (!Contains(kSceneKinds, entity.kind)) {
-    return ErrorAt(entity.location,
-                   "unknown accelerator \"" + entity.kind + "\"" + DidYouMean(entity.kind, kSceneKinds));
-  }
+  if (kSceneAcceleratorTable.Find(entity.kind) == nullptr)
+    return ErrorAt(entity.location, kSceneAcceleratorTable.Refusal(entity.kind));
   if (option.empty()) return std::string("embree");
-  if (!Contains(kOurKinds, option)) return BadInput("--accelerator: unknown accelerator \"" + option + "\"");
+  if (std::ranges::find(kAcceleratorKinds, option) == kAcceleratorKinds.end()) {
+    return BadInput(fmt::format("--accelerator: unknown accelerator {}{}", Quoted(option),
+                                DidYouMean(option, kAcceleratorKinds)));
+  }
   return option;
 }
 

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
+#include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
 
 namespace tessera {
@@ -14,11 +14,14 @@ struct SceneOptions {
   bool wavefront = false;
 };
 
-// Options that we do not have are warnings, values that make no sense are errors.
+// Options that are not available are warnings, values that make no sense are errors.
 Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics& diagnostics);
 
-// The accelerator to use: what the command line names, else "embree". Scenes name structures of pbrt's own,
-// which do not change the picture: their names are checked and nothing more.
+// Those that the Accelerator directive may name.
+KindList SceneAcceleratorKinds();
+
+// The accelerator to use: the one named on the command line, or "embree" if `option` is empty. The kind that
+// the scene names is only checked, because accelerators do not change the picture.
 Result<std::string> ChooseAccelerator(const Entity& entity, const std::string& option);
 
 }  // namespace tessera

@@ -1,0 +1,29 @@
+#include "renderer/description/option_kinds.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::string_view kIgnored = "ignored";
+
+constexpr Kind<std::string_view> kKinds[] = {
+    {"disablepixeljitter", Support::kMapped, "bool", kIgnored},
+    {"disabletexturefiltering", Support::kMapped, "bool", kIgnored},
+    {"disablewavelengthjitter", Support::kMapped, "bool", kIgnored},
+    {"displacementedgescale", Support::kMapped, "float", kIgnored},
+    {"forcediffuse", Support::kMapped, "bool", kIgnored},
+    {"msereferenceimage", Support::kMapped, "string", kIgnored},
+    {"msereferenceout", Support::kMapped, "string", kIgnored},
+    {"seed", Support::kSupported, "integer"},
+    // These change how pbrt works, not what it computes: whatever their value, they are satisfied.
+    {"pixelstats", Support::kSupported, "bool"},
+    {"rendercoordsys", Support::kSupported, "string"},
+    {"wavefront", Support::kSupported, "bool"},
+};
+
+}  // namespace
+
+KindTable<std::string_view> OptionKinds() {
+  return {"option", kKinds};
+}
+
+}  // namespace tessera

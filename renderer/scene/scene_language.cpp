@@ -1,0 +1,19 @@
+#include "renderer/scene/scene_language.h"
+
+#include "renderer/description/option_kinds.h"
+#include "renderer/integrator/integrator_kinds.h"
+#include "renderer/scene/film_settings.h"
+#include "renderer/scene/scene_options.h"
+
+namespace tessera {
+
+std::vector<KindList> SceneLanguageKinds() {
+  return {
+      FilmKinds(),
+      Integrators().List(),
+      SceneAcceleratorKinds(),
+      OptionKinds().List(),
+  };
+}
+
+}  // namespace tessera
