@@ -1,7 +1,9 @@
-// One BxDF of any kind as a value: a tagged union, dispatched by a switch.
+// One BxDF of any kind, as a value.
 #pragma once
 
 #include <optional>
+#include <type_traits>
+#include <variant>
 
 #include "renderer/material/bxdf_sample.h"
 #include "renderer/material/coated_diffuse_bxdf.h"
@@ -11,84 +13,41 @@
 #include "renderer/material/diffuse_transmission_bxdf.h"
 #include "renderer/material/layered_diffuse_bxdf.h"
 #include "renderer/material/thin_dielectric_bxdf.h"
+#include "renderer/util/dispatch.h"
 
 namespace tessera {
+
+// Every kind has the members flags, Evaluate and Sample of Bxdf below and is trivially copyable.
+using BxdfKind = std::variant<DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf,
+                              ThinDielectricBxdf, CoatedDiffuseBxdf, LayeredDiffuseBxdf>;
+static_assert(std::is_trivially_copyable_v<BxdfKind>);
 
 // Directions are unit vectors in the shading frame (z is the normal), pointing away from the surface, wo.z !=
 // 0. Cheap to copy; owns nothing.
 class Bxdf {
  public:
-  Bxdf() : kind_(Kind::kDiffuse), diffuse_() {}  // absorbs everything
-  Bxdf(const DiffuseBxdf& b) : kind_(Kind::kDiffuse), diffuse_(b) {}
-  Bxdf(const DiffuseTransmissionBxdf& b) : kind_(Kind::kDiffuseTransmission), diffuse_transmission_(b) {}
-  Bxdf(const ConductorBxdf& b) : kind_(Kind::kConductor), conductor_(b) {}
-  Bxdf(const DielectricBxdf& b) : kind_(Kind::kDielectric), dielectric_(b) {}
-  Bxdf(const ThinDielectricBxdf& b) : kind_(Kind::kThinDielectric), thin_dielectric_(b) {}
-  Bxdf(const CoatedDiffuseBxdf& b) : kind_(Kind::kCoatedDiffuse), coated_diffuse_(b) {}
-  Bxdf(const LayeredDiffuseBxdf& b) : kind_(Kind::kLayeredDiffuse), layered_diffuse_(b) {}
+  Bxdf() = default;  // absorbs everything
+  template <AlternativeOf<BxdfKind> Kind>
+  Bxdf(const Kind& kind) : kind_(kind) {}
 
   BxdfFlags flags() const {
-    switch (kind_) {
-      case Kind::kDiffuse: return diffuse_.flags();
-      case Kind::kDiffuseTransmission: return diffuse_transmission_.flags();
-      case Kind::kConductor: return conductor_.flags();
-      case Kind::kDielectric: return dielectric_.flags();
-      case Kind::kThinDielectric: return thin_dielectric_.flags();
-      case Kind::kCoatedDiffuse: return coated_diffuse_.flags();
-      case Kind::kLayeredDiffuse: return layered_diffuse_.flags();
-    }
-    return BxdfFlags::kNone;
+    return Dispatch(kind_, [](const auto& kind) { return kind.flags(); });
   }
 
   // Value and density of the non-specular lobes together.
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const {
-    switch (kind_) {
-      case Kind::kDiffuse: return diffuse_.Evaluate(wo, wi);
-      case Kind::kDiffuseTransmission: return diffuse_transmission_.Evaluate(wo, wi);
-      case Kind::kConductor: return conductor_.Evaluate(wo, wi);
-      case Kind::kDielectric: return dielectric_.Evaluate(wo, wi);
-      case Kind::kThinDielectric: return thin_dielectric_.Evaluate(wo, wi);
-      case Kind::kCoatedDiffuse: return coated_diffuse_.Evaluate(wo, wi);
-      case Kind::kLayeredDiffuse: return layered_diffuse_.Evaluate(wo, wi);
-    }
-    return {};
+    return Dispatch(kind_, [&](const auto& kind) -> BsdfEvaluation { return kind.Evaluate(wo, wi); });
   }
 
   // uc chooses the lobe, u the direction. A sample that is not specular has the f and pdf that Evaluate
   // gives.
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const {
-    switch (kind_) {
-      case Kind::kDiffuse: return diffuse_.Sample(wo, u);
-      case Kind::kDiffuseTransmission: return diffuse_transmission_.Sample(wo, uc, u);
-      case Kind::kConductor: return conductor_.Sample(wo, u);
-      case Kind::kDielectric: return dielectric_.Sample(wo, uc, u);
-      case Kind::kThinDielectric: return thin_dielectric_.Sample(wo, uc);
-      case Kind::kCoatedDiffuse: return coated_diffuse_.Sample(wo, uc, u);
-      case Kind::kLayeredDiffuse: return layered_diffuse_.Sample(wo, uc, u);
-    }
-    return std::nullopt;
+    return Dispatch(kind_,
+                    [&](const auto& kind) -> std::optional<BsdfSample> { return kind.Sample(wo, uc, u); });
   }
 
  private:
-  enum class Kind : uint8_t {
-    kDiffuse,
-    kDiffuseTransmission,
-    kConductor,
-    kDielectric,
-    kThinDielectric,
-    kCoatedDiffuse,
-    kLayeredDiffuse,
-  };
-  Kind kind_;
-  union {
-    DiffuseBxdf diffuse_;
-    DiffuseTransmissionBxdf diffuse_transmission_;
-    ConductorBxdf conductor_;
-    DielectricBxdf dielectric_;
-    ThinDielectricBxdf thin_dielectric_;
-    CoatedDiffuseBxdf coated_diffuse_;
-    LayeredDiffuseBxdf layered_diffuse_;
-  };
+  BxdfKind kind_;
 };
 
 }  // namespace tessera

@@ -23,7 +23,7 @@ class ConductorBxdf {
     if (wo.z < 0) return EvaluateAbove(-wo, -wi);
     return EvaluateAbove(wo, wi);
   }
-  std::optional<BsdfSample> Sample(Vec3 wo, Point2 u) const {
+  std::optional<BsdfSample> Sample(Vec3 wo, float /*uc*/, Point2 u) const {
     if (facets_.IsSmooth()) return SampleMirror(wo);
     const Vec3 above = wo.z < 0 ? -wo : wo;
     const Vec3 wi = Reflect(above, facets_.SampleReflectingNormal(above, u));

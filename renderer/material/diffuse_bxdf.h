@@ -20,7 +20,7 @@ class DiffuseBxdf {
     if (!SameHemisphere(wo, wi)) return {};
     return {f_, CosineHemispherePdf(AbsCosTheta(wi))};
   }
-  std::optional<BsdfSample> Sample(Vec3 wo, Point2 u) const {
+  std::optional<BsdfSample> Sample(Vec3 wo, float /*uc*/, Point2 u) const {
     Vec3 wi = SampleCosineHemisphere(u);
     if (wo.z < 0) wi.z = -wi.z;
     return BsdfSample{f_, wi, CosineHemispherePdf(AbsCosTheta(wi)),

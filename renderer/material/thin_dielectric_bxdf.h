@@ -15,7 +15,7 @@ class ThinDielectricBxdf {
 
   BxdfFlags flags() const { return BxdfFlags::kReflection | BxdfFlags::kTransmission | BxdfFlags::kSpecular; }
   BsdfEvaluation Evaluate(Vec3, Vec3) const { return {}; }
-  std::optional<BsdfSample> Sample(Vec3 wo, float uc) const {
+  std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 /*u*/) const {
     const float cos_o = AbsCosTheta(wo);
     float reflected = FrDielectric(cos_o, eta_);
     // R + T R T + T R R R T + ... = R + T^2 R / (1 - R^2)
