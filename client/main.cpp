@@ -1,16 +1,11 @@
 // `tessera`: the command line of the farm.
 #include <fmt/format.h>
-#include <signal.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <exception>
 #include <map>
 
 #include "client/command_line.h"
 #include "client/commands.h"
-#include "renderer/util/ending_signals.h"
-#include "renderer/util/processor.h"
+#include "proto/shell/program.h"
 
 namespace tessera {
 namespace {
@@ -25,42 +20,25 @@ const std::map<std::string, Command>& Commands() {
   return kCommands;
 }
 
-// The first signal cancels; the second ends us at once, and the kernel our child processes with us.
-void OnSignal(Cancellation& cancellation, int count) {
-  if (count > 1) ::_exit(static_cast<int>(ErrorKind::kInterrupted));
-  cancellation.Cancel({ErrorKind::kInterrupted, "interrupted"});
-}
-
-int Report(Error error) {
-  std::ranges::replace(error.message, '\n', ' ');
-  fmt::print(stderr, "tessera: {}\n", error.message);
-  return static_cast<int>(error.kind);
-}
-
-int Run(const std::vector<std::string>& arguments, Cancellation& cancellation) {
+Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termination) {
+  Cancellation cancellation;
+  const std::stop_callback on_termination(termination, [&cancellation] {
+    cancellation.Cancel({ErrorKind::kInterrupted, "interrupted"});
+  });
   const auto parsed = ParseCommandLine(arguments);
-  if (!parsed) return Report(parsed.error());
+  if (!parsed) return parsed.error();
   if (!parsed->answer.empty()) {
     fmt::print("{}", parsed->answer);
     return 0;
   }
-  const auto code = Commands().at(parsed->options.command)(parsed->options, cancellation);
-  if (code) return *code;
-  return Report(cancellation.cancelled() ? cancellation.error() : code.error());
+  auto code = Commands().at(parsed->options.command)(parsed->options, cancellation);
+  if (!code && cancellation.cancelled()) return cancellation.error();
+  return code;
 }
 
 }  // namespace
 }  // namespace tessera
 
 int main(int argc, char** argv) {
-  tessera::RequireProcessor();
-  ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error of write, not our end
-  tessera::Cancellation cancellation;
-  const tessera::EndingSignals signals(
-      [&cancellation](int count) { tessera::OnSignal(cancellation, count); });
-  try {
-    return tessera::Run({argv + 1, argv + argc}, cancellation);
-  } catch (const std::exception& e) {  // out of memory and the like
-    return tessera::Report(tessera::Failed(e.what()));
-  }
+  return tessera::RunProgram("tessera", argc, argv, tessera::Run);
 }

@@ -1,14 +1,9 @@
 #include "client/option_values.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <charconv>
-#include <cmath>
 #include <vector>
-
-#include "proto/terms.h"
-#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
@@ -31,34 +26,7 @@ std::vector<std::string_view> Split(std::string_view text, char separator) {
   return parts;
 }
 
-template <typename Number>
-Result<Number> ParseBounded(std::string_view flag, std::string_view word, Number min, Number max) {
-  Number number{};
-  if (!ParseWhole(word, number) || number < min || number > max) {
-    return BadInput(fmt::format("{}: \"{}\" is not a whole number from {} to {}", flag, word, min, max));
-  }
-  return number;
-}
-
 }  // namespace
-
-Result<int64_t> ParseInteger(std::string_view flag, std::string_view word, int64_t min, int64_t max) {
-  return ParseBounded<int64_t>(flag, word, min, max);
-}
-
-Result<uint64_t> ParseUnsigned(std::string_view flag, std::string_view word, uint64_t min, uint64_t max) {
-  return ParseBounded<uint64_t>(flag, word, min, max);
-}
-
-Result<double> ParseNumber(std::string_view flag, std::string_view word, double min, double max) {
-  double number = 0;
-  if (!ParseWhole(word, number) || !std::isfinite(number) || number < min || number > max) {
-    const std::string bound =
-        std::isfinite(max) ? fmt::format("from {} to {}", min, max) : fmt::format("of at least {}", min);
-    return BadInput(fmt::format("{}: \"{}\" is not a number {}", flag, word, bound));
-  }
-  return number;
-}
 
 Result<std::pair<int, int>> ParseResolution(std::string_view word) {
   const auto sides = Split(word, 'x');
@@ -96,22 +64,6 @@ Result<double> ParsePercent(std::string_view flag, std::string_view word) {
     return BadInput(fmt::format("{}: \"{}\" is not a share from 0% to 100%", flag, word));
   }
   return percent / 100;
-}
-
-Result<std::string> ParseTag(std::string_view flag, std::string_view word) {
-  if (IsTag(word)) return std::string(word);
-  return BadInput(
-      fmt::format("{}: \"{}\" is not a word of letters, digits and . _ - + : of at most {} characters", flag,
-                  word, kTagBytesMax));
-}
-
-Result<std::string> ParseChoice(std::string_view flag, std::string_view word,
-                                std::span<const std::string_view> choices) {
-  for (std::string_view choice : choices) {
-    if (word == choice) return std::string(word);
-  }
-  return BadInput(fmt::format("{}: \"{}\" is none of {}{}", flag, word, fmt::join(choices, ", "),
-                              DidYouMean(word, choices)));
 }
 
 Result<std::set<std::string>> ParseNames(std::string_view flag, std::string_view word,

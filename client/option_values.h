@@ -3,25 +3,18 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <limits>
 #include <set>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "proto/shell/values.h"
 #include "renderer/film/frame_spec.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
 
-Result<int64_t> ParseInteger(std::string_view flag, std::string_view word, int64_t min, int64_t max);
-Result<uint64_t> ParseUnsigned(std::string_view flag, std::string_view word, uint64_t min = 0,
-                               uint64_t max = std::numeric_limits<uint64_t>::max());
-// A finite number that is at least `min` and at most `max`.
-Result<double> ParseNumber(std::string_view flag, std::string_view word, double min,
-                           double max = std::numeric_limits<double>::infinity());
 // "WxH", pixels.
 Result<std::pair<int, int>> ParseResolution(std::string_view word);
 // "x0,x1,y0,y1", fractions of the picture.
@@ -30,11 +23,6 @@ Result<std::array<float, 4>> ParseCrop(std::string_view word);
 Result<ExrType> ParseExrType(std::string_view word);
 // "P%", 0 to 100, as a share of 1; the sign may be missing.
 Result<double> ParsePercent(std::string_view flag, std::string_view word);
-// A worker's tag.
-Result<std::string> ParseTag(std::string_view flag, std::string_view word);
-// One of `choices`.
-Result<std::string> ParseChoice(std::string_view flag, std::string_view word,
-                                std::span<const std::string_view> choices);
 // Names out of `known`, separated by commas.
 Result<std::set<std::string>> ParseNames(std::string_view flag, std::string_view word,
                                          std::span<const std::string_view> known);

@@ -1,9 +1,10 @@
 #include "coordinator/coordinator.h"
 
-#include <signal.h>
 #include <spdlog/spdlog.h>
 
+#include <condition_variable>
 #include <cstdio>
+#include <mutex>
 
 #include "coordinator/ask_core.h"
 #include "coordinator/blob_service.h"
@@ -19,14 +20,12 @@
 namespace tessera {
 namespace {
 
-void WaitForSignal() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  int signal = 0;
-  sigwait(&signals, &signal);
-  spdlog::info("signal number={}", signal);
+void AwaitStop(std::stop_token stop) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  never.wait(lock, stop, [] { return false; });
+  spdlog::info("stopping");
 }
 
 // Nothing if no web page was asked for.
@@ -48,7 +47,7 @@ Result<std::unique_ptr<WebServer>> StartWeb(const CoordinatorOptions& options, C
 
 }  // namespace
 
-Result<void> RunCoordinator(const CoordinatorOptions& options) {
+Result<void> RunCoordinator(const CoordinatorOptions& options, std::stop_token termination) {
   auto directory = DataDir::Open(options.data_dir);
   if (!directory) return directory.error();
   auto blobs = BlobStore::Open(directory->BlobsPath(), options.blob_bytes);
@@ -76,7 +75,7 @@ Result<void> RunCoordinator(const CoordinatorOptions& options) {
   for (const Address& address : (*server)->addresses()) {
     std::fprintf(stderr, "listening on %s\n", address.Text().c_str());
   }
-  WaitForSignal();
+  AwaitStop(std::move(termination));
   web->reset();
   // Waiting calls first, then no new ones, then what their answers need.
   core.Close();

@@ -5,15 +5,11 @@
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
-
-#include <cstring>
 
 #include "coordinator/blob_service.h"
 #include "coordinator/jobs_service.h"
 #include "coordinator/work_service.h"
+#include "proto/shell/system.h"
 #include "proto/wire/channel.h"
 
 namespace tessera {
@@ -21,17 +17,9 @@ namespace {
 
 constexpr std::chrono::milliseconds kShutdownPatience{1000};
 
-// Whether somebody answers at a Unix socket: gRPC would take the name away from a running coordinator.
+// Whether another process listens on a Unix socket: gRPC would take its name away.
 bool IsTaken(const Address& address) {
-  if (address.kind != Address::Kind::kUnix) return false;
-  const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (socket < 0) return false;
-  sockaddr_un name{};
-  name.sun_family = AF_UNIX;
-  std::memcpy(name.sun_path, address.path.c_str(), address.path.size() + 1);
-  const bool taken = ::connect(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0;
-  ::close(socket);
-  return taken;
+  return address.kind == Address::Kind::kUnix && CanConnect(address.path);
 }
 
 Error CannotListen(const Address& address) {

@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "proto/blobs.grpc.pb.h"
+#include "proto/shell/backoff.h"
+#include "proto/shell/pause.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "renderer/description/file_source.h"
-#include "worker/core/backoff.h"
-#include "worker/pause.h"
 
 namespace tessera {
 namespace {

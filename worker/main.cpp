@@ -1,53 +1,32 @@
-// `tessera-worker`: renders for a farm until it is told to end.
+// `tessera-worker`: renders for a farm until it is told to stop.
 #include <fmt/format.h>
-#include <signal.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <exception>
-#include <optional>
-
-#include "renderer/util/ending_signals.h"
-#include "renderer/util/processor.h"
+#include "proto/shell/log.h"
+#include "proto/shell/program.h"
 #include "worker/options.h"
 #include "worker/worker.h"
 
 namespace tessera {
 namespace {
 
-int Report(const Error& error) {
-  fmt::print(stderr, "tessera-worker: {}\n", error.message);
-  return static_cast<int>(error.kind);
-}
+constexpr const char* kProgram = "tessera-worker";
 
-// The first signal drains; the second ends us at once.
-void OnSignal(std::stop_source& stop, int count) {
-  if (count > 1) ::_exit(static_cast<int>(ErrorKind::kInterrupted));
-  stop.request_stop();
-}
-
-void SetUpLog(const std::string& level) {
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("worker"));
-  spdlog::set_level(spdlog::level::from_str(level));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
-}
-
-int Run(const std::vector<std::string>& arguments, std::stop_token stop) {
+Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termination) {
   const auto parsed = ParseWorkerCommandLine(arguments);
-  if (!parsed) return Report(parsed.error());
+  if (!parsed) return parsed.error();
   if (!parsed->answer.empty()) {
     fmt::print("{}", parsed->answer);
     return 0;
   }
   const WorkerOptions& options = parsed->options;
-  if (auto prepared = BlobCache::Prepare(options.cache_dir); !prepared) return Report(prepared.error());
-  SetUpLog(options.log_level);
+  if (auto prepared = BlobCache::Prepare(options.cache_dir); !prepared) return prepared.error();
+  StartLog(options.log_level);
   Worker worker(options);
-  const auto ended = worker.Run(stop);
-  const int code = ended ? 0 : Report(ended.error());
-  spdlog::default_logger()->flush();
-  if (worker.IsLoading()) ::_exit(code);  // a large scene is being built, which cannot be hurried
+  const auto ended = worker.Run(termination);
+  const int code = ended ? 0 : Report(kProgram, ended.error());
+  // Building a large scene cannot be interrupted, so the destructor of Worker might take long.
+  if (worker.IsLoading()) ::_exit(code);
   return code;
 }
 
@@ -55,13 +34,5 @@ int Run(const std::vector<std::string>& arguments, std::stop_token stop) {
 }  // namespace tessera
 
 int main(int argc, char** argv) {
-  tessera::RequireProcessor();
-  ::signal(SIGPIPE, SIG_IGN);  // a reader of our log that goes away is not our end
-  std::stop_source stop;
-  const tessera::EndingSignals signals([&stop](int count) { tessera::OnSignal(stop, count); });
-  try {
-    return tessera::Run({argv + 1, argv + argc}, stop.get_token());
-  } catch (const std::exception& e) {  // out of memory and the like
-    return tessera::Report(tessera::Failed(e.what()));
-  }
+  return tessera::RunProgram(tessera::kProgram, argc, argv, tessera::Run);
 }

@@ -1,4 +1,4 @@
-// Everything that the command line of `tessera-worker` can say.
+// The command line of `tessera-worker`.
 #pragma once
 
 #include <cstdint>
@@ -6,33 +6,29 @@
 #include <string>
 #include <vector>
 
+#include "proto/shell/flags.h"
+#include "proto/shell/log.h"
 #include "proto/wire/address.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
 
-constexpr uint64_t kCacheBytesDefault = uint64_t{20}
-                                        << 30;  // some large scenes: fetched once per machine, not per job
-constexpr const char* kLogLevelDefault = "info";
+// Holds several large scenes: a file is fetched once per machine, not once per job.
+constexpr uint64_t kCacheBytesDefault = uint64_t{20} << 30;
 constexpr uint64_t kCacheBytesMin = uint64_t{1} << 20;
 
-// Parsed and checked once, constant ever after.
+// Parsed and checked once, constant from then on.
 struct WorkerOptions {
   Address coordinator;
-  int threads = 0;        // render threads, each a slot; default: the processors that may be used
+  int threads = 0;        // render threads, each of them a slot; default: the processors that may be used
   std::string cache_dir;  // of scene files; default: $XDG_CACHE_HOME/tessera or ~/.cache/tessera
   uint64_t cache_bytes = kCacheBytesDefault;
-  std::string name;            // for people; default: the host's
-  std::set<std::string> tags;  // what it has that not every worker has
+  std::string name;            // shown to users; default: the host name
+  std::set<std::string> tags;  // that jobs may require
   std::string log_level = kLogLevelDefault;
 };
 
-struct WorkerCommandLine {
-  WorkerOptions options;
-  std::string answer;  // not empty: print this (help, version) and be done
-};
-
 // `arguments` without the program's name.
-Result<WorkerCommandLine> ParseWorkerCommandLine(const std::vector<std::string>& arguments);
+Result<CommandLineOf<WorkerOptions>> ParseWorkerCommandLine(const std::vector<std::string>& arguments);
 
 }  // namespace tessera

@@ -4,11 +4,11 @@
 #include <grpcpp/client_context.h>
 #include <spdlog/spdlog.h>
 
+#include "proto/shell/backoff.h"
+#include "proto/shell/pause.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
-#include "worker/core/backoff.h"
-#include "worker/pause.h"
 
 namespace tessera {
 namespace {

@@ -12,10 +12,10 @@
 #include <stop_token>
 #include <vector>
 
+#include "proto/shell/backoff.h"
 #include "proto/terms.h"
 #include "renderer/util/result.h"
 #include "worker/activity_meter.h"
-#include "worker/core/backoff.h"
 #include "worker/prefetcher.h"
 #include "worker/workbench.h"
 

@@ -6,8 +6,8 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <exception>
-#include <random>
 
+#include "proto/shell/system.h"
 #include "proto/wire/channel.h"
 #include "renderer/film/radiance_tile.h"
 #include "renderer/scene/probe.h"
@@ -30,13 +30,6 @@ constexpr std::chrono::milliseconds kReturnPatience{2500};  // for what is left 
 constexpr std::chrono::milliseconds kGoodbyePatience{1000};
 constexpr std::chrono::milliseconds kLoaderPatience{500};
 
-uint64_t RandomNumber() {
-  std::random_device device;
-  const uint64_t high = device();
-  const uint64_t low = device();
-  return (high << 32 | low) | 1;  // not 0
-}
-
 std::string ProbeDigest() {
   const auto start = Clock::now();
   const auto digest = RenderProbe();
@@ -48,7 +41,7 @@ std::string ProbeDigest() {
 
 WorkerState Introduce(const WorkerOptions& options) {
   WorkerState self;
-  self.worker = WorkerId{RandomNumber()};
+  self.worker = WorkerId{RandomId()};
   self.name = options.name;
   self.slots = options.threads;
   self.build_digest = BuildId();

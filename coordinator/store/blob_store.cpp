@@ -22,10 +22,6 @@ constexpr std::chrono::hours kUnfinishedAgeMax{24};         // nobody comes back
 constexpr uint64_t kWorthKeepingBytes = uint64_t{1} << 20;  // of an upload that was cut short
 constexpr size_t kPieceBytes = size_t{1} << 20;
 
-Error SystemError(const std::string& path, const char* what) {
-  return Failed(fmt::format("{}: {}: {}", path, what, std::strerror(errno)));
-}
-
 }  // namespace
 
 Result<BlobStore> BlobStore::Open(const std::string& path, uint64_t bytes_max) {

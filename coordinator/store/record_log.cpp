@@ -60,10 +60,6 @@ std::optional<Found> RecordAt(std::string_view bytes, uint64_t payload_bytes_max
   return Found{payload, synced};
 }
 
-Error SystemError(const std::string& path, const char* what) {
-  return Failed(fmt::format("{}: {}: {}", path, what, std::strerror(errno)));
-}
-
 // A readable record behind the unreadable bytes at `bad` that says they were synced once.
 std::optional<size_t> WitnessOfDamage(std::string_view bytes, size_t bad, uint64_t payload_bytes_max) {
   for (size_t at = bad + 1; at + kHeaderBytes < bytes.size(); ++at) {

@@ -32,10 +32,6 @@ class FileDescriptor {
   int number_;
 };
 
-Error SystemError(const std::string& path, const char* what) {
-  return Failed(fmt::format("{}: {}: {}", path, what, std::strerror(errno)));
-}
-
 bool WriteAll(int descriptor, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
@@ -47,6 +43,10 @@ bool WriteAll(int descriptor, std::string_view bytes) {
 }
 
 }  // namespace
+
+Error SystemError(const std::string& path, const char* what) {
+  return Failed(fmt::format("{}: {}: {}", path, what, std::strerror(errno)));
+}
 
 Result<std::string> ReadFile(const std::string& path, uint64_t size_max) {
   // Not blocking: a pipe must be refused, not waited for.

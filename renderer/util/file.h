@@ -20,6 +20,9 @@ Result<std::string> Gunzip(std::string_view compressed, const std::string& path,
 // failure the temporary file is removed and what was at `path` is untouched.
 Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes);
 
+// "PATH: WHAT: " with the reason that errno holds, as in "/data/journal: cannot be written: No space left on device".
+Error SystemError(const std::string& path, const char* what);
+
 // Makes names that were given or taken in a folder last. Where the system cannot, nothing happens.
 void SyncFolder(const std::string& folder);
 

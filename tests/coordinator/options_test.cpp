@@ -8,20 +8,20 @@ namespace {
 
 using testing::HasSubstr;
 
-Result<std::optional<CoordinatorOptions>> Parse(std::vector<std::string> words) {
-  words.insert(words.begin(), "tessera-coordinator");
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  return ParseCoordinatorOptions(static_cast<int>(arguments.size()), arguments.data());
+Result<CoordinatorOptions> Parse(const std::vector<std::string>& words) {
+  auto parsed = ParseCoordinatorCommandLine(words);
+  if (!parsed) return parsed.error();
+  EXPECT_EQ(parsed->answer, "");
+  return std::move(parsed->options);
 }
 
 TEST(CoordinatorOptions, ListensOnEveryAddressGiven) {
   const auto options = Parse({"--listen", "127.0.0.1:80", "--data-dir", "/d", "--listen", "unix:/s"});
   ASSERT_TRUE(options) << options.error().message;
-  ASSERT_EQ((*options)->listen.size(), 2u);
-  EXPECT_EQ((*options)->listen[1].Text(), "unix:/s");
-  EXPECT_EQ((*options)->data_dir, "/d");
-  EXPECT_EQ((*options)->attempts_max, 3);
+  ASSERT_EQ(options->listen.size(), 2u);
+  EXPECT_EQ(options->listen[1].Text(), "unix:/s");
+  EXPECT_EQ(options->data_dir, "/d");
+  EXPECT_EQ(options->attempts_max, 3);
 }
 
 TEST(CoordinatorOptions, OpenAddressesNeedInsecure) {
@@ -32,14 +32,37 @@ TEST(CoordinatorOptions, OpenAddressesNeedInsecure) {
   EXPECT_TRUE(Parse({"--listen", "0.0.0.0:80", "--data-dir", "/d", "--insecure"}));
 }
 
-TEST(CoordinatorOptions, TheWebPageKeepsToThisMachineToo) {
+TEST(CoordinatorOptions, TheStatusPageIsLocalUnlessInsecure) {
   const auto options = Parse({"--listen", "unix:/s", "--data-dir", "/d", "--http", "127.0.0.1:8080"});
   ASSERT_TRUE(options) << options.error().message;
-  EXPECT_EQ((*options)->http->Text(), "127.0.0.1:8080");
+  EXPECT_EQ(options->http->Text(), "127.0.0.1:8080");
   const auto open = Parse({"--listen", "unix:/s", "--data-dir", "/d", "--http", "0.0.0.0:8080"});
   ASSERT_FALSE(open);
   EXPECT_THAT(open.error().message, HasSubstr("--http 0.0.0.0:8080"));
   EXPECT_FALSE(Parse({"--listen", "unix:/s", "--data-dir", "/d", "--http", "unix:/web"}));
+}
+
+TEST(CoordinatorOptions, SizeLimitsHaveTheirPresentAndTheirOldNames) {
+  for (const auto& [blobs, sums] :
+       {std::pair("--blobs-size", "--sums-size"), {"--blob-bytes", "--keep-sums"}}) {
+    const auto options = Parse({"--listen", "unix:/s", "--data-dir", "/d", blobs, "1.5G", sums, "500MB"});
+    ASSERT_TRUE(options) << options.error().message;
+    EXPECT_EQ(options->blob_bytes, uint64_t{1536} << 20);
+    EXPECT_EQ(options->keep_sums_bytes, uint64_t{500} << 20);
+  }
+}
+
+TEST(CoordinatorOptions, HelpShowsTheDefaultsInOneForm) {
+  const std::string help = ParseCoordinatorCommandLine({"--help"})->answer;
+  EXPECT_THAT(help, HasSubstr("[default: 100G]"));
+  EXPECT_THAT(help, HasSubstr("[default: 16G]"));
+  EXPECT_THAT(help, HasSubstr("[default: 3]"));
+  EXPECT_THAT(help, HasSubstr("[default: info]"));
+}
+
+TEST(CoordinatorOptions, AnUnknownFlagIsRefusedWithASuggestion) {
+  EXPECT_EQ(Parse({"--listn", "unix:/s", "--data-dir", "/d"}).error().message,
+            "unknown flag \"--listn\" (did you mean \"--listen\"?)");
 }
 
 TEST(CoordinatorOptions, BadUsageIsRefused) {
@@ -51,6 +74,8 @@ TEST(CoordinatorOptions, BadUsageIsRefused) {
       {"--listen", "127.0.0.1:80", "--data-dir", ""},
       {"--listen", "127.0.0.1:80", "--data-dir", "/d", "--no-such-flag"},
       {"--listen", "127.0.0.1:80", "--data-dir", "/d", "--attempts-max", "0"},
+      {"--listen", "127.0.0.1:80", "--data-dir", "/d", "--blobs-size", "1K"},
+      {"--listen", "127.0.0.1:80", "--data-dir", "/d", "--sums-size", "-1"},
       {"--listen", "127.0.0.1:80", "--data-dir", "/d", "--log-level", "loud"},
   };
   for (const auto& words : table) {

@@ -1,4 +1,4 @@
-// Waiting that ends when the worker does.
+// Waiting that ends early when a stop is requested.
 #pragma once
 
 #include <chrono>
@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-// Waits for `duration` or until a stop is requested; whether it is worth going on.
+// Waits for `duration` or until a stop is requested. Returns false if a stop was requested.
 inline bool Pause(std::stop_token stop, std::chrono::milliseconds duration) {
   std::mutex mutex;
   std::condition_variable_any never;

@@ -1,4 +1,4 @@
-#include "renderer/util/ending_signals.h"
+#include "proto/shell/termination_signals.h"
 
 #include <pthread.h>
 #include <signal.h>
@@ -18,20 +18,21 @@ sigset_t TheSignals() {
 
 }  // namespace
 
-EndingSignals::EndingSignals(std::function<void(int count)> action) : action_(std::move(action)) {
+TerminationSignals::TerminationSignals(std::function<void(int count)> action) : action_(std::move(action)) {
   const sigset_t signals = TheSignals();
   TESSERA_CHECK(pthread_sigmask(SIG_BLOCK, &signals, nullptr) == 0);
   thread_ = std::thread([this] { WaitForSignals(); });
 }
 
-EndingSignals::~EndingSignals() {
+TerminationSignals::~TerminationSignals() {
   closing_ = true;
-  // NOLINTNEXTLINE(bugprone-bad-signal-to-kill-thread): it is blocked there and ends a wait, not the process.
+  // The signal is blocked in that thread and ends its wait, not the process.
+  // NOLINTNEXTLINE(bugprone-bad-signal-to-kill-thread)
   pthread_kill(thread_.native_handle(), SIGTERM);
   thread_.join();
 }
 
-void EndingSignals::WaitForSignals() {
+void TerminationSignals::WaitForSignals() {
   const sigset_t signals = TheSignals();
   for (int count = 0;;) {
     int signal = 0;

@@ -1,11 +1,11 @@
-#include "worker/core/backoff.h"
+#include "proto/shell/backoff.h"
 
 #include <gtest/gtest.h>
 
 namespace tessera {
 namespace {
 
-TEST(Backoff, DoublesWithinItsBoundsAndStartsAgainAfterSuccess) {
+TEST(Backoff, DoublesUpToItsMaximumAndRestartsAfterASuccess) {
   Backoff backoff(1);
   auto full = kBackoffFirst;
   for (int i = 0; i < 40; ++i) {
@@ -18,7 +18,7 @@ TEST(Backoff, DoublesWithinItsBoundsAndStartsAgainAfterSuccess) {
   EXPECT_LE(backoff.Next(), kBackoffFirst);
 }
 
-TEST(Backoff, WorkersDoNotComeBackAllAtOnce) {
+TEST(Backoff, EverySeedGivesItsOwnSequenceOfWaits) {
   Backoff one(1), same(1), other(2);
   bool differs = false;
   for (int i = 0; i < 10; ++i) {

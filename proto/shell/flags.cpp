@@ -1,0 +1,157 @@
+#include "proto/shell/flags.h"
+
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <memory>
+#include <string_view>
+
+#include "proto/shell/log.h"
+#include "proto/shell/values.h"
+#include "proto/terms.h"
+#include "renderer/util/text.h"
+
+namespace tessera {
+namespace {
+
+// Errors leave CLI11's callbacks as its exceptions.
+void Apply(const WordSetter& set, const std::string& word) {
+  if (const auto done = set(word); !done) throw CLI::ValidationError(done.error().message);
+}
+
+std::vector<std::string> FlagsOf(const CLI::App& app) {
+  std::vector<std::string> flags;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) flags.push_back("-" + name);
+  }
+  return flags;
+}
+
+std::vector<std::string> CommandsOf(const CLI::App& app) {
+  std::vector<std::string> commands;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) commands.push_back(command->get_name());
+  return commands;
+}
+
+std::string Complaint(const std::string& what, const std::string& word,
+                      const std::vector<std::string>& known) {
+  const std::string stem = word.substr(0, word.find('='));
+  const std::vector<std::string_view> candidates(known.begin(), known.end());
+  return fmt::format("{} \"{}\"{}", what, stem, DidYouMean(stem, candidates));
+}
+
+// Describes the first word that neither the program nor its command knows; empty if there is none.
+std::string UnknownWord(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    if (command->remaining().empty()) continue;
+    const std::string word = command->remaining().front();
+    const bool is_flag = word.starts_with("-");
+    return Complaint(command->get_name() + (is_flag ? ": unknown flag" : ": unexpected word"), word,
+                     FlagsOf(*command));
+  }
+  if (app.remaining().empty()) return {};
+  const std::string word = app.remaining().front();
+  if (word.starts_with("-")) return Complaint("unknown flag", word, FlagsOf(app));
+  const std::vector<std::string> commands = CommandsOf(app);
+  return Complaint(commands.empty() ? "unexpected word" : "unknown command", word, commands);
+}
+
+}  // namespace
+
+void AddWord(CLI::App& app, const std::string& name, const std::string& type, const std::string& help,
+             WordSetter set, Presence presence) {
+  app.add_option_function<std::string>(
+         name, [set = std::move(set)](const std::string& word) { Apply(set, word); }, help)
+      ->type_name(type)
+      ->required(presence == Presence::kRequired);
+}
+
+void AddRepeatedWord(CLI::App& app, const std::string& name, const std::string& type, const std::string& help,
+                     int count_max, WordSetter set, Presence presence) {
+  const auto set_all = [name, count_max, set = std::move(set)](const std::vector<std::string>& words) {
+    if (words.size() > static_cast<size_t>(count_max)) {
+      throw CLI::ValidationError(fmt::format("{}: given more than {} times", name, count_max));
+    }
+    for (const std::string& word : words) Apply(set, word);
+  };
+  app.add_option_function<std::vector<std::string>>(name, set_all, help)
+      ->type_name(type)
+      ->allow_extra_args(false)
+      ->required(presence == Presence::kRequired);
+}
+
+void AddText(CLI::App& app, const std::string& name, const std::string& type, const std::string& help,
+             std::string& target, Presence presence) {
+  app.add_option(name, target, help)->type_name(type)->required(presence == Presence::kRequired);
+}
+
+void AddInteger(CLI::App& app, const std::string& name, const std::string& help, int min, int max,
+                int& target, Presence presence) {
+  const auto set = [name, min, max, &target](const std::string& word) -> Result<void> {
+    const auto number = ParseInteger(name, word, min, max);
+    if (!number) return number.error();
+    target = static_cast<int>(*number);
+    return {};
+  };
+  AddWord(app, name, "N", help, set, presence);
+}
+
+void AddSize(CLI::App& app, const std::string& name, const std::string& help, uint64_t min,
+             uint64_t& target) {
+  // A flag with several names, "--new,--old", is reported by its first.
+  const auto set = [flag = name.substr(0, name.find(',')), min,
+                    &target](const std::string& word) -> Result<void> {
+    const auto size = ParseSize(flag, word, min);
+    if (!size) return size.error();
+    target = *size;
+    return {};
+  };
+  AddWord(app, name, "SIZE", WithDefault(help, SizeText(target)), set);
+}
+
+void AddSwitch(CLI::App& app, const std::string& name, const std::string& help, bool& target) {
+  app.add_flag(name, target, help);
+}
+
+void AddLogLevel(CLI::App& app, std::string& target) {
+  const auto set = [&target](const std::string& word) -> Result<void> {
+    auto level = ParseChoice("--log-level", word, LogLevels());
+    if (!level) return level.error();
+    target = std::move(*level);
+    return {};
+  };
+  AddWord(app, "--log-level", "LEVEL",
+          WithDefault("Least severe log lines to print: debug, info, warning or error", target), set);
+}
+
+std::string WithDefault(const std::string& help, const std::string& value) {
+  return fmt::format("{} [default: {}]", help, value);
+}
+
+Result<std::string> ParseArguments(CLI::App& app, std::vector<std::string> arguments) {
+  // Extras are allowed so that UnknownWord can report them with a suggestion.
+  app.allow_extras();
+  app.set_version_flag("--version", std::string(kSoftwareVersion), "Print the version and exit");
+  for (CLI::App* command : app.get_subcommands(nullptr)) command->allow_extras();
+  std::ranges::reverse(arguments);  // CLI11 takes them from the back
+  std::string problem;
+  try {
+    app.parse(std::move(arguments));
+  } catch (const CLI::CallForHelp&) {
+    const auto chosen = app.get_subcommands();
+    return chosen.empty() ? app.help() : chosen.front()->help();
+  } catch (const CLI::CallForVersion&) {
+    return fmt::format("{} {}\n", app.get_name(), kSoftwareVersion);
+  } catch (const CLI::ParseError& e) {
+    problem = e.what();
+  }
+  if (const std::string unknown = UnknownWord(app); !unknown.empty()) problem = unknown;
+  if (!problem.empty()) return BadInput(problem);
+  return std::string();
+}
+
+}  // namespace tessera

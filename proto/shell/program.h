@@ -1,0 +1,30 @@
+// The main function of every program: signals, exceptions, error messages and exit codes (DESIGN.md section
+// 8).
+#pragma once
+
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "renderer/util/result.h"
+
+namespace tessera {
+
+// What a program does with its arguments (without the program's name). A stop of the token means that the
+// user or the system wants the program to end. Returns the exit code or the error that ended the program.
+using ProgramBody =
+    std::function<Result<int>(const std::vector<std::string>& arguments, std::stop_token termination)>;
+
+// Runs `body` and returns the exit code. The first SIGINT or SIGTERM requests a stop of the token; the second
+// ends the process immediately, with exit code 130. An error, or an exception such as std::bad_alloc, is
+// reported with the program's name on stderr. Call it from main before any thread is started.
+int RunProgram(const std::string& name, int argc, char** argv, const ProgramBody& body);
+
+// Prints "NAME: MESSAGE" on one line of stderr. Returns the exit code of the error.
+int Report(const std::string& name, const Error& error);
+
+// The value of an environment variable; empty if it is not set.
+std::string Environment(const char* variable);
+
+}  // namespace tessera

@@ -1,0 +1,67 @@
+#include "proto/shell/program.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <new>
+
+#include "proto/shell/pause.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::seconds kPatience{30};
+
+int RunMain(const ProgramBody& body) {
+  char name[] = "program", word[] = "word";
+  char* arguments[] = {name, word, nullptr};
+  return RunProgram("program", 2, arguments, body);
+}
+
+TEST(Program, ReturnsTheExitCodeOfItsBody) {
+  EXPECT_EQ(RunMain([](const std::vector<std::string>& arguments, std::stop_token) -> Result<int> {
+              return arguments == std::vector<std::string>{"word"} ? 0 : 7;
+            }),
+            0);
+}
+
+TEST(Program, AnErrorIsOneLineOnStderrAndItsKindIsTheExitCode) {
+  testing::internal::CaptureStderr();
+  const int code =
+      RunMain([](const auto&, std::stop_token) -> Result<int> { return BadInput("two\nlines"); });
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "program: two lines\n");
+  EXPECT_EQ(code, 2);
+}
+
+TEST(Program, AnExceptionIsAFailure) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(RunMain([](const auto&, std::stop_token) -> Result<int> { throw std::bad_alloc(); }), 1);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "program: std::bad_alloc\n");
+}
+
+TEST(Program, TheFirstSignalRequestsAStop) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    EXPECT_EQ(RunMain([signal](const auto&, std::stop_token termination) -> Result<int> {
+                ::kill(::getpid(), signal);
+                return Pause(termination, kPatience) ? 1 : 0;
+              }),
+              0);
+  }
+}
+
+TEST(ProgramDeathTest, TheSecondSignalEndsTheProcessImmediately) {
+  const auto ignore_signals = [](const auto&, std::stop_token termination) -> Result<int> {
+    ::kill(::getpid(), SIGTERM);
+    Pause(termination, kPatience);
+    ::kill(::getpid(), SIGTERM);
+    Pause({}, kPatience);
+    return 0;
+  };
+  EXPECT_EXIT(RunMain(ignore_signals), testing::ExitedWithCode(130), "");
+}
+
+}  // namespace
+}  // namespace tessera
