@@ -26,7 +26,7 @@ void PictureStream::SendFile(const std::string& path) {
 }
 
 void PictureStream::SendPicture(const FinishedPicture& picture) {
-  auto bytes = EncodeExr(picture.spec->frames[picture.frame].spec, picture.picture);
+  auto bytes = EncodeExr(picture.spec->frames[picture.frame].spec, picture.snapshot.Picture());
   if (!bytes) {
     Finish(ToStatus(bytes.error()));
     return;

@@ -10,7 +10,7 @@ namespace {
 constexpr std::chrono::milliseconds kRetry{2000};  // a full disk empties slowly
 
 Result<Digest> EncodeAndWrite(const DataDir& directory, const FinishedPicture& finished) {
-  const auto bytes = EncodeExr(finished.spec->frames[finished.frame].spec, finished.picture);
+  const auto bytes = EncodeExr(finished.spec->frames[finished.frame].spec, finished.snapshot.Picture());
   if (!bytes) return bytes.error();
   if (const auto prepared = directory.PreparePicture(finished.job); !prepared) return prepared.error();
   const auto written = WriteFileAtomically(directory.PicturePath(finished.job, finished.frame), *bytes);

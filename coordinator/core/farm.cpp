@@ -171,12 +171,13 @@ Verdict Farm::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::
 }
 
 void Farm::Merge(JobEntry& job, const WorkUnit& unit, RadianceTile tile) {
-  output_.accepted.push_back({{job.id, unit.frame}, {unit.tile, tile.range, tile.sums}});
+  job.samples_accepted += PixelSamples(tile);
+  TileNode node{unit.tile, tile.range, std::move(tile.sums)};
+  output_.accepted.push_back({{job.id, unit.frame}, node});
   Merger& merger = MergerOf(job, unit.frame);
   const uint64_t merged = merger.samples_merged();
   const uint64_t total = merger.samples_total();
-  job.samples_accepted += PixelSamples(tile);
-  const auto outcome = merger.Add(static_cast<int>(unit.tile), std::move(tile));
+  const auto outcome = merger.Add(std::move(node));
   TESSERA_CHECK(outcome && *outcome == Merger::Outcome::kMerged);  // as the scheduler said
   job.samples_done += merger.samples_merged() - merged;
   job.samples_total -= total - merger.samples_total();
@@ -200,7 +201,7 @@ Merger& Farm::MergerOf(JobEntry& job, uint32_t frame) {
 
 void Farm::CompleteFrame(JobEntry& job, uint32_t frame) {
   Merger& merger = job.mergers.at(frame);
-  output_.pictures.push_back({job.id, frame, job.spec, merger.Picture()});
+  output_.pictures.push_back({job.id, frame, job.spec, merger.Snapshot()});
   job.taken[frame] = merger.samples_merged();
   if (MayKeep(job)) output_.sums.push_back({{job.id, frame}, merger.TakeNodes()});
   job.mergers.erase(frame);

@@ -37,7 +37,7 @@ struct FinishedPicture {
   JobId job{};
   uint32_t frame = 0;
   std::shared_ptr<const JobSpec> spec;
-  FramePicture picture;
+  FrameSnapshot snapshot;  // to be painted off the deciding thread
 };
 
 // What to do after a batch of events, in this order: put `accepted` into the spool and the facts into the

@@ -226,9 +226,9 @@ std::optional<FinishedPicture> Farm::Preview(JobId id, uint32_t frame) const {
   if (job == nullptr || frame >= job->spec->frames.size() || HasEnded(job->state)) return std::nullopt;
   if (scheduler_.IsComplete(id, frame)) return std::nullopt;
   const auto merger = job->mergers.find(frame);
-  FramePicture picture = merger == job->mergers.end() ? Merger(job->spec->frames[frame].spec).Picture()
-                                                      : merger->second.Picture();
-  return FinishedPicture{id, frame, job->spec, std::move(picture)};
+  FrameSnapshot snapshot = merger == job->mergers.end() ? Merger(job->spec->frames[frame].spec).Snapshot()
+                                                        : merger->second.Snapshot();
+  return FinishedPicture{id, frame, job->spec, std::move(snapshot)};
 }
 
 }  // namespace tessera

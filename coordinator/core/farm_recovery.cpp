@@ -133,7 +133,7 @@ void Farm::ResumeJob(Instant now, JobEntry& job) {
 
 // The scheduler learns what is merged, and which tiles have decided by it to stop.
 void Farm::RestoreWork(JobId id, uint32_t frame, const Merger& merger) {
-  merger.VisitNodes([&](uint32_t tile, SampleRange range, const std::vector<float>&) {
+  merger.VisitNodes([&](uint32_t tile, SampleRange range, const SharedSums&) {
     scheduler_.RestoreDone(id, frame, {tile, range});
   });
   if (!merger.spec().IsAdaptive()) return;

@@ -32,8 +32,9 @@ Result<TileNode> DecodeNode(std::string_view payload) {
   node.range.size = in.Read32();
   if (!in.ok() || !node.range.IsDyadic() || sums_bytes % sizeof(float) != 0)
     return Failed("holds something else than sums of samples");
-  node.sums.resize(sums_bytes / sizeof(float));
-  std::memcpy(node.sums.data(), payload.data() + kHeadBytes, sums_bytes);
+  std::vector<float> sums(sums_bytes / sizeof(float));
+  std::memcpy(sums.data(), payload.data() + kHeadBytes, sums_bytes);
+  node.sums = std::move(sums);
   return node;
 }
 

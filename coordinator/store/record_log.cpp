@@ -153,14 +153,14 @@ RecordLog::~RecordLog() {
   ::close(file_);
 }
 
-void RecordLog::Append(std::string_view head, std::vector<float> body) {
-  const size_t size = head.size() + body.size() * sizeof(float);
+void RecordLog::Append(std::string_view head, SharedSums body) {
+  const size_t size = head.size() + body->size() * sizeof(float);
   TESSERA_CHECK(size > 0 && size <= UINT32_MAX);
   Record record;
   record.head.reserve(kHeaderBytes + head.size());
   record.head.assign(kHeaderBytes, '\0').append(head);
   record.payload_bytes = static_cast<uint32_t>(size);
-  record.payload_crc = Crc32c(Bytes(body), Crc32c(head));
+  record.payload_crc = Crc32c(Bytes(*body), Crc32c(head));
   record.body = std::move(body);
   pending_bytes_ += kHeaderBytes + size;
   pending_.push_back(std::move(record));
@@ -174,7 +174,7 @@ Result<void> RecordLog::Sync() {
     const std::string header = RecordHeader(record.payload_bytes, synced_, record.payload_crc);
     record.head.replace(0, header.size(), header);
     AddPiece(pieces, record.head);
-    AddPiece(pieces, Bytes(record.body));
+    AddPiece(pieces, Bytes(*record.body));
   }
   // Always from the synced end: what a failed attempt left there is written over.
   if (!WriteAt(file_, pieces, synced_)) return SystemError(path_, "cannot be written");

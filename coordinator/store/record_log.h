@@ -19,6 +19,7 @@
 #include <string_view>
 #include <vector>
 
+#include "renderer/film/shared_sums.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -50,7 +51,7 @@ class RecordLog {
   RecordLog& operator=(const RecordLog&) = delete;
 
   // Keeps a record in memory until Sync. Its payload is `head`, then the bytes of `body`.
-  void Append(std::string_view head, std::vector<float> body = {});
+  void Append(std::string_view head, SharedSums body = {});
   // All records appended so far are on stable storage when this succeeds. When it fails they stay in memory
   // and it may be tried again.
   Result<void> Sync();
@@ -61,7 +62,7 @@ class RecordLog {
  private:
   struct Record {
     std::string head;  // with room for the record's header before it
-    std::vector<float> body;
+    SharedSums body;
     uint32_t payload_bytes = 0, payload_crc = 0;
   };
   RecordLog(std::string path, int file, uint64_t synced)

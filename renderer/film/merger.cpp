@@ -7,9 +7,17 @@
 namespace tessera {
 namespace {
 
-// left += right, value by value: the parent of two siblings.
-void AddInto(std::vector<float>& left, const std::vector<float>& right) {
-  for (size_t i = 0; i < left.size(); ++i) left[i] = left[i] + right[i];
+// sum = left + right, value by value: the parent of two siblings. `sum` may be one of them.
+void AddSiblings(const std::vector<float>& left, const std::vector<float>& right, std::vector<float>& sum) {
+  for (size_t i = 0; i < sum.size(); ++i) sum[i] = left[i] + right[i];
+}
+
+// The sums without those of pixels that are not in the mask.
+SharedSums OnlyPixels(const FrameSpec& spec, const PixelMask& pixels, const SharedSums& sums) {
+  if (pixels.HasAll()) return sums;
+  std::vector<float> kept = *sums;
+  KeepPixels(spec, pixels, kept);
+  return kept;
 }
 
 bool IsInside(const std::vector<SampleRange>& partition, SampleRange range) {
@@ -30,28 +38,6 @@ void AppendMissing(const Nodes& nodes, SampleRange range, std::vector<SampleRang
   }
   AppendMissing(nodes, range.Left(), missing);
   AppendMissing(nodes, range.Right(), missing);
-}
-
-// The sum, in order, of the nodes that make a prefix [0, n) if there is one, of all nodes otherwise.
-struct NodeSum {
-  std::vector<float> sums;
-  uint32_t samples = 0;
-};
-
-template <typename Nodes>
-NodeSum SumOfNodes(const Nodes& nodes) {
-  NodeSum total;
-  const bool has_prefix = !nodes.empty() && nodes.begin()->first.begin == 0;
-  for (const auto& [range, sums] : nodes) {
-    if (has_prefix && range.begin != total.samples) break;
-    total.samples += range.size;
-    if (total.sums.empty()) {
-      total.sums = sums;
-    } else {
-      AddInto(total.sums, sums);
-    }
-  }
-  return total;
 }
 
 // The pixels that have every sample of both halves.
@@ -84,32 +70,43 @@ Merger::Merger(FrameSpec spec) : spec_(std::move(spec)) {
   samples_total_ = static_cast<uint64_t>(spec_.crop.area()) * spec_.samples_per_pixel;
 }
 
-Result<Merger::Outcome> Merger::Add(int tile_index, RadianceTile result) {
-  if (tile_index < 0 || tile_index >= spec_.TileCount()) {
-    return Failed(fmt::format("tile {} is not one of the frame's {}", tile_index, spec_.TileCount()));
-  }
-  if (result.bounds != spec_.TileBounds(tile_index))
-    return Failed(fmt::format("tile {}: its bounds are wrong", tile_index));
-  if (result.channels != spec_.channel_count() ||
-      static_cast<int64_t>(result.sums.size()) != result.bounds.area() * result.channels) {
-    return Failed(
-        fmt::format("tile {}: its channels are not the frame's {}", tile_index, spec_.channel_count()));
-  }
-  if (!result.range.IsDyadic() || !IsInside(partition_, result.range)) {
-    return Failed(
-        fmt::format("tile {}: samples {} are no part of the frame", tile_index, result.range.Text()));
-  }
-  if (Has(tile_index, result.range)) return Outcome::kDuplicate;
+Result<Merger::Outcome> Merger::Add(int tile, RadianceTile result) {
+  if (tile < 0 || tile >= spec_.TileCount())
+    return Failed(fmt::format("tile {} is not one of the frame's {}", tile, spec_.TileCount()));
+  if (result.bounds != spec_.TileBounds(tile))
+    return Failed(fmt::format("tile {}: its bounds are wrong", tile));
+  if (result.channels != spec_.channel_count())
+    return Failed(fmt::format("tile {}: its channels are not the frame's {}", tile, spec_.channel_count()));
+  return Add(TileNode{static_cast<uint32_t>(tile), result.range, std::move(result.sums)});
+}
 
-  Tile& tile = tiles_[static_cast<size_t>(tile_index)];
-  const auto pixels = static_cast<uint64_t>(result.bounds.area());
-  const int width = result.bounds.width();
+Result<void> Merger::Check(const TileNode& node) const {
+  if (node.tile >= tiles_.size())
+    return Failed(fmt::format("tile {} is not one of the frame's {}", node.tile, tiles_.size()));
+  const int64_t area = spec_.TileBounds(static_cast<int>(node.tile)).area();
+  if (static_cast<int64_t>(node.sums->size()) != area * spec_.channel_count()) {
+    return Failed(
+        fmt::format("tile {}: its channels are not the frame's {}", node.tile, spec_.channel_count()));
+  }
+  if (!node.range.IsDyadic() || !IsInside(partition_, node.range))
+    return Failed(fmt::format("tile {}: samples {} are no part of the frame", node.tile, node.range.Text()));
+  return {};
+}
+
+Result<Merger::Outcome> Merger::Add(TileNode node) {
+  if (const auto checked = Check(node); !checked) return checked.error();
+  const int index = static_cast<int>(node.tile);
+  if (Has(index, node.range)) return Outcome::kDuplicate;
+
+  Tile& tile = tiles_[node.tile];
+  const PixelBounds bounds = spec_.TileBounds(index);
+  const auto pixels = static_cast<uint64_t>(bounds.area());
   samples_merged_ -= SamplesOfNodes(tile.nodes, pixels);
   samples_total_ -= tile.samples_total;
   // What was wanted of earlier samples is there.
-  if (spec_.IsAdaptive() && result.range.begin > 0) KeepPixels(spec_, tile.goal.pixels, result.sums);
-  Insert(tile.nodes, std::move(result));
-  Decide(tile, width);
+  if (spec_.IsAdaptive() && node.range.begin > 0) node.sums = OnlyPixels(spec_, tile.goal.pixels, node.sums);
+  Insert(tile.nodes, node.range, std::move(node.sums));
+  Decide(tile, bounds.width());
   samples_merged_ += SamplesOfNodes(tile.nodes, pixels);
   samples_total_ += tile.samples_total;
   return Outcome::kMerged;
@@ -119,17 +116,9 @@ uint64_t Merger::SamplesOfNodes(const Nodes& nodes, uint64_t pixels) const {
   if (!spec_.IsAdaptive()) return SampleCount(nodes) * pixels;
   double count = 0;  // exact: whole numbers far below 2^53
   for (const auto& [range, sums] : nodes) {
-    for (size_t p = 0; p < sums.size(); p += spec_.channels.size()) count += SamplesOf(spec_, &sums[p]);
+    for (size_t p = 0; p < sums->size(); p += spec_.channels.size()) count += SamplesOf(spec_, &(*sums)[p]);
   }
   return static_cast<uint64_t>(count);
-}
-
-Result<Merger::Outcome> Merger::Add(TileNode node) {
-  if (node.tile >= tiles_.size())
-    return Failed(fmt::format("tile {} is not one of the frame's {}", node.tile, tiles_.size()));
-  const int tile = static_cast<int>(node.tile);
-  return Add(tile,
-             RadianceTile{spec_.TileBounds(tile), node.range, spec_.channel_count(), std::move(node.sums)});
 }
 
 // Whether the halves of `range` decide if the tile stops at its end.
@@ -137,21 +126,20 @@ bool Merger::IsDecision(SampleRange range) const {
   return range.begin == 0 && range.size > FirstUnitMax(spec_);
 }
 
-void Merger::Insert(Nodes& nodes, RadianceTile result) const {
-  std::erase_if(nodes, [&](const auto& node) { return result.range.Contains(node.first); });
+void Merger::Insert(Nodes& nodes, SampleRange range, SharedSums sums) const {
+  std::erase_if(nodes, [&](const auto& node) { return range.Contains(node.first); });
   // Siblings become their parent as long as the parent is a part of the frame's sum.
-  SampleRange range = result.range;
-  std::vector<float> sums = std::move(result.sums);
+  std::vector<float> parent;  // empty as long as there is none
   while (IsInside(partition_, range.Parent()) && !IsDecision(range.Parent())) {
     const auto sibling = nodes.find(range.Sibling());
     if (sibling == nodes.end()) break;
-    std::vector<float> other = std::move(sibling->second);
+    const SharedSums other = std::move(sibling->second);
     nodes.erase(sibling);
-    if (!range.IsLeft()) std::swap(sums, other);
-    AddInto(sums, other);
+    if (parent.empty()) parent = *sums;
+    AddSiblings(range.IsLeft() ? parent : *other, range.IsLeft() ? *other : parent, parent);
     range = range.Parent();
   }
-  nodes.emplace(range, std::move(sums));
+  nodes.emplace(range, parent.empty() ? std::move(sums) : SharedSums(std::move(parent)));
 }
 
 // Takes the decisions that the nodes allow, in order of the doublings.
@@ -167,7 +155,7 @@ void Merger::Decide(Tile& tile, int width) const {
       tile.goal = NextGoal(spec_, tile.goal.samples, {});
     const auto right = nodes.find(left->first.Sibling());
     if (right == nodes.end()) return;
-    const TileHalves halves{whole.size, width, left->second, right->second};
+    const TileHalves halves{whole.size, width, *left->second, *right->second};
     if (tile.goal.samples == whole.size && !tile.goal.is_final) {
       GoOn(tile, halves, NoisyPixels(spec_, halves));
       if (tile.goal.samples == whole.size) return;
@@ -176,8 +164,8 @@ void Merger::Decide(Tile& tile, int width) const {
       tile.samples_total = SamplesToCome(halves, tile.goal.pixels);
     }
     if (!nodes.contains(whole.Sibling())) return;
-    std::vector<float> sums = std::move(left->second);
-    AddInto(sums, right->second);
+    std::vector<float> sums = *left->second;
+    AddSiblings(sums, *right->second, sums);
     nodes.erase(left, std::next(right));
     nodes.emplace(whole, std::move(sums));
   }
@@ -192,7 +180,8 @@ void Merger::GoOn(Tile& tile, const TileHalves& halves, PixelMask pixels) const 
     tile.goal = {halves.samples, true, {}};
     return;
   }
-  for (auto node = beyond; node != tile.nodes.end(); ++node) KeepPixels(spec_, pixels, node->second);
+  for (auto node = beyond; node != tile.nodes.end(); ++node)
+    node->second = OnlyPixels(spec_, pixels, node->second);
   tile.goal = NextGoal(spec_, halves.samples, std::move(pixels));
 }
 
@@ -229,41 +218,11 @@ std::vector<SampleRange> Merger::Missing(int tile) const {
   return missing;
 }
 
-FramePicture Merger::Picture() const {
-  FramePicture picture;
-  picture.bounds = spec_.crop;
-  picture.channels.assign(spec_.channels.begin(),
-                          spec_.channels.begin() + static_cast<std::ptrdiff_t>(spec_.MeanCount()));
-  picture.samples_min = spec_.samples_per_pixel;
-  const size_t pixels = static_cast<size_t>(spec_.crop.area());
-  picture.values.assign(pixels * picture.channels.size(), 0.0f);
-  if (spec_.samples_aov) picture.samples.assign(pixels, 0.0f);
-  for (int tile = 0; tile < spec_.TileCount(); ++tile) Paint(tile, picture);
-  return picture;
-}
-
-void Merger::Paint(int tile, FramePicture& picture) const {
-  const NodeSum shown = SumOfNodes(tiles_[static_cast<size_t>(tile)].nodes);
-  if (shown.samples == 0) {
-    picture.samples_min = 0;
-    return;
-  }
-  const size_t means = spec_.MeanCount();
-  const PixelBounds bounds = spec_.TileBounds(tile);
-  const float* pixel = shown.sums.data();
-  for (int y = bounds.y0; y < bounds.y1; ++y) {
-    size_t place = static_cast<size_t>(y - spec_.crop.y0) * static_cast<size_t>(spec_.crop.width()) +
-                   static_cast<size_t>(bounds.x0 - spec_.crop.x0);
-    float* out = &picture.values[place * means];
-    for (int x = bounds.x0; x < bounds.x1; ++x, ++place, pixel += spec_.channels.size()) {
-      const float weight = pixel[spec_.channels.size() - 1];
-      for (size_t c = 0; c < means; ++c) *out++ = weight != 0 ? pixel[c] / weight : 0.0f;
-      const uint32_t samples =
-          spec_.IsAdaptive() ? static_cast<uint32_t>(SamplesOf(spec_, pixel)) : shown.samples;
-      picture.samples_min = std::min(picture.samples_min, samples);
-      if (spec_.samples_aov) picture.samples[place] = static_cast<float>(samples);
-    }
-  }
+FrameSnapshot Merger::Snapshot() const {
+  std::vector<FrameSnapshot::TileNodes> tiles;
+  tiles.reserve(tiles_.size());
+  for (const Tile& tile : tiles_) tiles.emplace_back(tile.nodes.begin(), tile.nodes.end());
+  return {spec_, std::move(tiles)};
 }
 
 void Merger::VisitNodes(const VisitNode& visit) const {
@@ -275,7 +234,7 @@ void Merger::VisitNodes(const VisitNode& visit) const {
 std::vector<TileNode> Merger::AllNodes() const {
   std::vector<TileNode> all;
   all.reserve(node_count());
-  VisitNodes([&](uint32_t tile, SampleRange range, const std::vector<float>& sums) {
+  VisitNodes([&](uint32_t tile, SampleRange range, const SharedSums& sums) {
     all.push_back({tile, range, sums});
   });
   return all;

@@ -12,24 +12,17 @@
 #include <vector>
 
 #include "renderer/film/adaptive.h"
+#include "renderer/film/frame_snapshot.h"
 #include "renderer/film/radiance_tile.h"
+#include "renderer/film/shared_sums.h"
 
 namespace tessera {
-
-// A finished or partly finished picture: values (sums divided by weights), channels without the weight "W".
-struct FramePicture {
-  PixelBounds bounds;  // data window
-  std::vector<std::string> channels;
-  std::vector<float> values;   // [(y * width + x) * channels + c]
-  std::vector<float> samples;  // of each pixel, if the frame asks for it: those its values are made of
-  uint32_t samples_min = 0;    // of the pixel that has the fewest
-};
 
 // Sums of samples `range` of every pixel of a tile, as RadianceTile has them: a node of its tree.
 struct TileNode {
   uint32_t tile = 0;
   SampleRange range;
-  std::vector<float> sums;
+  SharedSums sums;
 
   bool operator==(const TileNode&) const = default;
 };
@@ -47,7 +40,7 @@ class Merger {
   // replaces them: it is their sum. Samples beyond a stop of their pixels are dropped. Refuses bounds, range
   // or channel count that are not the frame's.
   Result<Outcome> Add(int tile, RadianceTile result);
-  // The same for a node that another merger of the frame gave out.
+  // The same for sums that others may hold as well.
   Result<Outcome> Add(TileNode node);
   // Whether every sample of `range` of the tile is merged, or will never be wanted.
   bool Has(int tile, SampleRange range) const;
@@ -59,13 +52,13 @@ class Merger {
   // Of pixels that have not stopped: as many as they may come to.
   uint64_t samples_total() const { return samples_total_; }
   bool Complete() const { return samples_merged_ == samples_total_; }
-  // Of what is merged; a tile with a complete prefix [0, n) shows that, any other what it has; black where
-  // nothing.
-  FramePicture Picture() const;
+  // What is merged now. Shares the sums with the merger.
+  FrameSnapshot Snapshot() const;
+  FramePicture Picture() const { return Snapshot().Picture(); }
   // Nodes held, for the bound on memory.
   size_t node_count() const;
   // Shows every node, by tile and range.
-  using VisitNode = std::function<void(uint32_t tile, SampleRange range, const std::vector<float>& sums)>;
+  using VisitNode = std::function<void(uint32_t tile, SampleRange range, const SharedSums& sums)>;
   void VisitNodes(const VisitNode& visit) const;
   // All that is merged: added to another merger of the frame they make it equal to this.
   std::vector<TileNode> AllNodes() const;
@@ -73,19 +66,19 @@ class Merger {
   std::vector<TileNode> TakeNodes();
 
  private:
-  using Nodes = std::map<SampleRange, std::vector<float>>;  // disjoint ranges
+  using Nodes = std::map<SampleRange, SharedSums>;  // disjoint ranges
   struct Tile {
     Nodes nodes;
     TileGoal goal;
     uint64_t samples_total = 0;  // pixel samples
   };
+  Result<void> Check(const TileNode& node) const;
   bool IsDecision(SampleRange range) const;
-  void Insert(Nodes& nodes, RadianceTile result) const;
+  void Insert(Nodes& nodes, SampleRange range, SharedSums sums) const;
   void Decide(Tile& tile, int width) const;
   void GoOn(Tile& tile, const TileHalves& halves, PixelMask pixels) const;
   uint64_t SamplesOfNodes(const Nodes& nodes, uint64_t pixels) const;
   uint64_t SamplesToCome(const TileHalves& halves, const PixelMask& pixels) const;
-  void Paint(int tile, FramePicture& picture) const;
 
   FrameSpec spec_;
   std::vector<SampleRange> partition_;

@@ -182,7 +182,8 @@ void Simulation::CheckGrants(const FarmOutput& output) {
 void Simulation::CheckPicture(const FinishedPicture& finished) {
   const FramePicture& wanted = ModelOf(finished.job)->pictures[finished.frame];
   Trace(fmt::format("picture job={} frame={}", Number(finished.job), finished.frame));
-  if (finished.picture.values != wanted.values || finished.picture.samples != wanted.samples)
+  const FramePicture picture = finished.snapshot.Picture();
+  if (picture.values != wanted.values || picture.samples != wanted.samples)
     Violation("a picture is not the reference");
 }
 

@@ -25,7 +25,7 @@ TEST(FarmExtend, AFinishedJobGoesOnWhereItWas) {
   EXPECT_TRUE(process.pictures.empty()) << "its first samples are still in the spool";
   process.Load();
   ASSERT_EQ(process.pictures.size(), 1u);
-  EXPECT_EQ(process.pictures[0].picture.values, Reference(Job(19)->frames[0].spec, 0).values);
+  EXPECT_EQ(process.pictures[0].snapshot.Picture().values, Reference(Job(19)->frames[0].spec, 0).values);
   EXPECT_EQ(process.pictures[0].spec->frames[0].spec, Job(19)->frames[0].spec) << "header and all";
   process.WritePictures();
   EXPECT_EQ(process.Status(job).state, JobState::kFinished);
@@ -48,7 +48,7 @@ TEST(FarmExtend, ARunningJobKeepsWhatIsDone) {
   process.Return(job, 0, 2, {0, 16});
   process.Return(job, 0, 3, {0, 16});
   ASSERT_EQ(process.pictures.size(), 1u);
-  EXPECT_EQ(process.pictures[0].picture.values, Reference(Job(16)->frames[0].spec, 0).values);
+  EXPECT_EQ(process.pictures[0].snapshot.Picture().values, Reference(Job(16)->frames[0].spec, 0).values);
 }
 
 TEST(FarmExtend, AnAdaptiveJobIsRefusedAndKeepsNoSums) {
@@ -106,7 +106,8 @@ TEST(FarmExtend, SurvivesARestartAtEveryStep) {
     process->Load();
     maybe_restart();
     for (const FinishedPicture& each : process->pictures) {
-      EXPECT_EQ(each.picture.values, Reference(Job(16)->frames[0].spec, each.frame).values) << restart_at;
+      EXPECT_EQ(each.snapshot.Picture().values, Reference(Job(16)->frames[0].spec, each.frame).values)
+          << restart_at;
     }
     EXPECT_EQ(process->pictures.size(), 2u) << restart_at;
     process->WritePictures();

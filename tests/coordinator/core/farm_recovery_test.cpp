@@ -41,7 +41,7 @@ TEST(FarmRecovery, EveryCrashPointLeadsToTheSamePicture) {
           << crash << " " << u;
     }
     ASSERT_EQ(after.pictures.size(), 1u) << crash;
-    EXPECT_EQ(after.pictures[0].picture.values, wanted.values) << crash;
+    EXPECT_EQ(after.pictures[0].snapshot.Picture().values, wanted.values) << crash;
   }
 }
 
@@ -89,7 +89,7 @@ TEST(FarmRecovery, TilesOfAnAdaptiveFrameStopAfterARestartWhereTheyWouldHave) {
     }
     EXPECT_EQ(after.Status(job).samples_total, wanted.samples_total()) << crash;
     ASSERT_EQ(after.pictures.size(), 1u) << crash;
-    EXPECT_EQ(after.pictures[0].picture.values, wanted.Picture().values) << crash;
+    EXPECT_EQ(after.pictures[0].snapshot.Picture().values, wanted.Picture().values) << crash;
   }
 }
 
@@ -159,7 +159,7 @@ TEST(FarmRecovery, APictureThatWasNotWrittenIsMadeFromTheSpool) {
   }
   Process after(disk);
   ASSERT_EQ(after.pictures.size(), 1u);
-  EXPECT_EQ(after.pictures[0].picture.values, Reference(Job(8)->frames[0].spec, 0).values);
+  EXPECT_EQ(after.pictures[0].snapshot.Picture().values, Reference(Job(8)->frames[0].spec, 0).values);
   after.WritePictures();
   EXPECT_EQ(after.Status(job).state, JobState::kFinished);
 }

@@ -23,7 +23,7 @@ TEST(Farm, AJobGoesFromSubmissionToPicture) {
   EXPECT_EQ(stage.Return(job, {0, 2}, Ones({0, 2})), Verdict::kAccepted);
   EXPECT_EQ(stage.Status(job).reason, "") << "what is left to do needs no worker";
   ASSERT_EQ(stage.output.pictures.size(), 1u);
-  EXPECT_EQ(stage.output.pictures[0].picture.values, std::vector<float>(64, 1.0f));
+  EXPECT_EQ(stage.output.pictures[0].snapshot.Picture().values, std::vector<float>(64, 1.0f));
   EXPECT_FALSE(stage.farm.FinishedFile(job, 0));
   stage.farm.PictureWritten(stage.now, job, 0, Sha256("file"));
   stage.Step();
@@ -247,9 +247,9 @@ TEST(Farm, AWorkerThatComputesOtherPicturesIsRefusedWithBothDigests) {
 TEST(Farm, APreviewShowsWhatIsThere) {
   FarmStage stage;
   const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
-  EXPECT_EQ(stage.farm.Preview(job, 0)->picture.values, std::vector<float>(64, 0.0f));
+  EXPECT_EQ(stage.farm.Preview(job, 0)->snapshot.Picture().values, std::vector<float>(64, 0.0f));
   stage.Return(job, {0, 1}, Ones({0, 1}));
-  EXPECT_EQ(stage.farm.Preview(job, 0)->picture.values, std::vector<float>(64, 1.0f));
+  EXPECT_EQ(stage.farm.Preview(job, 0)->snapshot.Picture().values, std::vector<float>(64, 1.0f));
   EXPECT_FALSE(stage.farm.Preview(job, 1));
   EXPECT_FALSE(stage.farm.Preview(JobId{9}, 0));
 }
@@ -270,7 +270,7 @@ TEST(Farm, AnAdaptiveJobEndsWhenItsTilesHaveStopped) {
   EXPECT_EQ(stage.Return(job, {kHalf, kHalf}, Ones({kHalf, kHalf}, 3)), Verdict::kAccepted);
   EXPECT_EQ(stage.Return(job, {0, kHalf}, Ones({0, kHalf}, 3)), Verdict::kAccepted);
   ASSERT_EQ(stage.output.pictures.size(), 1u);
-  EXPECT_EQ(stage.output.pictures[0].picture.values, std::vector<float>(64, 1.0f));
+  EXPECT_EQ(stage.output.pictures[0].snapshot.Picture().values, std::vector<float>(64, 1.0f));
   EXPECT_EQ(stage.Status(job).samples_done, kHalf * 2 * 64u);
   EXPECT_EQ(stage.Status(job).samples_total, kHalf * 2 * 64u) << "the progress reaches its end";
   EXPECT_EQ(stage.Return(job, {kHalf * 2, kHalf}, Ones({kHalf * 2, kHalf}, 3)), Verdict::kDuplicate);

@@ -37,7 +37,7 @@ TEST(FarmVerification, AResultIsMergedWhenASecondWorkerSaysTheSame) {
   EXPECT_EQ(stage.Say(job, 1, Ones(kAll)), Verdict::kDuplicate);
   EXPECT_EQ(stage.Say(job, 2, Ones(kAll)), Verdict::kAccepted);
   ASSERT_EQ(stage.output.pictures.size(), 1u);
-  EXPECT_EQ(stage.output.pictures[0].picture.values, std::vector<float>(64, 1.0f));
+  EXPECT_EQ(stage.output.pictures[0].snapshot.Picture().values, std::vector<float>(64, 1.0f));
   EXPECT_EQ(stage.Status(job).units_verified, 1u);
   EXPECT_EQ(stage.Status(job).units_disputed, 0u);
 }
@@ -55,7 +55,7 @@ TEST(FarmVerification, AWrongResultNeverReachesThePictureAndItsWorkerIsNotBeliev
   EXPECT_TRUE(stage.output.pictures.empty());
   EXPECT_EQ(stage.Say(job, 3, Ones(kAll)), Verdict::kAccepted);
   ASSERT_EQ(stage.output.pictures.size(), 1u);
-  EXPECT_EQ(stage.output.pictures[0].picture.values, std::vector<float>(64, 1.0f));
+  EXPECT_EQ(stage.output.pictures[0].snapshot.Picture().values, std::vector<float>(64, 1.0f));
   EXPECT_EQ(stage.Status(job).units_verified, 1u);
   EXPECT_EQ(stage.Say(other, 1, Ones(kAll)), Verdict::kRefused);
   EXPECT_THAT(stage.reason, HasSubstr("quarantine"));

@@ -19,9 +19,9 @@ using testing::HasSubstr;
 const FrameId kFrame{JobId{3}, 1};
 
 TileNode Node(uint32_t tile, SampleRange range, size_t values = 8) {
-  TileNode node{tile, range, {}};
-  for (size_t i = 0; i < values; ++i) node.sums.push_back(static_cast<float>(tile * 1000 + range.begin + i));
-  return node;
+  std::vector<float> sums;
+  for (size_t i = 0; i < values; ++i) sums.push_back(static_cast<float>(tile * 1000 + range.begin + i));
+  return {tile, range, std::move(sums)};
 }
 
 using Nodes = std::vector<TileNode>;

@@ -1,0 +1,45 @@
+// What is merged of a frame at one moment, as a value. Taking one costs a few pointers per tile, so the
+// thread that owns the merger can hand it to another thread, which paints and encodes the picture.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "renderer/film/frame_spec.h"
+#include "renderer/film/sample_range.h"
+#include "renderer/film/shared_sums.h"
+
+namespace tessera {
+
+// A finished or partly finished picture: values (sums divided by weights), channels without the weight "W".
+struct FramePicture {
+  PixelBounds bounds;  // data window
+  std::vector<std::string> channels;
+  std::vector<float> values;   // [(y * width + x) * channels + c]
+  std::vector<float> samples;  // of each pixel, if the frame asks for it: those its values are made of
+  uint32_t samples_min = 0;    // of the pixel that has the fewest
+};
+
+// Immutable once built; may be read on any thread.
+class FrameSnapshot {
+ public:
+  // Disjoint nodes of one tile in order of their samples.
+  using TileNodes = std::vector<std::pair<SampleRange, SharedSums>>;
+
+  FrameSnapshot() = default;
+  // `tiles` has an entry for every tile of the frame.
+  FrameSnapshot(FrameSpec spec, std::vector<TileNodes> tiles)
+      : spec_(std::move(spec)), tiles_(std::move(tiles)) {}
+
+  // A tile with a complete prefix [0, n) shows that, any other what it has; black where it has nothing.
+  FramePicture Picture() const;
+
+ private:
+  void Paint(int tile, FramePicture& picture) const;
+
+  FrameSpec spec_;
+  std::vector<TileNodes> tiles_;
+};
+
+}  // namespace tessera

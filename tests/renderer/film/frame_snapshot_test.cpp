@@ -1,0 +1,64 @@
+// A snapshot is a value: what the merger does later must not change it.
+#include "renderer/film/frame_snapshot.h"
+
+#include <gtest/gtest.h>
+
+#include "renderer/film/merger.h"
+
+namespace tessera {
+namespace {
+
+FrameSpec TwoTiles() {
+  FrameSpec spec;
+  spec.width = 4;
+  spec.height = 2;
+  spec.crop = {0, 0, 4, 2};
+  spec.tile_size = 2;
+  spec.samples_per_pixel = 4;
+  spec.channels = {"R", "W"};
+  return spec;
+}
+
+TileNode Node(uint32_t tile, SampleRange range, float value) {
+  std::vector<float> sums;
+  for (int pixel = 0; pixel < 4; ++pixel) {
+    sums.push_back(value * static_cast<float>(range.size));
+    sums.push_back(static_cast<float>(range.size));
+  }
+  return {tile, range, std::move(sums)};
+}
+
+TEST(FrameSnapshot, StaysAsItWasWhileTheMergerGoesOn) {
+  Merger merger(TwoTiles());
+  ASSERT_TRUE(merger.Add(Node(0, {0, 1}, 1)));
+  const FrameSnapshot snapshot = merger.Snapshot();
+  ASSERT_TRUE(merger.Add(Node(0, {1, 1}, 3)));
+  ASSERT_TRUE(merger.Add(Node(1, {0, 4}, 5)));
+  const FramePicture before = snapshot.Picture();
+  EXPECT_EQ(before.values, (std::vector<float>{1, 1, 0, 0, 1, 1, 0, 0}));
+  EXPECT_EQ(before.samples_min, 0u);
+  EXPECT_EQ(merger.Picture().values, (std::vector<float>{2, 2, 5, 5, 2, 2, 5, 5}));
+  EXPECT_EQ(merger.Picture().samples_min, 2u);
+}
+
+TEST(FrameSnapshot, SharesTheSumsWithTheNodesThatTheMergerGivesOut) {
+  Merger merger(TwoTiles());
+  ASSERT_TRUE(merger.Add(Node(1, {0, 4}, 5)));
+  const std::vector<TileNode> first = merger.AllNodes();
+  const std::vector<TileNode> second = merger.AllNodes();
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(&*first[0].sums, &*second[0].sums);
+}
+
+TEST(FrameSnapshot, OutlivesItsMerger) {
+  FrameSnapshot snapshot;
+  {
+    Merger merger(TwoTiles());
+    ASSERT_TRUE(merger.Add(Node(0, {0, 4}, 7)));
+    snapshot = merger.Snapshot();
+  }
+  EXPECT_EQ(snapshot.Picture().values, (std::vector<float>{7, 7, 0, 0, 7, 7, 0, 0}));
+}
+
+}  // namespace
+}  // namespace tessera
