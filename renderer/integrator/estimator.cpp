@@ -1,33 +1,41 @@
 #include "renderer/integrator/estimator.h"
 
 #include "renderer/integrator/mixture_integrator.h"
+#include "renderer/integrator/path_integrator.h"
 #include "renderer/integrator/random_walk_integrator.h"
-#include "renderer/integrator/simple_path_integrator.h"
-#include "renderer/integrator/volume_path_integrator.h"
 
 namespace tessera {
+namespace {
 
-SampledSpectrum EstimateRadiance(const World& world, const Estimator& estimator, const Ray& camera_ray,
-                                 SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts) {
-  const PathSettings& path = estimator.path;
+template <typename Sink>
+void Trace(const PathContext& context, const Estimator& estimator, const Ray& camera_ray, Sink& sink) {
   switch (estimator.integrator.kind) {
+    case IntegratorKind::kPath: return TracePath(context, camera_ray, sink);
     case IntegratorKind::kVolPath:
-      // Without media both integrators make the same picture, and the simple one makes it faster.
-      if (!world.media.empty())
-        return VolumePathRadiance(world, path, camera_ray, wavelengths, sampler, counts);
-      [[fallthrough]];
-    case IntegratorKind::kPath: return PathRadiance(world, path, camera_ray, wavelengths, sampler, counts);
-    case IntegratorKind::kMixture:
-      return MixtureRadiance(world, *estimator.lights, path, camera_ray, wavelengths, sampler, counts);
-    case IntegratorKind::kSimplePath:
-      return SimplePathRadiance(world, {path, estimator.sample_lights, estimator.sample_bsdf}, camera_ray,
-                                wavelengths, sampler, counts);
-    case IntegratorKind::kSimpleVolPath:
-      return SimplePathRadiance(world, {path, false, true}, camera_ray, wavelengths, sampler, counts);
-    case IntegratorKind::kRandomWalk:
-      return RandomWalkRadiance(world, path, camera_ray, wavelengths, sampler, counts);
+      // Without media both estimate the same radiance, and the first is faster.
+      if (context.world.media.empty()) return TracePath(context, camera_ray, sink);
+      return TraceVolumePath(context, camera_ray, sink);
+    case IntegratorKind::kMixture: return TraceMixture(context, *estimator.lights, camera_ray, sink);
+    case IntegratorKind::kSimplePath: return TraceSimplePath(context, estimator.techniques, camera_ray, sink);
+    case IntegratorKind::kSimpleVolPath: return TraceSimplePath(context, {false, true}, camera_ray, sink);
+    case IntegratorKind::kRandomWalk: return TraceRandomWalk(context, camera_ray, sink);
   }
-  return SampledSpectrum(0.0f);
+}
+
+}  // namespace
+
+SampledSpectrum EstimateRadiance(const PathContext& context, const Estimator& estimator,
+                                 const Ray& camera_ray) {
+  RadianceSink sink;
+  Trace(context, estimator, camera_ray, sink);
+  return sink.radiance;
+}
+
+SampledSpectrum EstimateRadiance(const PathContext& context, const Estimator& estimator,
+                                 const Ray& camera_ray, SampleRecorder& recorder) {
+  RecordingSink sink(camera_ray, recorder);
+  Trace(context, estimator, camera_ray, sink);
+  return sink.radiance;
 }
 
 }  // namespace tessera

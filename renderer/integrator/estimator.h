@@ -5,21 +5,25 @@
 
 #include "renderer/integrator/integrator_kinds.h"
 #include "renderer/integrator/light_directions.h"
-#include "renderer/integrator/path_integrator.h"
-#include "renderer/integrator/world.h"
+#include "renderer/integrator/sample_record.h"
+#include "renderer/integrator/simple_path_integrator.h"
 
 namespace tessera {
 
 struct Estimator {
   IntegratorTraits integrator;
   PathSettings path;
-  bool sample_lights = true, sample_bsdf = true;  // of simplepath
-  std::optional<LightDirections> lights;          // of mixture: for the same world
+  SimplePathTechniques techniques;        // of simplepath
+  std::optional<LightDirections> lights;  // of mixture: for the same world
 };
 
-// Radiance that arrives against a camera ray at `wavelengths`, which dispersion may reduce to one. Adds to
-// `counts`.
-SampledSpectrum EstimateRadiance(const World& world, const Estimator& estimator, const Ray& camera_ray,
-                                 SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts);
+// Radiance that arrives against a camera ray, per wavelength: to be divided by the densities that the
+// wavelengths have afterwards. The settings of `context` are those of `estimator`.
+SampledSpectrum EstimateRadiance(const PathContext& context, const Estimator& estimator,
+                                 const Ray& camera_ray);
+
+// The same to the last bit, with the parts that it consists of reported to `recorder`.
+SampledSpectrum EstimateRadiance(const PathContext& context, const Estimator& estimator,
+                                 const Ray& camera_ray, SampleRecorder& recorder);
 
 }  // namespace tessera

@@ -7,77 +7,98 @@
 
 namespace tessera {
 
-LightWalk::LightWalk(const World& world, const Ray& camera_ray, SampledWavelengths& wavelengths,
-                     RayCounts& counts)
+template <typename Sink>
+LightWalk<Sink>::LightWalk(const PathContext& context, const Ray& camera_ray, Sink& sink)
     : ray(camera_ray),
-      world_(world),
-      wavelengths_(wavelengths),
-      counts_(counts),
-      tracker_(world, wavelengths, counts),
-      medium_(world.camera_medium) {}
+      context_(context),
+      sink_(sink),
+      tracker_(context),
+      medium_(context.world.camera_medium) {}
 
-LightWalk::Event LightWalk::Advance(Sampler& sampler) {
+template <typename Sink>
+typename LightWalk<Sink>::Event LightWalk<Sink>::Advance() {
+  const World& world = context_.world;
   for (int interfaces = 0; interfaces < kInterfacesMax; ++interfaces) {
-    ++(left_camera_ ? counts_.bounce : counts_.camera);
+    ++(depth_ == 0 ? context_.counts.camera : context_.counts.bounce);
     Hit hit;
-    const bool found = world_.accelerator->Intersect(ray, &hit);
-    if (medium_ >= 0 && Collides(found ? hit.t : kFlightMax, sampler)) {
+    const bool found = world.accelerator->Intersect(ray, &hit);
+    if (medium_ >= 0 && Collides(found ? hit.t : kFlightMax)) {
       in_medium_ = true;
       return Event::kInMedium;
     }
     if (!found) return Event::kEscaped;
-    interaction = MakeInteraction(world_.geometry, hit, ray);
-    if (!world_.materials.IsInterface(interaction.material)) {
+    interaction = MakeInteraction(world.geometry, hit, ray);
+    if (!world.materials.IsInterface(interaction.material)) {
       in_medium_ = false;
+      if constexpr (Sink::kRecords) {
+        if (depth_ == 0) sink_.ReachFirstSurface(context_, hit, interaction);
+      }
       return Event::kOnSurface;
     }
     medium_ = MediumTracker::Beyond(interaction, ray.d, medium_);
     ray = interaction.SpawnRay(ray.d);
   }
-  throughput = SampledSpectrum(0.0f);  // caught in rounding errors
+  throughput_ = SampledSpectrum(0.0f);  // caught in rounding errors
   return Event::kEscaped;
 }
 
-bool LightWalk::Collides(float t_max, Sampler& sampler) {
-  const float u = sampler.Get1D() * 4;
+template <typename Sink>
+bool LightWalk<Sink>::Collides(float t_max) {
+  const float u = context_.sampler.Get1D() * 4;
   const int deciding = std::min(static_cast<int>(u), 3);
   const MediumCoefficients& medium = tracker_.In(medium_);
   const SampledSpectrum sigma_t = medium.sigma_a + medium.sigma_s;
-  if (AnyNonZero(medium.emission)) radiance += throughput * medium.emission * IntegralOfExp(sigma_t, t_max);
+  if (AnyNonZero(medium.emission)) {
+    sink_.Add(throughput_ * medium.emission * IntegralOfExp(sigma_t, t_max),
+              {LightPath::kMediumEmission, depth_, first_});
+  }
   const float t = SampleExponential(u - static_cast<float>(deciding), medium.sigma_s[deciding]);
   if (t < t_max) {
     const float pdf = Average(medium.sigma_s * Exp(medium.sigma_s * -t));
-    throughput *= medium.sigma_s * Exp(sigma_t * -t) * (1 / pdf);
+    throughput_ *= medium.sigma_s * Exp(sigma_t * -t) * (1 / pdf);
     ray.o = ray.At(t);
     return true;
   }
   const float probability = Average(Exp(medium.sigma_s * -t_max));
-  throughput =
-      probability > 0 ? throughput * Exp(sigma_t * -t_max) * (1 / probability) : SampledSpectrum(0.0f);
+  throughput_ =
+      probability > 0 ? throughput_ * Exp(sigma_t * -t_max) * (1 / probability) : SampledSpectrum(0.0f);
   return false;
 }
 
-void LightWalk::Leave(const Ray& next, SampledSpectrum weight) {
-  throughput *= weight;
-  left_camera_ = true;
+template <typename Sink>
+void LightWalk<Sink>::Leave(const Ray& next, SampledSpectrum weight, FirstScatter scatter) {
+  throughput_ *= weight;
+  first_ = FirstScatterWith(scatter);
+  ++depth_;
   ray = next;
   if (!in_medium_) medium_ = MediumTracker::Beyond(interaction, ray.d, medium_);
 }
 
-Bsdf LightWalk::Scatterer(const PathSettings& settings) {
+template <typename Sink>
+Bsdf LightWalk<Sink>::Scatterer() {
   tracker_.Forget();  // the coefficients, which depend on the wavelengths
-  return BsdfAt(world_, settings, interaction, wavelengths_);
+  return BsdfAt(context_, interaction);
 }
 
-void LightWalk::AddSurfaceEmission() {
+template <typename Sink>
+void LightWalk<Sink>::AddSurfaceEmission() {
   if (interaction.area_light < 0) return;
-  radiance += throughput * world_.lights.EmittedRadiance(interaction.area_light, interaction, interaction.wo,
-                                                         wavelengths_);
+  Add(context_.world.lights.EmittedRadiance(interaction.area_light, interaction, interaction.wo,
+                                            context_.wavelengths),
+      interaction.area_light);
 }
 
-void LightWalk::AddInfiniteEmission() {
-  for (const int light : world_.lights.infinite_lights())
-    radiance += throughput * world_.lights.InfiniteRadiance(light, ray.d, wavelengths_);
+template <typename Sink>
+void LightWalk<Sink>::AddInfiniteEmission(int light) {
+  Add(context_.world.lights.InfiniteRadiance(light, ray.d, context_.wavelengths), light);
 }
+
+template <typename Sink>
+void LightWalk<Sink>::AddInfiniteEmission() {
+  for (const int light : context_.world.lights.infinite_lights()) AddInfiniteEmission(light);
+}
+
+template class LightWalk<RadianceSink>;
+template class LightWalk<RecordingSink>;
 
 }  // namespace tessera

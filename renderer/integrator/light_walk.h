@@ -1,57 +1,70 @@
-// A ray on its way from one place where light scatters to the next, for estimators that find light where rays
-// hit it: through `interface` surfaces and media, collecting what media emit.
+// A ray on its way from one place where light scatters to the next, for integrators that find light where
+// rays hit it: through `interface` surfaces and media, collecting what media emit.
 #pragma once
 
 #include "renderer/integrator/medium_tracker.h"
-#include "renderer/integrator/path_integrator.h"
-#include "renderer/integrator/world.h"
-#include "renderer/sampler/sampler.h"
+#include "renderer/integrator/sample_record.h"
 #include "renderer/shape/interaction.h"
 
 namespace tessera {
 
 // The state of one path. Distances to collisions in media are drawn for one of the four wavelengths, chosen
 // anew for each flight, and weighted by the mean of their densities (the one-sample model of multiple
-// importance sampling, Veach and Guibas 1995): not the way of `volpath`, which it can so check.
+// importance sampling, Veach and Guibas 1995). `volpath` does it in another way, so the two check each other.
+template <typename Sink>
 class LightWalk {
  public:
   enum class Event {
     kEscaped,    // the ray left the scene
-    kOnSurface,  // at `interaction`, which is no interface
+    kOnSurface,  // at `interaction`, which is not an interface
     kInMedium,   // at ray.o, which is moved there; interaction is that of an earlier surface
   };
 
-  LightWalk(const World& world, const Ray& camera_ray, SampledWavelengths& wavelengths, RayCounts& counts);
+  // `context` must outlive this.
+  LightWalk(const PathContext& context, const Ray& camera_ray, Sink& sink);
 
-  // To the next event. Draws random numbers only inside media.
-  Event Advance(Sampler& sampler);
-  // Leaves the surface or the point in a medium where the last event was, along ray.d; `weight` is that of
+  // Moves to the next event. Draws random numbers only inside media.
+  Event Advance();
+  // Whether the path ends at the event: outside the scene or at the depth limit.
+  bool EndsAt(Event event) const { return event == Event::kEscaped || depth_ == context_.settings.max_depth; }
+  // Leaves the surface or the point in a medium where the last event was, along next.d; `weight` is that of
   // the radiance that will arrive.
-  void Leave(const Ray& next, SampledSpectrum weight);
-  // Adds what the surface of the last event emits, or the lights at infinity if the ray escaped.
+  void Leave(const Ray& next, SampledSpectrum weight, FirstScatter scatter);
+
+  // Adds what the surface of the last event emits.
   void AddSurfaceEmission();
+  // Adds the lights at infinity. The ray has escaped.
   void AddInfiniteEmission();
+  void AddInfiniteEmission(int light);
+  // Adds light that a shadow ray found from the last event. `radiance` is what the event scatters of it.
+  void AddLight(SampledSpectrum radiance, int light) {
+    sink_.Add(throughput_ * radiance, {light, depth_ + 1, FirstScatterWith(FirstScatter::kNonSpecular)});
+  }
 
   // What scatters at the surface of the last event; may change its shading normal and drop wavelengths.
-  Bsdf Scatterer(const PathSettings& settings);
+  Bsdf Scatterer();
   // What scatters in the medium of the last event.
-  const PhaseFunction& phase() const { return world_.media[medium_].phase(); }
+  const PhaseFunction& phase() const { return context_.world.media[medium_].phase(); }
 
-  SampledSpectrum radiance{0.0f}, throughput{1.0f};
   Ray ray;
   SurfaceInteraction interaction;
 
  private:
-  // Flies through the medium up to t_max; true if there was a collision before.
-  bool Collides(float t_max, Sampler& sampler);
+  // Flies through the medium up to t_max. Returns true if there was a collision before.
+  bool Collides(float t_max);
+  void Add(SampledSpectrum radiance, int light) {
+    sink_.Add(throughput_ * radiance, {light, depth_, first_});
+  }
+  FirstScatter FirstScatterWith(FirstScatter scatter) const { return depth_ == 0 ? scatter : first_; }
 
-  const World& world_;
-  SampledWavelengths& wavelengths_;
-  RayCounts& counts_;
+  const PathContext& context_;
+  Sink& sink_;
   MediumTracker tracker_;
+  SampledSpectrum throughput_{1.0f};
   int medium_ = -1;
+  int depth_ = 0;  // scattering events left behind
+  FirstScatter first_ = FirstScatter::kNone;
   bool in_medium_ = false;  // the last event
-  bool left_camera_ = false;
 };
 
 }  // namespace tessera

@@ -12,22 +12,23 @@ void MediumTracker::Attenuate(const Ray& shadow, int medium, float t, PathWeight
 }
 
 bool MediumTracker::Reaches(Ray shadow, int medium, const LightSample& light, PathWeights* weights) {
-  if (!world_.has_interfaces) {
-    ++counts_.shadow;
-    if (world_.accelerator->Occluded(shadow)) return false;
+  const World& world = context_.world;
+  if (!world.has_interfaces) {
+    ++context_.counts.shadow;
+    if (world.accelerator->Occluded(shadow)) return false;
     Attenuate(shadow, medium, shadow.t_max, weights);
     return true;
   }
-  // From interface to interface. Not Occluded first: transparent surfaces decide by chance whether they are
-  // hit, and must not be asked twice.
+  // From interface to interface. Occluded must not be called first: transparent surfaces decide at random
+  // whether a ray hits them, so that a second test could give another answer.
   for (int interfaces = 0; interfaces < kInterfacesMax; ++interfaces) {
     Hit hit;
-    ++counts_.shadow;
-    const bool found = world_.accelerator->Intersect(shadow, &hit);
-    if (found && !ShapeOf(world_.geometry, hit.instance, hit.shape).surface.is_interface) return false;
+    ++context_.counts.shadow;
+    const bool found = world.accelerator->Intersect(shadow, &hit);
+    if (found && !ShapeOf(world.geometry, hit.instance, hit.shape).surface.is_interface) return false;
     Attenuate(shadow, medium, found ? hit.t : shadow.t_max, weights);
     if (!found) return true;
-    const SurfaceInteraction interaction = MakeInteraction(world_.geometry, hit, shadow);
+    const SurfaceInteraction interaction = MakeInteraction(world.geometry, hit, shadow);
     medium = Beyond(interaction, shadow.d, medium);
     shadow = SpawnRayTo(interaction.p, interaction.p_error, interaction.n, light.p, light.p_error, light.n,
                         shadow.time);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kLightShare = 0.5f;  // of the directions that are drawn towards lights
 
-// How often the lights are asked where a surface scatters; all else leaves it to the BSDF.
+// The probability of drawing a direction towards the lights where a surface scatters; the rest is the BSDF's.
 float LightShare(const LightDirections& lights, const Bsdf& bsdf) {
   return lights.empty() || !bsdf.HasNonSpecular() ? 0 : kLightShare;
 }
@@ -18,7 +18,7 @@ float LightShare(const LightDirections& lights) {
   return lights.empty() ? 0 : kLightShare;
 }
 
-// One vertex on its way to a sample.
+// What a vertex needs to draw and weight a direction.
 struct MixtureVertex {
   const LightDirections& lights;
   const SampledWavelengths& wavelengths;
@@ -30,13 +30,13 @@ struct MixtureVertex {
   }
   float Density(const Ray& ray, float own_pdf, float light_pdf_min) const {
     float density = (1 - light_share) * own_pdf;
-    // The point that was drawn may be missed by rounding, on an edge.
+    // On an edge, rounding may make Pdf miss the point that was drawn.
     if (light_share > 0)
       density += light_share * std::max(lights.Pdf(reference, ray, wavelengths), light_pdf_min);
     return density;
   }
-  // `f_cosine`: what scatters along `ray`, with its cosine; `own_pdf`: the density of the BSDF or the phase
-  // function; `light_pdf_min`: what the density of light sampling is known to be at least.
+  // `f_cosine`: the value of the BSDF or the phase function along `ray`, with its cosine; `own_pdf`: its
+  // density; `light_pdf_min`: a lower bound of the density of light sampling.
   std::optional<MixtureSample> Weigh(const Ray& ray, SampledSpectrum f_cosine, float own_pdf,
                                      float light_pdf_min) const {
     if (!AnyNonZero(f_cosine)) return std::nullopt;
@@ -102,27 +102,33 @@ float MixturePdf(const LightDirections& lights, const Ray& ray, const PhaseFunct
   return vertex.Density(RayFrom(ray, wi), phase.Pdf(-ray.d, wi), 0);
 }
 
-SampledSpectrum MixtureRadiance(const World& world, const LightDirections& lights,
-                                const PathSettings& settings, const Ray& camera_ray,
-                                SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts) {
-  LightWalk walk(world, camera_ray, wavelengths, counts);
-  for (int depth = 0;; ++depth) {
-    const LightWalk::Event event = walk.Advance(sampler);
-    if (event == LightWalk::Event::kEscaped) walk.AddInfiniteEmission();
-    if (event == LightWalk::Event::kOnSurface) walk.AddSurfaceEmission();
-    if (event == LightWalk::Event::kEscaped || depth == settings.max_depth) return walk.radiance;
-    const float u_choice = sampler.Get1D();
-    const Point2 u_direction = sampler.Get2D();
+template <typename Sink>
+void TraceMixture(const PathContext& context, const LightDirections& lights, const Ray& camera_ray,
+                  Sink& sink) {
+  using Event = typename LightWalk<Sink>::Event;
+  LightWalk<Sink> walk(context, camera_ray, sink);
+  for (;;) {
+    const Event event = walk.Advance();
+    if (event == Event::kEscaped) walk.AddInfiniteEmission();
+    if (event == Event::kOnSurface) walk.AddSurfaceEmission();
+    if (walk.EndsAt(event)) return;
+    const float u_choice = context.sampler.Get1D();
+    const Point2 u_direction = context.sampler.Get2D();
     std::optional<MixtureSample> sample;
-    if (event == LightWalk::Event::kInMedium) {
-      sample = SampleMixture(lights, walk.ray, walk.phase(), u_choice, u_direction, wavelengths);
+    FirstScatter scatter = FirstScatter::kMedium;
+    if (event == Event::kInMedium) {
+      sample = SampleMixture(lights, walk.ray, walk.phase(), u_choice, u_direction, context.wavelengths);
     } else {
-      const Bsdf bsdf = walk.Scatterer(settings);
-      sample = SampleMixture(lights, walk.interaction, bsdf, u_choice, u_direction, wavelengths);
+      const Bsdf bsdf = walk.Scatterer();
+      sample = SampleMixture(lights, walk.interaction, bsdf, u_choice, u_direction, context.wavelengths);
+      scatter = sample && sample->is_specular ? FirstScatter::kSpecular : FirstScatter::kNonSpecular;
     }
-    if (!sample) return walk.radiance;
-    walk.Leave(sample->ray, sample->weight);
+    if (!sample) return;
+    walk.Leave(sample->ray, sample->weight, scatter);
   }
 }
+
+template void TraceMixture(const PathContext&, const LightDirections&, const Ray&, RadianceSink&);
+template void TraceMixture(const PathContext&, const LightDirections&, const Ray&, RecordingSink&);
 
 }  // namespace tessera

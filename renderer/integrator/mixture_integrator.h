@@ -2,13 +2,11 @@
 // lights, and weighted by the density of that mixture; there are no shadow rays, light is what the rays hit
 // (P. Shirley, "Ray Tracing: The Rest of Your Life"). It is Veach and Guibas's one-sample model of multiple
 // importance sampling with the balance heuristic (1995). Specular lobes bypass the mixture. There is no
-// Russian roulette: paths end at the depth limit, or when nothing is left of them.
+// Russian roulette: paths end at the depth limit, or when they are absorbed.
 #pragma once
 
-#include "renderer/color/wavelengths.h"
 #include "renderer/integrator/light_directions.h"
-#include "renderer/integrator/path_integrator.h"
-#include "renderer/integrator/world.h"
+#include "renderer/integrator/sample_record.h"
 
 namespace tessera {
 
@@ -16,12 +14,13 @@ namespace tessera {
 struct MixtureSample {
   SampledSpectrum weight;  // of the radiance that arrives: f |cos| / density
   Ray ray;                 // starts at the vertex
-  float density = 0;  // per solid angle, of the mixture; of a specular sample: the probability of the choice
+  // Per solid angle, of the mixture; of a specular sample: the probability of the choice.
+  float density = 0;
   bool is_specular = false;
 };
 
-// Draws at a surface from u_choice (technique, and light or lobe) and u, all in [0, 1). Nothing if the light
-// is absorbed.
+// Draws at a surface from u_choice (technique, and light or lobe) and u, all in [0, 1). Returns nullopt if
+// the light is absorbed.
 std::optional<MixtureSample> SampleMixture(const LightDirections& lights,
                                            const SurfaceInteraction& interaction, const Bsdf& bsdf,
                                            float u_choice, Point2 u, const SampledWavelengths& wavelengths);
@@ -37,9 +36,9 @@ std::optional<MixtureSample> SampleMixture(const LightDirections& lights, const 
 float MixturePdf(const LightDirections& lights, const Ray& ray, const PhaseFunction& phase, Vec3 wi,
                  const SampledWavelengths& wavelengths);
 
-// As PathRadiance. Lights that no ray can hit (points, spots, distant ones) are not seen.
-SampledSpectrum MixtureRadiance(const World& world, const LightDirections& lights,
-                                const PathSettings& settings, const Ray& camera_ray,
-                                SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts);
+// As TracePath. Lights that no ray can hit (points, spots, distant ones) contribute nothing.
+template <typename Sink>
+void TraceMixture(const PathContext& context, const LightDirections& lights, const Ray& camera_ray,
+                  Sink& sink);
 
 }  // namespace tessera

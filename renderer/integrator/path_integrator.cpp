@@ -1,113 +1,144 @@
 #include "renderer/integrator/path_integrator.h"
 
+#include "renderer/integrator/medium_transport.h"
 #include "renderer/integrator/path_vertex.h"
-#include "renderer/math/sampling.h"
+#include "renderer/integrator/vacuum_transport.h"
 #include "renderer/shape/shape_interaction.h"
 
 namespace tessera {
 namespace {
 
-// One path from the camera, extended vertex by vertex.
-class Path {
+// One path from the camera, extended ray by ray. The Transport knows how rays get from vertex to vertex and
+// what the path's contributions weigh; the Sink receives them.
+template <typename Transport, typename Sink>
+class PathTracer {
  public:
-  Path(const World& world, const PathSettings& settings, const Ray& camera_ray,
-       SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts)
-      : world_(world),
-        settings_(settings),
-        ray_(camera_ray),
-        wavelengths_(wavelengths),
-        sampler_(sampler),
-        counts_(counts) {}
+  PathTracer(const PathContext& context, const Ray& camera_ray, Sink& sink)
+      : context_(context), sink_(sink), transport_(context_), ray_(camera_ray) {}
 
-  SampledSpectrum Trace();
+  void Trace() {
+    while (Extend()) {
+    }
+    transport_.Finish();
+  }
 
  private:
-  void AddInfiniteLights();
-  void AddEmission(const SurfaceInteraction& interaction);
-  SampledSpectrum DirectLight(const SurfaceInteraction& interaction, const Bsdf& bsdf);
-  bool Scatter(const SurfaceInteraction& interaction, const Bsdf& bsdf);
+  // Each returns false if the path ends.
+  bool Extend();
+  bool CrossInterface(const SurfaceInteraction& interaction);
+  bool ScatterInMedium(float t);
+  bool ScatterOnSurface(SurfaceInteraction& interaction);
+  bool SampleDirection(const SurfaceInteraction& interaction, const Bsdf& bsdf);
   bool SurvivesRoulette();
 
-  const World& world_;
-  const PathSettings& settings_;
+  FlightEvent Fly(Hit* hit, float* t_event);
+  void AddInfiniteLights();
+  void AddEmission(const SurfaceInteraction& interaction);
+  void AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf);
+  void AddMediumLight(Vec3 wo, const PhaseFunction& phase);
+
+  void Add(SampledSpectrum contribution, int light) { sink_.Add(contribution, {light, depth_, first_}); }
+  // To be called at every vertex, once depth_ counts it.
+  void NoteScatter(FirstScatter scatter) {
+    if constexpr (Sink::kRecords) {
+      if (depth_ == 1) first_ = scatter;
+    }
+  }
+
+  const PathContext context_;
+  Sink& sink_;
+  Transport transport_;
   Ray ray_;
-  SampledWavelengths& wavelengths_;
-  Sampler& sampler_;
-  RayCounts& counts_;
-  SampledSpectrum radiance_{0.0f}, throughput_{1.0f};
-  int depth_ = 0;
-  float bsdf_pdf_ = 0;   // with which the current ray was sampled, per solid angle
-  bool weigh_ = false;   // whether light sampling could have found what the current ray hits
-  float eta_scale_ = 1;  // radiance is compressed inside denser media; roulette looks at what will leave them
+  int depth_ = 0;       // scattering events
+  int interfaces_ = 0;  // crossed since the last of them
+  FirstScatter first_ = FirstScatter::kNone;
+  bool weigh_ = false;  // whether light sampling could have found what the current ray hits
+  // Radiance is compressed inside denser media; roulette looks at what will leave them.
+  float eta_scale_ = 1;
   ReferencePoint previous_;  // where the current ray started
 };
 
-SampledSpectrum Path::Trace() {
-  int interfaces = 0;
-  for (;;) {
-    Hit hit;
-    (depth_ == 0 ? counts_.camera : counts_.bounce) += 1;
-    if (!world_.accelerator->Intersect(ray_, &hit)) {
-      AddInfiniteLights();
-      break;
-    }
-    SurfaceInteraction interaction = MakeInteraction(world_.geometry, hit, ray_);
-    if (interaction.area_light >= 0) AddEmission(interaction);
-    if (world_.materials.IsInterface(interaction.material)) {
-      if (++interfaces > kInterfacesMax) break;
-      ray_ = interaction.SpawnRay(ray_.d);
-      continue;
-    }
-    if (depth_++ == settings_.max_depth) break;
-    const Bsdf bsdf = BsdfAt(world_, settings_, interaction, wavelengths_);
-    if (bsdf.HasNonSpecular()) radiance_ += throughput_ * DirectLight(interaction, bsdf);
-    if (!Scatter(interaction, bsdf) || !SurvivesRoulette()) break;
+template <typename Transport, typename Sink>
+bool PathTracer<Transport, Sink>::Extend() {
+  Hit hit;
+  float t_event = 0;
+  switch (Fly(&hit, &t_event)) {
+    case FlightEvent::kOnSurface: break;
+    case FlightEvent::kInMedium: return ScatterInMedium(t_event);
+    case FlightEvent::kEscaped: AddInfiniteLights(); return false;
+    case FlightEvent::kAbsorbed: return false;
   }
-  return radiance_;
+  SurfaceInteraction interaction = MakeInteraction(context_.world.geometry, hit, ray_);
+  if (interaction.area_light >= 0) AddEmission(interaction);
+  if (context_.world.materials.IsInterface(interaction.material)) return CrossInterface(interaction);
+  if constexpr (Sink::kRecords) {
+    if (depth_ == 0) sink_.ReachFirstSurface(context_, hit, interaction);
+  }
+  return ScatterOnSurface(interaction);
 }
 
-void Path::AddInfiniteLights() {
-  for (int light : world_.lights.infinite_lights()) {
-    const SampledSpectrum emitted = world_.lights.InfiniteRadiance(light, ray_.d, wavelengths_);
-    const float weight =
-        weigh_ ? PowerHeuristic(bsdf_pdf_, InfiniteLightPdf(world_, previous_, ray_.d, light)) : 1;
-    radiance_ += throughput_ * emitted * weight;
+template <typename Transport, typename Sink>
+FlightEvent PathTracer<Transport, Sink>::Fly(Hit* hit, float* t_event) {
+  (depth_ == 0 ? context_.counts.camera : context_.counts.bounce) += 1;
+  if constexpr (Transport::kHasMedia) {
+    SampledSpectrum emitted(0.0f);
+    const bool counts_emission = depth_ < context_.settings.max_depth;
+    const FlightEvent event = transport_.Fly(ray_, hit, t_event, counts_emission ? &emitted : nullptr);
+    if (AnyNonZero(emitted)) Add(emitted, LightPath::kMediumEmission);
+    return event;
+  } else {
+    return transport_.Fly(ray_, hit, nullptr, nullptr);
   }
 }
 
-void Path::AddEmission(const SurfaceInteraction& interaction) {
-  const SampledSpectrum emitted =
-      world_.lights.EmittedRadiance(interaction.area_light, interaction, -ray_.d, wavelengths_);
-  if (!AnyNonZero(emitted)) return;
-  const float weight =
-      weigh_ ? PowerHeuristic(bsdf_pdf_, EmitterPdf(world_, previous_, ray_.d, interaction)) : 1;
-  radiance_ += throughput_ * emitted * weight;
+template <typename Transport, typename Sink>
+bool PathTracer<Transport, Sink>::CrossInterface(const SurfaceInteraction& interaction) {
+  transport_.PassInterface(interaction, ray_.d);
+  ray_ = interaction.SpawnRay(ray_.d);
+  return ++interfaces_ <= kInterfacesMax;
 }
 
-SampledSpectrum Path::DirectLight(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
-  const std::optional<SampledLight> sampled =
-      SampleOneLight(world_, ReferenceAt(interaction), wavelengths_, sampler_);
-  if (!sampled) return SampledSpectrum(0.0f);
-  const LightSample& light = sampled->light;
-  const BsdfEvaluation evaluation = bsdf.Evaluate(interaction.wo, light.wi);
-  if (!AnyNonZero(evaluation.f)) return SampledSpectrum(0.0f);
-  const Ray shadow = SpawnRayTo(interaction.p, interaction.p_error, interaction.n, light.p, light.p_error,
-                                light.n, interaction.time);
-  ++counts_.shadow;
-  if (world_.accelerator->Occluded(shadow)) return SampledSpectrum(0.0f);
-  const float weight = light.is_delta ? 1 : PowerHeuristic(sampled->pdf, evaluation.pdf);
-  return evaluation.f * light.L * (AbsDot(light.wi, interaction.shading.n) * weight / sampled->pdf);
+template <typename Transport, typename Sink>
+bool PathTracer<Transport, Sink>::ScatterInMedium(float t) {
+  if constexpr (Transport::kHasMedia) {
+    if (depth_++ == context_.settings.max_depth) return false;
+    NoteScatter(FirstScatter::kMedium);
+    interfaces_ = 0;
+    const PhaseFunction& phase = transport_.phase();
+    const Vec3 wo = -ray_.d;
+    previous_ = {ray_.At(t), {}, {}, {}};
+    AddMediumLight(wo, phase);
+    const PhaseSample sample = phase.Sample(wo, context_.sampler.Get2D());
+    transport_.ScatterInMedium(sample.pdf);
+    weigh_ = true;
+    ray_ = {previous_.p, sample.wi, std::numeric_limits<float>::infinity(), ray_.time};
+    return SurvivesRoulette();
+  }
+  return false;
 }
 
-// Chooses the next direction; false if the light is absorbed.
-bool Path::Scatter(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
-  const float u_component = sampler_.Get1D();
-  const Point2 u_direction = sampler_.Get2D();
+template <typename Transport, typename Sink>
+bool PathTracer<Transport, Sink>::ScatterOnSurface(SurfaceInteraction& interaction) {
+  if (depth_++ == context_.settings.max_depth) return false;
+  interfaces_ = 0;
+  const bool had_all_wavelengths = !context_.wavelengths.SecondaryTerminated();
+  const Bsdf bsdf = BsdfAt(context_, interaction);
+  if (had_all_wavelengths && context_.wavelengths.SecondaryTerminated()) transport_.FollowFirstWavelength();
+  NoteScatter(FirstScatter::kNonSpecular);
+  if (bsdf.HasNonSpecular()) AddSurfaceLight(interaction, bsdf);
+  return SampleDirection(interaction, bsdf) && SurvivesRoulette();
+}
+
+template <typename Transport, typename Sink>
+bool PathTracer<Transport, Sink>::SampleDirection(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
+  const float u_component = context_.sampler.Get1D();
+  const Point2 u_direction = context_.sampler.Get2D();
   const std::optional<BsdfSample> sample = bsdf.Sample(interaction.wo, u_component, u_direction);
   if (!sample) return false;
-  throughput_ *= sample->f * (AbsDot(sample->wi, interaction.shading.n) / sample->pdf);
-  bsdf_pdf_ = sample->pdf;
+  const float cosine = AbsDot(sample->wi, interaction.shading.n);
+  transport_.Scatter(interaction, sample->wi, sample->f * (cosine / sample->pdf), sample->pdf);
   weigh_ = !sample->IsSpecular();
+  if (sample->IsSpecular()) NoteScatter(FirstScatter::kSpecular);
   if (sample->IsTransmission()) eta_scale_ *= Sqr(sample->eta);
   previous_ = ReferenceAt(interaction);
   ray_ = interaction.SpawnRay(sample->wi);
@@ -115,20 +146,77 @@ bool Path::Scatter(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
 }
 
 // Ends paths of little throughput with a probability that keeps the mean.
-bool Path::SurvivesRoulette() {
-  const float end_probability = EndProbability(MaxElement(throughput_) * eta_scale_, depth_);
+template <typename Transport, typename Sink>
+bool PathTracer<Transport, Sink>::SurvivesRoulette() {
+  const float end_probability = EndProbability(MaxElement(transport_.Throughput()) * eta_scale_, depth_);
   if (end_probability > 0) {
-    if (sampler_.Get1D() < end_probability) return false;
-    throughput_ /= 1 - end_probability;
+    if (context_.sampler.Get1D() < end_probability) return false;
+    transport_.Survive(1 - end_probability);
   }
   return true;
 }
 
+template <typename Transport, typename Sink>
+void PathTracer<Transport, Sink>::AddInfiniteLights() {
+  const World& world = context_.world;
+  for (const int light : world.lights.infinite_lights()) {
+    const SampledSpectrum emitted = world.lights.InfiniteRadiance(light, ray_.d, context_.wavelengths);
+    std::optional<float> light_pdf;
+    if (weigh_) light_pdf = InfiniteLightPdf(world, previous_, ray_.d, light);
+    Add(transport_.HitContribution(emitted, light_pdf), light);
+  }
+}
+
+template <typename Transport, typename Sink>
+void PathTracer<Transport, Sink>::AddEmission(const SurfaceInteraction& interaction) {
+  const World& world = context_.world;
+  const SampledSpectrum emitted =
+      world.lights.EmittedRadiance(interaction.area_light, interaction, -ray_.d, context_.wavelengths);
+  if (!AnyNonZero(emitted)) return;
+  std::optional<float> light_pdf;
+  if (weigh_) light_pdf = EmitterPdf(world, previous_, ray_.d, interaction);
+  Add(transport_.HitContribution(emitted, light_pdf), interaction.area_light);
+}
+
+template <typename Transport, typename Sink>
+void PathTracer<Transport, Sink>::AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
+  const std::optional<SampledLight> sampled = SampleOneLight(context_, ReferenceAt(interaction));
+  if (!sampled) return;
+  const LightSample& light = sampled->light;
+  const BsdfEvaluation evaluation = bsdf.Evaluate(interaction.wo, light.wi);
+  if (!AnyNonZero(evaluation.f)) return;
+  const float cosine = AbsDot(light.wi, interaction.shading.n);
+  const std::optional<SampledSpectrum> contribution = transport_.LightContribution(
+      *sampled, ShadowRay(interaction, light), interaction, evaluation.f, cosine, evaluation.pdf);
+  if (contribution) Add(*contribution, sampled->index);
+}
+
+template <typename Transport, typename Sink>
+void PathTracer<Transport, Sink>::AddMediumLight(Vec3 wo, const PhaseFunction& phase) {
+  const std::optional<SampledLight> sampled = SampleOneLight(context_, previous_);
+  if (!sampled) return;
+  const LightSample& light = sampled->light;
+  const Ray shadow = SpawnRayTo(previous_.p, {}, {}, light.p, light.p_error, light.n, ray_.time);
+  const std::optional<SampledSpectrum> contribution =
+      transport_.LightContribution(*sampled, shadow, phase.Evaluate(wo, light.wi));
+  if (contribution) Add(*contribution, sampled->index);
+}
+
 }  // namespace
 
-SampledSpectrum PathRadiance(const World& world, const PathSettings& settings, const Ray& camera_ray,
-                             SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts) {
-  return Path(world, settings, camera_ray, wavelengths, sampler, counts).Trace();
+template <typename Sink>
+void TracePath(const PathContext& context, const Ray& camera_ray, Sink& sink) {
+  PathTracer<VacuumTransport, Sink>(context, camera_ray, sink).Trace();
 }
+
+template <typename Sink>
+void TraceVolumePath(const PathContext& context, const Ray& camera_ray, Sink& sink) {
+  PathTracer<MediumTransport, Sink>(context, camera_ray, sink).Trace();
+}
+
+template void TracePath(const PathContext&, const Ray&, RadianceSink&);
+template void TracePath(const PathContext&, const Ray&, RecordingSink&);
+template void TraceVolumePath(const PathContext&, const Ray&, RadianceSink&);
+template void TraceVolumePath(const PathContext&, const Ray&, RecordingSink&);
 
 }  // namespace tessera

@@ -1,22 +1,19 @@
-// Path tracing with next-event estimation: at every vertex one light sample and one BSDF sample, weighted
-// against each other by the power heuristic (Veach 1997; Pharr, Jakob, Humphreys 2023, section 13.4).
+// Path tracing with next-event estimation: at every vertex, on a surface or in a medium, one light sample and
+// one sampled direction, weighted against each other by the power heuristic (Veach 1997; Pharr, Jakob,
+// Humphreys 2023, sections 13.4 and 14.2). What counts as scattering is what pbrt-v4's `volpath` counts.
 #pragma once
 
-#include "renderer/color/wavelengths.h"
-#include "renderer/integrator/world.h"
+#include "renderer/integrator/sample_record.h"
 #include "renderer/math/ray.h"
-#include "renderer/sampler/sampler.h"
 
 namespace tessera {
 
-struct PathSettings {
-  int max_depth = 5;          // scattering events
-  float footprint_scale = 1;  // of texture footprints, for the samples per pixel
-};
+// Follows one path from the camera and reports it to `sink`. Rays are in a vacuum everywhere.
+template <typename Sink>
+void TracePath(const PathContext& context, const Ray& camera_ray, Sink& sink);
 
-// Radiance that arrives against a camera ray at `wavelengths`, which dispersion may reduce to one. Adds to
-// `counts`.
-SampledSpectrum PathRadiance(const World& world, const PathSettings& settings, const Ray& camera_ray,
-                             SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts);
+// The same where the world has media. Not to the same bits, and slower, where it has none.
+template <typename Sink>
+void TraceVolumePath(const PathContext& context, const Ray& camera_ray, Sink& sink);
 
 }  // namespace tessera

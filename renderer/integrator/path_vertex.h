@@ -1,16 +1,16 @@
-// What the vertices of all path tracers have in common: the reference for light sampling, the Bsdf, one
-// sampled light, densities of light sampling, Russian roulette.
+// What the vertices of all path tracers share: the reference point for light sampling, the BSDF, one sampled
+// light, the densities of light sampling, Russian roulette.
 #pragma once
 
 #include <algorithm>
 #include <optional>
 
-#include "renderer/integrator/path_integrator.h"
+#include "renderer/integrator/path_context.h"
 #include "renderer/integrator/texture_context.h"
 
 namespace tessera {
 
-// Interfaces without scattering in between: more are a ray caught in rounding errors.
+// Interfaces crossed without scattering in between. A ray that crosses more is caught in rounding errors.
 constexpr int kInterfacesMax = 1000;
 
 inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
@@ -18,30 +18,39 @@ inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
 }
 
 // May change the shading normal and drop wavelengths.
-inline Bsdf BsdfAt(const World& world, const PathSettings& settings, SurfaceInteraction& interaction,
-                   SampledWavelengths& wavelengths) {
-  const TextureContext context = world.materials.NeedsFootprint(interaction.material)
-                                     ? MakeTextureContext(interaction, world.camera, settings.footprint_scale)
-                                     : PlaceOf(interaction);
-  return world.materials.Evaluate(interaction.material, world.textures, context, interaction, wavelengths);
+inline Bsdf BsdfAt(const PathContext& context, SurfaceInteraction& interaction) {
+  const World& world = context.world;
+  const TextureContext place =
+      world.materials.NeedsFootprint(interaction.material)
+          ? MakeTextureContext(interaction, world.camera, context.settings.footprint_scale)
+          : PlaceOf(interaction);
+  return world.materials.Evaluate(interaction.material, world.textures, place, interaction,
+                                  context.wavelengths);
 }
 
 struct SampledLight {
+  int index = 0;  // into World::lights
   LightSample light;
   float pdf = 0;  // per solid angle, with the probability of choosing this light
 };
 
-// Light towards a point from one light. Takes three dimensions of the sampler. Nothing if none arrives.
-inline std::optional<SampledLight> SampleOneLight(const World& world, const ReferencePoint& reference,
-                                                  const SampledWavelengths& wavelengths, Sampler& sampler) {
-  const float u_choice = sampler.Get1D();
-  const Point2 u_light = sampler.Get2D();
-  const std::optional<ChosenLight> chosen = world.lights.Choose(reference, u_choice);
+// Samples one light from a point. Takes three dimensions of the sampler. Returns nullopt if no light arrives.
+inline std::optional<SampledLight> SampleOneLight(const PathContext& context,
+                                                  const ReferencePoint& reference) {
+  const float u_choice = context.sampler.Get1D();
+  const Point2 u_light = context.sampler.Get2D();
+  const LightTable& lights = context.world.lights;
+  const std::optional<ChosenLight> chosen = lights.Choose(reference, u_choice);
   if (!chosen) return std::nullopt;
   const std::optional<LightSample> light =
-      world.lights.Sample(chosen->light, reference, u_light, wavelengths);
+      lights.Sample(chosen->light, reference, u_light, context.wavelengths);
   if (!light || light->pdf <= 0 || !AnyNonZero(light->L)) return std::nullopt;
-  return SampledLight{*light, chosen->pmf * light->pdf};
+  return SampledLight{chosen->light, *light, chosen->pmf * light->pdf};
+}
+
+// A ray from a surface point to a sampled light.
+inline Ray ShadowRay(const SurfaceInteraction& from, const LightSample& light) {
+  return SpawnRayTo(from.p, from.p_error, from.n, light.p, light.p_error, light.n, from.time);
 }
 
 // The densities with which SampleOneLight finds what a ray along wi hits.
@@ -55,8 +64,8 @@ inline float InfiniteLightPdf(const World& world, const ReferencePoint& referenc
   return world.lights.ChoosePmf(reference, light) * world.lights.InfiniteLightPdf(light, wi);
 }
 
-// The probability of ending a path that is expected to bring `expected` of what it would find; 0 before its
-// second vertex.
+// The probability of ending a path whose next ray is expected to bring the share `expected` of the radiance
+// that it finds; 0 before the second vertex.
 inline float EndProbability(float expected, int depth) {
   if (depth <= 1 || !(expected < 1)) return 0;
   return std::max(0.0f, 1 - expected);

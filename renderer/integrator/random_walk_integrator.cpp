@@ -5,20 +5,24 @@
 
 namespace tessera {
 
-SampledSpectrum RandomWalkRadiance(const World& world, const PathSettings& settings, const Ray& camera_ray,
-                                   SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts) {
-  LightWalk walk(world, camera_ray, wavelengths, counts);
-  for (int depth = 0;; ++depth) {
-    const LightWalk::Event event = walk.Advance(sampler);
-    if (event == LightWalk::Event::kEscaped) walk.AddInfiniteEmission();
-    if (event == LightWalk::Event::kOnSurface) walk.AddSurfaceEmission();
-    if (event == LightWalk::Event::kEscaped || depth == settings.max_depth) return walk.radiance;
-    const Vec3 wi = SampleUniformSphere(sampler.Get2D());
-    const SampledSpectrum f = walk.Scatterer(settings).Evaluate(walk.interaction.wo, wi).f;
-    if (!AnyNonZero(f)) return walk.radiance;
+template <typename Sink>
+void TraceRandomWalk(const PathContext& context, const Ray& camera_ray, Sink& sink) {
+  using Event = typename LightWalk<Sink>::Event;
+  LightWalk<Sink> walk(context, camera_ray, sink);
+  for (;;) {
+    const Event event = walk.Advance();
+    if (event == Event::kEscaped) walk.AddInfiniteEmission();
+    if (event == Event::kOnSurface) walk.AddSurfaceEmission();
+    if (walk.EndsAt(event)) return;
+    const Vec3 wi = SampleUniformSphere(context.sampler.Get2D());
+    const SampledSpectrum f = walk.Scatterer().Evaluate(walk.interaction.wo, wi).f;
+    if (!AnyNonZero(f)) return;
     const float cosine = AbsDot(wi, walk.interaction.shading.n);
-    walk.Leave(walk.interaction.SpawnRay(wi), f * (cosine / UniformSpherePdf()));
+    walk.Leave(walk.interaction.SpawnRay(wi), f * (cosine / UniformSpherePdf()), FirstScatter::kNonSpecular);
   }
 }
+
+template void TraceRandomWalk(const PathContext&, const Ray&, RadianceSink&);
+template void TraceRandomWalk(const PathContext&, const Ray&, RecordingSink&);
 
 }  // namespace tessera

@@ -1,16 +1,14 @@
-// The plainest estimator: at every surface a direction uniform over the sphere, emission where rays hit it,
+// The simplest estimator: at every surface a direction uniform over the sphere, emission where rays hit it,
 // no light sampling, no roulette. Slow, but hard to get wrong: a check for the others. Specular surfaces,
-// which it cannot hit the lobes of, stay black.
+// whose lobes uniform directions never hit, stay black.
 #pragma once
 
-#include "renderer/color/wavelengths.h"
-#include "renderer/integrator/path_integrator.h"
-#include "renderer/integrator/world.h"
+#include "renderer/integrator/sample_record.h"
 
 namespace tessera {
 
-// As PathRadiance.
-SampledSpectrum RandomWalkRadiance(const World& world, const PathSettings& settings, const Ray& camera_ray,
-                                   SampledWavelengths& wavelengths, Sampler& sampler, RayCounts& counts);
+// As TracePath.
+template <typename Sink>
+void TraceRandomWalk(const PathContext& context, const Ray& camera_ray, Sink& sink);
 
 }  // namespace tessera

@@ -27,9 +27,4 @@ struct World {
   std::unique_ptr<Accelerator> accelerator;  // null if the scene was only checked
 };
 
-// Rays traced, by kind.
-struct RayCounts {
-  uint64_t camera = 0, bounce = 0, shadow = 0;
-};
-
 }  // namespace tessera

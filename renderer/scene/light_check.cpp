@@ -4,9 +4,7 @@ namespace tessera {
 namespace {
 
 bool HasShadowRays(const Estimator& estimator) {
-  const IntegratorTraits& integrator = estimator.integrator;
-  return integrator.has_shadow_rays &&
-         (integrator.kind != IntegratorKind::kSimplePath || estimator.sample_lights);
+  return estimator.integrator.has_shadow_rays && estimator.techniques.sample_lights;
 }
 
 struct UnseenLight {

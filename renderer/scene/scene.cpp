@@ -125,8 +125,7 @@ Result<void> SceneLoader::ReadSettings() {
                             : 1 / std::sqrt(static_cast<float>(data.sampler.samples_per_pixel));
   data.estimator.integrator = integrator->integrator;
   data.estimator.path = {integrator->max_depth, std::max(kSpacingMin, spacing)};
-  data.estimator.sample_lights = integrator->sample_lights;
-  data.estimator.sample_bsdf = integrator->sample_bsdf;
+  data.estimator.techniques = {integrator->sample_lights, integrator->sample_bsdf};
 
   if (Result<void> described = DescribeFrame(*film, *integrator); !described) return described;
   const WorldRequest request{scene_, files_, images_, integrator->light_sampler,

@@ -36,8 +36,8 @@ class PixelRenderer {
     const Point2 film{static_cast<float>(x) + 0.5f + filter.offset.x,
                       static_cast<float>(y) + 0.5f + filter.offset.y};
     const Ray ray = camera.GenerateRay(film, u_lens, 0.5f);
-    const SampledSpectrum radiance =
-        EstimateRadiance(data_.world, data_.estimator, ray, wavelengths, sampler_, rays_);
+    const PathContext context{data_.world, data_.estimator.path, wavelengths, sampler_, rays_};
+    const SampledSpectrum radiance = EstimateRadiance(context, data_.estimator, ray);
     const Rgb rgb = data_.sensor.ToRgb(radiance, wavelengths);
     if (!IsFinite(rgb)) {
       ++statistics_.discarded_samples;

@@ -4,14 +4,10 @@
 #include <array>
 #include <numbers>
 
-#include "renderer/accelerator/accelerator.h"
 #include "renderer/integrator/mixture_integrator.h"
-#include "renderer/pbrt/parser.h"
-#include "renderer/scene/world_builder.h"
 #include "renderer/shape/shape_interaction.h"
 #include "tests/chi_square.h"
-#include "tests/renderer/scene/estimator_scenes.h"
-#include "tests/renderer/scene/memory_files.h"
+#include "tests/renderer/scene/built_world.h"
 
 namespace tessera {
 namespace {
@@ -20,25 +16,19 @@ constexpr int kTests = 9;  // chi-square tests in this file
 
 // A world and a place in it.
 struct Place {
-  World world;
+  std::unique_ptr<World> built;
+  const World& world;
   SurfaceInteraction interaction;
   Bsdf bsdf;
   SampledWavelengths wavelengths = SampledWavelengths::SampleVisible(0.3f);
+
+  explicit Place(const char* text) : built(BuiltWorld(text)), world(*built) {}
 };
 
 // The surface that the ray from the camera along d meets.
 std::unique_ptr<Place> PlaceAlong(const char* text, Vec3 d) {
-  MemoryFiles files({{"scene.pbrt", SceneHead("\"mixture\"", 3) + text}, {"sky.pfm", BrightTexelMap()}});
-  const Result<SceneDescription> scene = ParseScene(files, "scene.pbrt");
-  EXPECT_TRUE(scene) << scene.error().message;
-  ImageCache images(files);
-  auto place = std::make_unique<Place>();
-  World& world = place->world;
-  world.camera = *Camera::Read(scene->camera, scene->camera_from_world, 8, 8);
-  Diagnostics diagnostics;
-  const Result<void> built = BuildWorld({*scene, files, images, "bvh"}, &world, diagnostics);
-  EXPECT_TRUE(built) << built.error().message;
-  world.accelerator = *MakeAccelerator("embree", world.geometry, world.textures);
+  auto place = std::make_unique<Place>(text);
+  const World& world = place->world;
   const Ray ray{{0, 0, 0}, Normalize(d)};
   Hit hit;
   EXPECT_TRUE(world.accelerator->Intersect(ray, &hit));
