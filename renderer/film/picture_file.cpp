@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
+#include <stdexcept>
 
 namespace tessera {
 namespace {
@@ -37,6 +38,26 @@ class MemoryOutput : public Imf::OStream {
 
  private:
   std::string bytes_;
+  size_t position_ = 0;
+};
+
+// Gives OpenEXR bytes in memory to read.
+class MemoryInput : public Imf::IStream {
+ public:
+  explicit MemoryInput(std::string_view bytes) : Imf::IStream("picture in memory"), bytes_(bytes) {}
+  bool read(char bytes[], int count) override {
+    const auto wanted = static_cast<size_t>(count);
+    if (position_ > bytes_.size() || wanted > bytes_.size() - position_)
+      throw std::runtime_error("unexpected end of file");
+    std::memcpy(bytes, bytes_.data() + position_, wanted);
+    position_ += wanted;
+    return position_ < bytes_.size();
+  }
+  uint64_t tellg() override { return position_; }
+  void seekg(uint64_t position) override { position_ = position; }
+
+ private:
+  std::string_view bytes_;
   size_t position_ = 0;
 };
 
@@ -162,6 +183,12 @@ Result<LoadedPicture> LoadChecked(Imf::InputFile& file, const std::string& path)
   return picture;
 }
 
+Error CannotBeRead(const std::string& name, const std::exception& e) {
+  std::string reason = e.what();
+  std::ranges::replace(reason, '\n', ' ');
+  return BadInput(fmt::format("{}: cannot be read as OpenEXR: {}", name, reason));
+}
+
 }  // namespace
 
 Result<std::string> EncodeExr(const FrameSpec& spec, const FramePicture& picture) {
@@ -178,9 +205,17 @@ Result<LoadedPicture> LoadExr(const std::string& path) {
     Imf::InputFile file(path.c_str());
     return LoadChecked(file, path);
   } catch (const std::exception& e) {
-    std::string reason = e.what();
-    std::ranges::replace(reason, '\n', ' ');
-    return BadInput(fmt::format("{}: cannot be read as OpenEXR: {}", path, reason));
+    return CannotBeRead(path, e);
+  }
+}
+
+Result<LoadedPicture> DecodeExr(std::string_view bytes, const std::string& name) {
+  try {
+    MemoryInput input(bytes);
+    Imf::InputFile file(input);
+    return LoadChecked(file, name);
+  } catch (const std::exception& e) {
+    return CannotBeRead(name, e);
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "renderer/film/frame_spec.h"
 #include "renderer/film/merger.h"
@@ -21,6 +22,8 @@ struct LoadedPicture {
   std::map<std::string, std::string> attributes;  // string attributes
 };
 Result<LoadedPicture> LoadExr(const std::string& path);
+// Decodes the bytes of an OpenEXR file. Errors call them `name`.
+Result<LoadedPicture> DecodeExr(std::string_view bytes, const std::string& name);
 
 // How two pictures differ, over the channels both have. relMSE is the mean of (a - b)^2 / (b^2 + 0.01), PSNR
 // that of a peak of 1. A value that is not finite, and is not the same in both, differs by infinity.

@@ -116,6 +116,21 @@ TEST_F(PictureFile, EqualPicturesGiveEqualBytes) {
   }
 }
 
+TEST_F(PictureFile, BytesInMemoryAreDecodedAsTheSameBytesInAFile) {
+  const FrameSpec spec = Spec(ExrType::kHalf);
+  const std::string bytes = *EncodeExr(spec, Picture(spec));
+  const auto from_memory = DecodeExr(bytes, "memory"), from_file = SaveAndLoad(bytes);
+  ASSERT_TRUE(from_memory) << from_memory.error().message;
+  EXPECT_EQ(from_memory->bounds, from_file->bounds);
+  EXPECT_EQ(from_memory->channels, from_file->channels);
+  EXPECT_EQ(from_memory->values, from_file->values);
+  for (size_t size = 0; size < bytes.size(); size += 97) {
+    const auto torn = DecodeExr(bytes.substr(0, size), "torn.exr");
+    ASSERT_FALSE(torn) << size;
+    EXPECT_THAT(torn.error().message, HasSubstr("torn.exr"));
+  }
+}
+
 TEST_F(PictureFile, AnEmptyFileAndAFolderAreRefusedByName) {
   const auto empty = SaveAndLoad("");
   ASSERT_FALSE(empty);
