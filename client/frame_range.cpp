@@ -23,8 +23,8 @@ bool TakeCharacter(std::string_view& text, char c) {
   return true;
 }
 
-Error BadRange(std::string_view word, const std::string& what) {
-  return BadInput(fmt::format("--frames {}: {}", word, what));
+Error BadRange(std::string_view flag, std::string_view text, const std::string& what) {
+  return BadInput(fmt::format("{} {}: {}", flag, text, what));
 }
 
 }  // namespace
@@ -35,21 +35,21 @@ std::vector<int> FrameRange::Numbers() const {
   return numbers;
 }
 
-Result<FrameRange> ParseFrameRange(std::string_view word) {
+Result<FrameRange> ParseFrameRange(std::string_view flag, std::string_view text) {
   FrameRange range;
-  std::string_view rest = word;
+  std::string_view rest = text;
   bool good = !rest.empty() && TakeNumber(rest, &range.first);
   range.last = range.first;
   if (good && TakeCharacter(rest, '-')) good = !rest.empty() && TakeNumber(rest, &range.last);
   if (good && TakeCharacter(rest, 'x')) good = !rest.empty() && TakeNumber(rest, &range.step);
   if (!good || !rest.empty()) {
-    return BadRange(word, "expected A-B or A-BxSTEP, such as 1-250 or 1-250x10");
+    return BadRange(flag, text, "expected A-B or A-BxSTEP, such as 1-250 or 1-250x10");
   }
-  if (range.step < 1) return BadRange(word, "the step must be at least 1");
-  if (range.last < range.first) return BadRange(word, "the last frame comes before the first");
+  if (range.step < 1) return BadRange(flag, text, "the step must be at least 1");
+  if (range.last < range.first) return BadRange(flag, text, "the last frame comes before the first");
   const int64_t count = (int64_t{range.last} - range.first) / range.step + 1;
   if (count > kFramesPerJobMax) {
-    return BadRange(word, fmt::format("{} frames are more than the {} of one job", count, kFramesPerJobMax));
+    return BadRange(flag, text, fmt::format("{} frames; a job has at most {}", count, kFramesPerJobMax));
   }
   return range;
 }

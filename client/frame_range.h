@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-constexpr int kFrameNumberMax = 99'999'999;  // of eight digits: no film is as long
+constexpr int kFrameNumberMax = 99'999'999;  // eight digits: no film is as long
 
 struct FrameRange {
   int first = 0, last = 0, step = 1;  // first <= last; `last` may lie between two steps
@@ -17,8 +17,8 @@ struct FrameRange {
   bool operator==(const FrameRange&) const = default;
 };
 
-// "A-B", "A-BxSTEP" or "A", none negative. An error if the range is empty or of more than kFramesPerJobMax
-// frames.
-Result<FrameRange> ParseFrameRange(std::string_view word);
+// Reads "A-B", "A-BxSTEP" or "A", none negative. Errors name `flag`. A range that is empty or has more than
+// kFramesPerJobMax frames is an error.
+Result<FrameRange> ParseFrameRange(std::string_view flag, std::string_view text);
 
 }  // namespace tessera

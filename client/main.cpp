@@ -1,37 +1,28 @@
 // `tessera`: the command line of the farm.
 #include <fmt/format.h>
 
-#include <map>
-
-#include "client/command_line.h"
-#include "client/commands.h"
+#include "client/commands/command_line.h"
+#include "client/commands/commands.h"
 #include "proto/shell/program.h"
 
 namespace tessera {
 namespace {
-
-const std::map<std::string, Command>& Commands() {
-  static const std::map<std::string, Command> kCommands{
-      {"render", RunRender},     {"submit", RunSubmit},   {"status", RunStatus},   {"watch", RunWatch},
-      {"cancel", RunCancel},     {"fetch", RunFetch},     {"jobs", RunJobs},       {"workers", RunWorkers},
-      {"info", RunInfo},         {"compare", RunCompare}, {"pause", RunPause},     {"resume", RunResume},
-      {"priority", RunPriority}, {"drain", RunDrain},     {"release", RunRelease}, {"extend", RunExtend},
-  };
-  return kCommands;
-}
 
 Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termination) {
   Cancellation cancellation;
   const std::stop_callback on_termination(termination, [&cancellation] {
     cancellation.Cancel({ErrorKind::kInterrupted, "interrupted"});
   });
-  const auto parsed = ParseCommandLine(arguments);
+  std::vector<Command> commands;
+  for (const MakeCommandFunction make : kCommands) commands.push_back(make());
+  const auto parsed = ParseCommandLine(commands, arguments);
   if (!parsed) return parsed.error();
   if (!parsed->answer.empty()) {
     fmt::print("{}", parsed->answer);
     return 0;
   }
-  auto code = Commands().at(parsed->options.command)(parsed->options, cancellation);
+  auto code = parsed->run(cancellation);
+  // The first cause, such as the end of the local coordinator, explains more than the call that it broke.
   if (!code && cancellation.cancelled()) return cancellation.error();
   return code;
 }

@@ -35,7 +35,7 @@ uint8_t EncodeSrgb(float linear) {
   return static_cast<uint8_t>(std::lround(std::clamp(encoded, 0.0f, 1.0f) * 255));
 }
 
-// Where red, green and blue are among the channels.
+// The positions of red, green and blue among the channels.
 std::array<size_t, 3> ColorChannels(const std::vector<std::string>& channels) {
   std::array<size_t, 3> places{};
   constexpr const char* kNames[] = {"R", "G", "B"};
@@ -69,13 +69,13 @@ Result<std::string> Encode(const LoadedPicture& picture, const std::string& path
   std::vector<unsigned char> encoded;
   OIIO::Filesystem::IOVecOutput memory(encoded);
   const auto output = OIIO::ImageOutput::create("memory.png", &memory);
-  if (!output) return Failed(fmt::format("{}: PNG cannot be written: {}", path, OIIO::geterror()));
+  if (!output) return Failed(fmt::format("{}: cannot encode the PNG: {}", path, OIIO::geterror()));
   OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", "sRGB");
   output->set_ioproxy(&memory);
   if (!output->open("memory.png", spec) ||
       !output->write_image(OIIO::TypeDesc::UINT8, EightBit(picture).data()) || !output->close()) {
-    return Failed(fmt::format("{}: PNG cannot be written: {}", path, output->geterror()));
+    return Failed(fmt::format("{}: cannot encode the PNG: {}", path, output->geterror()));
   }
   return std::string(encoded.begin(), encoded.end());
 }
@@ -86,7 +86,7 @@ Result<std::string> EncodePng(const LoadedPicture& picture, const std::string& p
   try {
     return Encode(picture, path);
   } catch (const std::exception& e) {
-    return Failed(fmt::format("{}: PNG cannot be written: {}", path, e.what()));
+    return Failed(fmt::format("{}: cannot encode the PNG: {}", path, e.what()));
   }
 }
 

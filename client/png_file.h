@@ -1,4 +1,4 @@
-// A picture for the eye.
+// Pictures as PNG, for viewing.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace tessera {
 
-// The bytes of an 8-bit sRGB PNG of the display window: colours up to 0.8 as they are, brighter ones
-// compressed towards white (Khronos PBR Neutral tone mapper, 2024); black outside the data window. Shows R,
-// G, B, or else the first channel as grey. An error names `path`.
+// Encodes the display window as an 8-bit sRGB PNG: colours up to 0.8 are kept, brighter ones are compressed
+// towards white (Khronos PBR Neutral tone mapper, 2024); pixels outside the data window are black. Shows the
+// channels R, G and B, or the first channel as grey if one of them is missing. Errors name `path`.
 Result<std::string> EncodePng(const LoadedPicture& picture, const std::string& path);
 
 }  // namespace tessera

@@ -4,19 +4,9 @@
 
 #include <filesystem>
 
-#include "client/frame_names.h"
+#include "client/frame_name.h"
 
 namespace tessera {
-namespace {
-
-Error NoFrameNumbers(const std::string& path) {
-  return BadInput(fmt::format(
-      "{}: there is no such file; if it stands for the files of a sequence, say which frames of it with "
-      "--frames A-B",
-      path));
-}
-
-}  // namespace
 
 std::string SceneFrame::folder() const {
   return std::filesystem::path(path).parent_path().string();
@@ -26,20 +16,23 @@ std::string SceneFrame::name() const {
   return std::filesystem::path(path).filename().string();
 }
 
-Result<std::vector<SceneFrame>> ListFrames(const Options& options) {
-  const std::string& path = options.scene;
-  if (std::filesystem::path(path).filename().empty())
-    return BadInput(fmt::format("{}: is not a scene file", path));
-  const bool is_pattern = IsFramePattern(path);
+Result<std::vector<SceneFrame>> ListFrames(const SceneOptions& options) {
+  const FrameName name(options.path);
+  if (std::filesystem::path(options.path).filename().empty())
+    return BadInput(fmt::format("{}: not a scene file", options.path));
   if (!options.frames) {
     std::error_code error;
-    if (is_pattern && !std::filesystem::exists(path, error)) return NoFrameNumbers(path);
-    return std::vector<SceneFrame>{{0, path, options.render, false}};
+    if (name.HasPlace() && !std::filesystem::exists(options.path, error)) {
+      return BadInput(fmt::format(
+          "{}: no such file; to render a sequence, add --frames A-B to choose its frames", options.path));
+    }
+    return std::vector<SceneFrame>{{0, options.path, options.render, false}};
   }
+  const bool is_animated = !name.HasPlace();
   std::vector<SceneFrame> frames;
   for (const int number : options.frames->Numbers()) {
-    SceneFrame frame{number, is_pattern ? NameOfFrame(path, number) : path, options.render, !is_pattern};
-    if (!is_pattern) frame.options.time = number / options.fps;
+    SceneFrame frame{number, name.Of(number), options.render, is_animated};
+    if (is_animated) frame.options.time = number / options.fps;
     frames.push_back(std::move(frame));
   }
   return frames;

@@ -1,4 +1,4 @@
-// The frames that a command line asks for, each with its scene file, and how they are read.
+// The frames that a command renders, each with its scene file, and how they are read.
 #pragma once
 
 #include <map>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "client/options.h"
+#include "client/scene_options.h"
 #include "renderer/description/file_source.h"
 #include "renderer/scene/scene.h"
 #include "renderer/util/shared_cache.h"
@@ -17,25 +17,26 @@ namespace tessera {
 constexpr uint64_t kSharedBytesMax = uint64_t{2} << 30;
 
 struct SceneFrame {
-  int number = 0;    // what the user calls it
+  int number = 0;    // as the user counts
   std::string path;  // of its scene file
   RenderOptions options;
-  // Whether all frames are of one file, in which what moves is shown at the frame's time.
+  // All frames come from one scene file, whose moving parts are shown at the time of the frame.
   bool is_animated = false;
 
   std::string folder() const;
   std::string name() const;  // of the file in its folder
 };
 
-// One for a scene without --frames. An error, before any file is read, if a name makes no sense.
-Result<std::vector<SceneFrame>> ListFrames(const Options& options);
+// The frames of a sequence, or the one frame of a scene without --frames. Fails before any file is read if
+// the options do not name scene files.
+Result<std::vector<SceneFrame>> ListFrames(const SceneOptions& options);
 
 struct LoadedFrame {
   std::unique_ptr<Scene> scene;
   std::map<std::string, DiskFileSource::File> files;  // by the names that the scene uses
 };
 
-// Reads the scene file with all it refers to.
+// Reads the scene file and all files it refers to.
 Result<LoadedFrame> LoadFrame(const SceneFrame& frame, Scene::Depth depth,
                               const std::shared_ptr<SharedCache>& cache);
 

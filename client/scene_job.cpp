@@ -16,7 +16,7 @@
 namespace tessera {
 namespace {
 
-// What is kept of a frame that has been read.
+// What is kept of a frame after it has been read.
 struct ReadFrame {
   FrameSpec spec;
   std::vector<std::string> warnings;
@@ -31,14 +31,14 @@ class FrameReader {
   FrameReader(SceneJob& job, Scene::Depth first_depth, std::stop_token stop)
       : job_(job), first_depth_(first_depth), stop_(stop), read_(job.frames.size()) {}
 
-  // Of each frame; of frames that are all of one file only the first.
+  // Reads every frame, or only the first if all come from one file.
   Result<std::vector<ReadFrame>> Run() {
     const size_t count = job_.frames.front().is_animated ? 1 : job_.frames.size();
-    const size_t threads = std::min(count, static_cast<size_t>(UsableCores()));
-    std::vector<std::thread> crew;
-    for (size_t i = 1; i < threads; ++i) crew.emplace_back([this, count] { Work(count); });
+    const size_t thread_count = std::min(count, static_cast<size_t>(UsableCores()));
+    std::vector<std::thread> threads;
+    for (size_t i = 1; i < thread_count; ++i) threads.emplace_back([this, count] { Work(count); });
     Work(count);
-    for (std::thread& thread : crew) thread.join();
+    for (std::thread& thread : threads) thread.join();
     if (error_) return *error_;
     if (stop_.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
     read_.resize(count);
@@ -78,10 +78,10 @@ class FrameReader {
   std::atomic<size_t> next_ = 0;
   std::atomic<size_t> failed_ = SIZE_MAX;  // the first frame that failed
   std::mutex mutex_;
-  std::optional<Error> error_;  // its error
+  std::optional<Error> error_;  // of that frame
 };
 
-// Each warning once, however many frames have it.
+// Prints each warning once, however many frames have it.
 void PrintWarnings(const SceneJob& job, const std::vector<ReadFrame>& frames) {
   std::set<std::string> printed;
   const auto print = [&](const std::string& warning) {
@@ -91,13 +91,13 @@ void PrintWarnings(const SceneJob& job, const std::vector<ReadFrame>& frames) {
     for (const std::string& warning : frame.warnings) print(warning);
   }
   if (job.frames.size() > 1 && job.frames[0].is_animated && frames[0].moving == 0) {
-    print(fmt::format("{}: nothing in it moves: its {} frames will look the same", job.frames[0].path,
-                      job.frames.size()));
+    print(fmt::format("{}: nothing in the scene moves, so all {} frames will look the same",
+                      job.frames[0].path, job.frames.size()));
   }
 }
 
-// Puts the frames' files into one package. Each folder that scene files lie in is a folder of the package,
-// unless there is but one.
+// Puts the files of all frames into one package. Each folder with scene files becomes a folder of the
+// package, unless there is only one.
 class Packer {
  public:
   explicit Packer(const std::vector<SceneFrame>& frames) {
@@ -113,18 +113,19 @@ class Packer {
     for (const auto& [name, file] : read.files) {
       const std::string path = PackagePath(name);
       if (path.empty() || !IsPackagePath(folder + path)) {
-        return BadInput(fmt::format("{}: the file's name is too long to be sent to a farm", name));
+        return BadInput(fmt::format("{}: the file name is too long for a farm", name));
       }
       alone.files[path] = {file.digest, file.size};
       const auto [entry, is_new] = packed.package.files.emplace(folder + path, alone.files[path]);
       if (!is_new && entry->second.digest != file.digest) {
-        return Failed(fmt::format("{}: changed while the frames were read: try again", file.path));
+        return Failed(
+            fmt::format("{}: changed while the frames were being read; run the command again", file.path));
       }
       packed.disk_paths.emplace(file.digest, file.path);
     }
     if (packed.package.files.size() > kFilesPerPackageMax) {
-      return BadInput(fmt::format("{}: with it the job refers to {} files, more than {}", frame.path,
-                                  packed.package.files.size(), kFilesPerPackageMax));
+      return BadInput(fmt::format("{}: the job refers to {} files up to this frame; the limit is {}",
+                                  frame.path, packed.package.files.size(), kFilesPerPackageMax));
     }
     FrameOrder order{folder + PackagePath(frame.name()), EncodeRenderOptions(frame.options), read.spec,
                      frame.number, read.extendable};
@@ -139,7 +140,7 @@ class Packer {
 
 }  // namespace
 
-Result<SceneJob> LoadSceneJob(const Options& options, Scene::Depth depth, std::stop_token stop) {
+Result<SceneJob> LoadSceneJob(const SceneOptions& options, Scene::Depth depth, std::stop_token stop) {
   auto frames = ListFrames(options);
   if (!frames) return frames.error();
   SceneJob job;

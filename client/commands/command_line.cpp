@@ -1,0 +1,28 @@
+#include "client/commands/command_line.h"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+
+#include "proto/shell/flags.h"
+
+namespace tessera {
+
+Result<CommandLine> ParseCommandLine(const std::vector<Command>& commands,
+                                     const std::vector<std::string>& arguments) {
+  CLI::App app("Render scenes on this machine or on a farm of machines.", "tessera");
+  app.footer("Run \"tessera COMMAND --help\" for the flags of a command.");
+  for (const Command& command : commands)
+    command.add_flags(*app.add_subcommand(command.name, command.summary));
+  const auto answer = ParseArguments(app, arguments);
+  if (!answer) return answer.error();
+  if (!answer->empty()) return CommandLine{*answer, nullptr};
+  const auto chosen = app.get_subcommands();
+  if (chosen.empty()) return BadInput("no command given; \"tessera --help\" lists the commands");
+  const auto command = std::ranges::find(commands, chosen.front()->get_name(), &Command::name);
+  if (auto checked = command->check(); !checked) return checked.error();
+  return CommandLine{"", command->run};
+}
+
+}  // namespace tessera

@@ -1,0 +1,37 @@
+// The commands of `tessera`. To add one, write its file and name it in the two lists here.
+#pragma once
+
+#include "client/commands/command.h"
+
+namespace tessera {
+
+// Each is defined in the file of its name.
+Command CancelCommand();
+Command CompareCommand();
+Command DrainCommand();
+Command ExtendCommand();
+Command FetchCommand();
+Command InfoCommand();
+Command JobsCommand();
+Command PauseCommand();
+Command PriorityCommand();
+Command ReleaseCommand();
+Command RenderCommand();
+Command ResumeCommand();
+Command StatusCommand();
+Command SubmitCommand();
+Command WatchCommand();
+Command WorkersCommand();
+
+// In the order in which the help lists them.
+using MakeCommandFunction = Command (*)();
+inline constexpr MakeCommandFunction kCommands[] = {
+    // On this machine.
+    RenderCommand, InfoCommand, CompareCommand,
+    // Jobs of a farm.
+    SubmitCommand, JobsCommand, StatusCommand, WatchCommand, FetchCommand, ExtendCommand, PriorityCommand,
+    PauseCommand, ResumeCommand, CancelCommand,
+    // Workers of a farm.
+    WorkersCommand, DrainCommand, ReleaseCommand};
+
+}  // namespace tessera

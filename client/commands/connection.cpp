@@ -1,0 +1,17 @@
+#include "client/commands/connection.h"
+
+#include <fmt/format.h>
+
+namespace tessera {
+
+Result<std::unique_ptr<CoordinatorClient>> Connect(const ConnectionOptions& options,
+                                                   Cancellation& cancellation) {
+  const auto print_waiting = [&] {
+    fmt::print(stderr, "tessera: the coordinator at {} does not answer; waiting for it up to {:.0f} s\n",
+               options.coordinator, std::chrono::duration<double>(options.patience).count());
+  };
+  return CoordinatorClient::Connect(options.coordinator, options.patience, cancellation.token(),
+                                    print_waiting);
+}
+
+}  // namespace tessera

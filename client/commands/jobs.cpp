@@ -1,0 +1,41 @@
+// tessera jobs
+#include <fmt/format.h>
+
+#include "client/commands/commands.h"
+#include "client/commands/connection.h"
+#include "client/commands/status_text.h"
+
+namespace tessera {
+namespace {
+
+struct JobsOptions {
+  ConnectionOptions connection;
+  bool json = false;
+};
+
+void AddFlags(CLI::App& app, JobsOptions& options) {
+  AddConnectionFlags(app, options.connection);
+  AddJsonFlag(app, options.json);
+}
+
+Result<int> Run(const JobsOptions& options, Cancellation& cancellation) {
+  const auto client = Connect(options.connection, cancellation);
+  if (!client) return client.error();
+  const auto jobs = (*client)->Jobs();
+  if (!jobs) return jobs.error();
+  fmt::print("{}", options.json ? JobsJson(*jobs) + "\n" : JobTable(*jobs));
+  return 0;
+}
+
+}  // namespace
+
+Command JobsCommand() {
+  return MakeCommand<JobsOptions>({
+      .name = "jobs",
+      .summary = "List the jobs of a farm",
+      .add_flags = AddFlags,
+      .run = Run,
+  });
+}
+
+}  // namespace tessera

@@ -1,0 +1,156 @@
+#include "client/commands/option_groups.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/App.hpp>
+#include <tuple>
+
+#include "client/commands/option_values.h"
+#include "proto/shell/program.h"
+#include "renderer/accelerator/accelerator.h"
+#include "renderer/film/adaptive.h"
+#include "renderer/integrator/integrator_kinds.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kPathDepthMax = 1'000'000;      // bounces: more than any path survives
+constexpr double kFramesPerSecondMin = 1e-3;  // slower than any time lapse
+constexpr int64_t kPatienceMax_s = 7 * 24 * 3600;
+
+constexpr const char* kCoordinatorVariable = "TESSERA_COORDINATOR";
+constexpr const char* kCoordinatorDefault = "127.0.0.1:7700";
+
+void AddFrameFlags(CLI::App& app, SceneOptions& options) {
+  AddValue(app, "--frames", "A-B[xSTEP]",
+           "render a sequence: one scene file per frame if SCENE has a place for the frame number "
+           "(scene.####.pbrt), or the frames of one animated scene",
+           options.frames, ParseFrameRange);
+  AddValue(app, "--fps", "F",
+           WithDefault("frames per second of an animated scene; frame N shows it at N / fps seconds",
+                       fmt::format("{}", options.fps)),
+           options.fps, [](std::string_view flag, std::string_view word) {
+             return ParseNumber(flag, word, kFramesPerSecondMin);
+           });
+}
+
+void AddSamplingFlags(CLI::App& app, RenderOptions& render) {
+  AddValue(app, "--spp", "N", "samples per pixel; the maximum with --noise-threshold",
+           render.samples_per_pixel, WholeNumber<uint32_t>(1, kSamplesPerPixelMax));
+  AddValue(
+      app, "--noise-threshold", "E",
+      WithDefault(fmt::format("stop sampling a pixel once the square root of its expected relMSE is below "
+                              "E x sqrt(n / {}) at n samples; 0.2 is a draft, 0.05 is clean",
+                              kThresholdSamples),
+                  "0, every pixel gets all samples"),
+      render.noise_threshold, [](std::string_view flag, std::string_view word) {
+        return ParseNumber(flag, word, 0, kNoiseThresholdMax);
+      });
+  AddValue(app, "--seed", "S", "random seed", render.seed, WholeNumber<uint64_t>(0));
+  AddText(app, "--integrator", "NAME", fmt::format("one of: {}", fmt::join(Integrators().Names(), ", ")),
+          render.integrator);
+  AddValue(app, "--accelerator", "NAME",
+           WithDefault(fmt::format("one of: {}", fmt::join(kAcceleratorKinds, ", ")), "embree"),
+           render.accelerator, [](std::string_view flag, std::string_view word) {
+             return ParseChoice(flag, word, kAcceleratorKinds);
+           });
+  AddValue(app, "--max-depth", "N", "maximum path length in bounces", render.max_depth,
+           WholeNumber<int>(0, kPathDepthMax));
+}
+
+void AddFilmFlags(CLI::App& app, RenderOptions& render) {
+  const auto set_size = [&render](const std::string& word) -> Result<void> {
+    const auto size = ParseResolution("--resolution", word);
+    if (!size) return size.error();
+    std::tie(render.width, render.height) = *size;
+    return {};
+  };
+  AddWord(app, "--resolution", "WxH", "size of the picture in pixels", set_size);
+  AddValue(app, "--crop", "x0,x1,y0,y1", "part of the picture to render, as fractions of its size",
+           render.crop, ParseCrop);
+  AddValue(app, "--tile-size", "N",
+           WithDefault("side of a tile in pixels", fmt::format("{}", kTileSizeDefault)), render.tile_size,
+           WholeNumber<int>(1, kTileSizeMax));
+  AddValue(app, "--exr-type", "TYPE", WithDefault("half or float", "half"), render.exr_type, ParseExrType);
+  AddValue(app, "--aov", "LIST",
+           fmt::format("channels to add to the picture, separated by commas, of: {}", fmt::join(kAovs, ", ")),
+           render.aovs,
+           [](std::string_view flag, std::string_view word) { return ParseNames(flag, word, kAovs); });
+}
+
+// A flag of the command line's contract that is not implemented yet is refused by name, not as an unknown
+// one.
+void AddUnsupported(CLI::App& app, const std::string& name) {
+  AddWord(app, name, "VALUE", "",
+          [name](const std::string&) -> Result<void> { return BadInput(name + " is not supported yet"); });
+  app.get_option(name)->group("");  // hides it from the help
+}
+
+}  // namespace
+
+void AddSceneFlags(CLI::App& app, SceneOptions& options) {
+  AddText(app, "SCENE", "", "scene file (pbrt-v4)", options.path, Presence::kRequired);
+  AddFrameFlags(app, options);
+  AddSamplingFlags(app, options.render);
+  AddFilmFlags(app, options.render);
+  AddUnsupported(app, "--camera");
+}
+
+void AddRequiredSamples(CLI::App& app, uint32_t& samples_per_pixel) {
+  AddValue(app, "--spp", "N", "samples per pixel in all", samples_per_pixel,
+           WholeNumber<uint32_t>(1, kSamplesPerPixelMax), Presence::kRequired);
+}
+
+void AddConnectionFlags(CLI::App& app, ConnectionOptions& options) {
+  const std::string set = Environment(kCoordinatorVariable);
+  const std::string fallback = set.empty() ? kCoordinatorDefault : set;
+  options.coordinator = fallback;
+  options.patience = kPatienceDefault;
+  AddValue(app, "--coordinator", "ADDR",
+           WithDefault("address of the coordinator, HOST:PORT or unix:PATH",
+                       fmt::format("${} or {}", kCoordinatorVariable, kCoordinatorDefault)),
+           options.coordinator, [fallback](std::string_view, std::string_view word) -> Result<std::string> {
+             return word.empty() ? fallback : std::string(word);
+           });
+  AddValue(app, "--patience", "N",
+           WithDefault("seconds to wait for a coordinator that does not answer",
+                       fmt::format("{}", kPatienceDefault.count())),
+           options.patience,
+           [](std::string_view flag, std::string_view word) -> Result<std::chrono::milliseconds> {
+             const auto seconds = ParseInteger(flag, word, 0, kPatienceMax_s);
+             if (!seconds) return seconds.error();
+             return std::chrono::milliseconds(std::chrono::seconds(*seconds));
+           });
+}
+
+void AddOutputFlags(CLI::App& app, OutputOptions& options, const std::string& default_name) {
+  AddText(app, "-o,--output", "FILE",
+          WithDefault("EXR file to write; for a sequence, #### stands for the frame number", default_name),
+          options.exr);
+  AddText(app, "--png", "FILE", "also write a tone-mapped 8-bit PNG", options.png);
+}
+
+void AddJobArgument(CLI::App& app, JobId& job) {
+  AddValue(
+      app, "JOB", "", "job id, as printed by submit and listed by jobs", job,
+      [](std::string_view flag, std::string_view word) -> Result<JobId> {
+        const auto number = ParseUnsigned(flag, word, 1);
+        if (!number) return number.error();
+        return JobId{*number};
+      },
+      Presence::kRequired);
+}
+
+void AddJsonFlag(CLI::App& app, bool& json) {
+  AddSwitch(app, "--json", "print the answer as JSON", json);
+}
+
+void AddVerifyFlag(CLI::App& app, double& share) {
+  AddValue(
+      app, "--verify", "P%",
+      WithDefault("render this share of the work on two workers and compare the results bit for bit", "0%"),
+      share, ParsePercent);
+}
+
+}  // namespace tessera

@@ -1,0 +1,46 @@
+// Flags that several commands share: for each group its options and a function that adds the flags to a
+// command.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "client/scene_options.h"
+#include "proto/shell/flags.h"
+#include "proto/terms.h"
+
+namespace tessera {
+
+// SCENE, and what flags override of its frames.
+void AddSceneFlags(CLI::App& app, SceneOptions& options);
+
+// --spp of a command that has no other render options and cannot do without it.
+void AddRequiredSamples(CLI::App& app, uint32_t& samples_per_pixel);
+
+// Which coordinator a command calls.
+struct ConnectionOptions {
+  std::string coordinator;               // HOST:PORT or unix:PATH
+  std::chrono::milliseconds patience{};  // how long to wait for a coordinator that does not answer
+};
+// The defaults come from the environment, or are constants.
+void AddConnectionFlags(CLI::App& app, ConnectionOptions& options);
+
+// The time that a coordinator may take to answer if the user does not choose one: a restart takes less, and a
+// mistyped address should not cost more.
+constexpr std::chrono::seconds kPatienceDefault{15};
+
+// Where a picture is written.
+struct OutputOptions {
+  std::string exr;  // path, or for a sequence a FrameName; empty: the command chooses one
+  std::string png;  // the same of a tone-mapped copy; empty: none
+};
+// `default_name` describes in the help what the command chooses.
+void AddOutputFlags(CLI::App& app, OutputOptions& options, const std::string& default_name);
+
+void AddJobArgument(CLI::App& app, JobId& job);
+void AddJsonFlag(CLI::App& app, bool& json);
+// The share of units that two workers render and must agree on.
+void AddVerifyFlag(CLI::App& app, double& share);
+
+}  // namespace tessera

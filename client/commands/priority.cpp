@@ -1,0 +1,36 @@
+// tessera priority
+#include "client/commands/commands.h"
+#include "client/commands/job_command.h"
+#include "client/commands/option_values.h"
+
+namespace tessera {
+namespace {
+
+struct PriorityOptions : JobOptions {
+  int priority = 0;
+};
+
+void AddFlags(CLI::App& app, PriorityOptions& options) {
+  AddJobFlags(app, options);
+  AddValue(app, "N", "", "the new priority; jobs with a higher one run first", options.priority,
+           WholeNumber<int>(-kPriorityMax, kPriorityMax), Presence::kRequired);
+}
+
+Result<int> Run(const PriorityOptions& options, Cancellation& cancellation) {
+  return RunJobCall(options, cancellation, [&](CoordinatorClient& client, JobId job) {
+    return client.SetPriority(job, options.priority);
+  });
+}
+
+}  // namespace
+
+Command PriorityCommand() {
+  return MakeCommand<PriorityOptions>({
+      .name = "priority",
+      .summary = "Change a job's priority",
+      .add_flags = AddFlags,
+      .run = Run,
+  });
+}
+
+}  // namespace tessera

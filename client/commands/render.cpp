@@ -1,0 +1,181 @@
+// tessera render
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "client/commands/commands.h"
+#include "client/commands/option_groups.h"
+#include "client/commands/option_values.h"
+#include "client/commands/status_text.h"
+#include "client/commands/times_text.h"
+#include "client/commands/watching.h"
+#include "client/coordinator/coordinator_client.h"
+#include "client/frame_fetcher.h"
+#include "client/in_process.h"
+#include "client/local_farm.h"
+#include "client/progress_line.h"
+#include "client/saved_picture.h"
+#include "client/scene_job.h"
+#include "renderer/film/picture_file.h"
+#include "renderer/util/cores.h"
+
+namespace tessera {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kProcessesMax = 1024;  // or threads on one machine: more is a typing mistake
+
+struct RenderCommandOptions {
+  SceneOptions scene;
+  OutputOptions output;
+  int workers = 0;  // processes; 0: chosen
+  int threads = 0;  // of each process; 0: chosen
+  bool in_process = false;
+  double verify_share = 0;
+  bool json = false;
+};
+
+void AddFlags(CLI::App& app, RenderCommandOptions& options) {
+  AddSceneFlags(app, options.scene);
+  AddOutputFlags(app, options.output, "SCENE with the extension .exr");
+  AddInteger(app, "--workers", WithDefault("number of worker processes", "1, or 2 with --verify"), 1,
+             kProcessesMax, options.workers);
+  AddInteger(app, "--threads",
+             WithDefault("render threads of each worker process", "all cores, divided among the workers"), 1,
+             kProcessesMax, options.threads);
+  AddSwitch(app, "--in-process", "render in this process instead of on a farm", options.in_process);
+  AddVerifyFlag(app, options.verify_share);
+  AddJsonFlag(app, options.json);
+}
+
+Result<void> Check(const RenderCommandOptions& options) {
+  if (options.verify_share > 0 && (options.in_process || options.workers == 1)) {
+    return BadInput("--verify needs at least two workers to compare: use --workers 2 or more");
+  }
+  return {};
+}
+
+// The processes of a local farm and the threads of each.
+struct FarmSize {
+  int workers;
+  int threads;
+};
+
+// By default one process with a thread for each core, because a scene is loaded once per process, or two
+// processes if they are to verify each other.
+FarmSize ChooseSize(const RenderCommandOptions& options) {
+  const int workers = options.workers > 0 ? options.workers : options.verify_share > 0 ? 2 : 1;
+  const int threads = options.threads > 0 ? options.threads : std::max(1, UsableCores() / workers);
+  return {workers, threads};
+}
+
+// Renders the frames one after another in this process. All are checked before the first is rendered.
+Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options, const PictureNames& names,
+                                             Cancellation& cancellation) {
+  const std::stop_token stop = cancellation.token();
+  const bool is_sequence = options.scene.frames.has_value();
+  auto job = LoadSceneJob(options.scene, is_sequence ? Scene::Depth::kCheck : Scene::Depth::kRender, stop);
+  if (!job) return job.error();
+  const FarmSize size = ChooseSize(options);
+  ProgressLine line("thread");
+  FrameCount count{0, static_cast<uint32_t>(job->frames.size())};
+  std::vector<SavedPicture> saved;
+  for (size_t i = 0; i < job->frames.size(); ++i) {
+    const SceneFrame& frame = job->frames[i];
+    if (is_sequence) {
+      job->scene = nullptr;  // frees its memory for the next one
+      auto loaded = LoadFrame(frame, Scene::Depth::kRender, job->cache);
+      if (!loaded) return loaded.error();
+      job->scene = std::move(loaded->scene);
+    }
+    if (cancellation.cancelled()) return cancellation.error();
+    const FrameSpec& spec = job->packed.frames[i].spec;
+    Progress last;
+    const auto picture =
+        RenderInProcess(*job->scene, spec, size.workers * size.threads, stop, [&](const Progress& progress) {
+          last = progress;
+          last.frames = count;
+          if (progress.samples_done < progress.samples_total) line.Show(last);
+        });
+    if (!picture) return picture.error();
+    ++last.frames.finished;
+    ++count.finished;
+    line.Finish(last);
+    const auto exr = EncodeExr(spec, *picture);
+    if (!exr) return exr.error();
+    auto picture_saved = SavePicture(*exr, frame.number, names);
+    if (!picture_saved) return picture_saved.error();
+    saved.push_back(std::move(*picture_saved));
+  }
+  return saved;
+}
+
+Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& options,
+                                                    const PictureNames& names, Cancellation& cancellation) {
+  const auto job = LoadSceneJob(options.scene, Scene::Depth::kCheck, cancellation.token());
+  if (!job) return job.error();
+  const FarmSize size = ChooseSize(options);
+  const auto farm = LocalFarm::Start(size.workers, size.threads, cancellation);
+  if (!farm) return farm.error();
+  const auto client = CoordinatorClient::Connect((*farm)->address(), kPatienceDefault, cancellation.token());
+  if (!client) return client.error();
+  if (auto sent = (*client)->Upload(job->packed); !sent) return sent.error();
+  const auto id =
+      (*client)->Submit(job->packed, {job->packed.frames[0].scene_file, 0, {}, options.verify_share});
+  if (!id) return id.error();
+  FrameFetcher fetcher(**client, *id, names);
+  uint32_t finished = 0;
+  const auto status = WatchWithProgress(**client, *id, [&](const JobStatus& now) {
+    if (now.frames_finished == finished || cancellation.cancelled()) return;
+    finished = now.frames_finished;
+    // Finished frames are saved even if a later one fails.
+    if (auto saved = fetcher.SaveFinished(); !saved) cancellation.Cancel(saved.error());
+  });
+  if (!status) return status.error();
+  if (status->state != JobState::kFinished) return EndedWithoutPicture(*status);
+  if (const std::string line = TimesLine(status->times); !line.empty())
+    fmt::print(stderr, "the farm's time: {}\n", line);
+  if (auto saved = fetcher.SaveFinished(); !saved) return saved.error();
+  return fetcher.saved();
+}
+
+std::string DefaultOutput(const std::string& scene) {
+  std::filesystem::path name = std::filesystem::path(scene).filename();
+  if (name.extension() == ".gz") name.replace_extension();
+  return name.replace_extension(".exr").string();
+}
+
+Result<int> Run(const RenderCommandOptions& options, Cancellation& cancellation) {
+  const auto start = Clock::now();
+  const bool is_sequence = options.scene.frames.has_value();
+  const std::string& output = options.output.exr;
+  const PictureNames names(output.empty() ? DefaultOutput(options.scene.path) : output, options.output.png,
+                           is_sequence ? PictureNames::Numbers::kAlways : PictureNames::Numbers::kNone);
+  const std::vector<int> numbers = is_sequence ? options.scene.frames->Numbers() : std::vector<int>{0};
+  if (auto writable = names.CheckWritable(numbers); !writable) return writable.error();
+  const auto saved = options.in_process ? RenderHere(options, names, cancellation)
+                                        : RenderOnLocalFarm(options, names, cancellation);
+  if (!saved) return saved.error();
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const std::string count = is_sequence ? fmt::format(" {} frames", saved->size()) : "";
+  fmt::print(stderr, "{}:{} rendered in {}\n", names.exr(), count, DurationText(seconds));
+  if (options.json) fmt::print("{}\n", PicturesJson(*saved, is_sequence, seconds));
+  return 0;
+}
+
+}  // namespace
+
+Command RenderCommand() {
+  return MakeCommand<RenderCommandOptions>({
+      .name = "render",
+      .summary = "Render a scene on this machine",
+      .add_flags = AddFlags,
+      .check = Check,
+      .run = Run,
+  });
+}
+
+}  // namespace tessera

@@ -1,0 +1,181 @@
+#include "client/commands/status_text.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <nlohmann/json.hpp>
+
+namespace tessera {
+namespace {
+
+double Seconds(std::chrono::milliseconds duration) {
+  return static_cast<double>(duration.count()) / 1000;
+}
+
+double Percent(const JobStatus& status) {
+  if (status.samples_total == 0) return 0;
+  return 100 * static_cast<double>(status.samples_done) / static_cast<double>(status.samples_total);
+}
+
+// Names come from other people: bytes that are no UTF-8 are replaced.
+std::string Dump(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+nlohmann::ordered_json ToJson(const JobTimes& times) {
+  nlohmann::ordered_json json;
+  json["render_s"] = times.render_s;
+  json["waste_s"] = times.waste_s;
+  json["other_s"] = times.other_s;
+  json["fetch_s"] = times.fetch_s;
+  json["load_s"] = times.load_s;
+  json["idle_s"] = times.idle_s;
+  json["tail_s"] = times.tail_s;
+  json["writing_s"] = times.writing_s;
+  json["overhead_s"] = times.overhead_s;
+  json["merge_s"] = times.merge_s;
+  json["journal_s"] = times.journal_s;
+  json["picture_s"] = times.picture_s;
+  return json;
+}
+
+nlohmann::ordered_json ToJson(const JobStatus& status) {
+  nlohmann::ordered_json json;
+  json["job"] = Number(status.job);
+  json["name"] = status.name;
+  json["priority"] = status.priority;
+  json["state"] = JobStateName(status.state);
+  json["reason"] = status.reason;
+  json["paused_by_user"] = status.paused_by_user;
+  json["samples_done"] = status.samples_done;
+  json["samples_total"] = status.samples_total;
+  json["samples_per_second"] = status.samples_per_second;
+  json["workers"] = status.workers;
+  json["elapsed_s"] = Seconds(status.elapsed);
+  json["left_s"] = nullptr;
+  if (status.left.count() >= 0) json["left_s"] = Seconds(status.left);
+  json["frames_total"] = status.frames_total;
+  json["frames_finished"] = status.frames_finished;
+  json["times"] = ToJson(status.times);
+  if (status.verify_share > 0) {
+    json["verify_share"] = status.verify_share;
+    json["units_verified"] = status.units_verified;
+    json["units_disputed"] = status.units_disputed;
+    json["units_suspect"] = status.units_suspect;
+  }
+  return json;
+}
+
+nlohmann::ordered_json ToJson(const WorkerStatus& status) {
+  nlohmann::ordered_json json;
+  json["worker"] = fmt::format("{:016x}", Number(status.worker));  // too large for some readers' numbers
+  json["name"] = status.name;
+  json["slots"] = status.slots;
+  json["software_version"] = status.software_version;
+  json["leases"] = status.leases;
+  json["units_finished"] = status.units_finished;
+  json["units_failed"] = status.units_failed;
+  json["speed"] = status.speed;
+  json["silent_s"] = Seconds(status.silent);
+  json["draining"] = status.draining;
+  json["quarantined"] = status.quarantined;
+  json["reason"] = status.reason;
+  json["utilisation"] = status.utilisation;
+  json["samples_per_second"] = status.samples_per_second;
+  json["tags"] = status.tags;
+  return json;
+}
+
+template <typename Status>
+std::string ListJson(const std::vector<Status>& list) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Status& status : list) json.push_back(ToJson(status));
+  return Dump(json);
+}
+
+std::string WorkerRemark(const WorkerStatus& status) {
+  std::string remark;
+  const auto add = [&](const std::string& text) { remark += (remark.empty() ? "" : "  ") + text; };
+  if (!status.tags.empty()) add(fmt::format("[{}]", fmt::join(status.tags, " ")));
+  if (status.quarantined) add("quarantined: " + status.reason);
+  if (status.draining) add(status.leases > 0 ? "draining" : "drained");
+  return remark;
+}
+
+// What the comparing of workers has brought; empty if nothing is compared.
+std::string VerificationText(const JobStatus& status) {
+  if (status.verify_share <= 0) return {};
+  std::string text =
+      fmt::format("{} units verified, {} disputed", status.units_verified, status.units_disputed);
+  if (status.units_suspect > 0) {
+    text += fmt::format("; SUSPECT: {} unverified units of a worker that was found wrong are in the picture",
+                        status.units_suspect);
+  }
+  return text;
+}
+
+}  // namespace
+
+Progress ProgressOf(const JobStatus& status) {
+  Progress progress;
+  progress.samples_done = status.samples_done;
+  progress.samples_total = status.samples_total;
+  progress.samples_per_second = status.samples_per_second;
+  progress.workers = static_cast<int>(status.workers);
+  progress.elapsed_s = Seconds(status.elapsed);
+  progress.left_s = status.left.count() >= 0 ? Seconds(status.left) : -1;
+  progress.remark = status.reason;
+  progress.frames = {status.frames_finished, status.frames_total};
+  progress.has_ended = HasEnded(status.state);
+  if (const std::string text = VerificationText(status); !text.empty()) {
+    progress.remark += (progress.remark.empty() ? "" : "; ") + text;
+  }
+  return progress;
+}
+
+std::string JobText(const JobStatus& status) {
+  const std::string priority = status.priority == 0 ? "" : fmt::format(", priority {}", status.priority);
+  return fmt::format("job {} \"{}\"{}: {}  {}", Number(status.job), status.name, priority,
+                     JobStateName(status.state), ProgressText(ProgressOf(status), "worker"));
+}
+
+std::string JobTable(const std::vector<JobStatus>& jobs) {
+  std::string table =
+      fmt::format("{:>6}  {:<24}  {:>8}  {:<9}  {:>7}  {:>11}  {:>12}  {:>7}  {:>12}\n", "JOB", "NAME",
+                  "PRIORITY", "STATE", "DONE", "FRAMES", "SAMPLES/S", "WORKERS", "ELAPSED");
+  for (const JobStatus& job : jobs) {
+    const std::string frames = fmt::format("{}/{}", job.frames_finished, job.frames_total);
+    table += fmt::format("{:>6}  {:<24}  {:>8}  {:<9}  {:>5.1f} %  {:>11}  {:>12.0f}  {:>7}  {:>12}{}\n",
+                         Number(job.job), job.name, job.priority, JobStateName(job.state), Percent(job),
+                         frames, job.samples_per_second, job.workers, DurationText(Seconds(job.elapsed)),
+                         job.reason.empty() ? "" : "  " + job.reason);
+  }
+  return table;
+}
+
+std::string WorkerTable(const std::vector<WorkerStatus>& workers) {
+  std::string table = fmt::format(
+      "{:<16}  {:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5}  {:>5}  {:>12}  {:>9}  {}\n", "WORKER", "NAME",
+      "SLOTS", "LEASES", "FINISHED", "FAILED", "SPEED", "BUSY", "SAMPLES/S", "SILENT", "VERSION");
+  for (const WorkerStatus& worker : workers) {
+    const std::string remark = WorkerRemark(worker);
+    table += fmt::format(
+        "{:016x}  {:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5.2f}  {:>3.0f} %  {:>12.0f}  {:>9}  {}{}\n",
+        Number(worker.worker), worker.name, worker.slots, worker.leases, worker.units_finished,
+        worker.units_failed, worker.speed, 100 * worker.utilisation, worker.samples_per_second,
+        DurationText(Seconds(worker.silent)), worker.software_version, remark.empty() ? "" : "  " + remark);
+  }
+  return table;
+}
+
+std::string JobJson(const JobStatus& status) {
+  return Dump(ToJson(status));
+}
+std::string JobsJson(const std::vector<JobStatus>& jobs) {
+  return ListJson(jobs);
+}
+std::string WorkersJson(const std::vector<WorkerStatus>& workers) {
+  return ListJson(workers);
+}
+
+}  // namespace tessera

@@ -1,0 +1,84 @@
+// tessera submit
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "client/commands/commands.h"
+#include "client/commands/connection.h"
+#include "client/commands/option_groups.h"
+#include "client/commands/option_values.h"
+#include "client/commands/watching.h"
+#include "client/progress_line.h"
+#include "client/scene_job.h"
+
+namespace tessera {
+namespace {
+
+struct SubmitOptions {
+  SceneOptions scene;
+  ConnectionOptions connection;
+  std::string name;  // of the job; empty: named after the scene
+  int priority = 0;
+  std::set<std::string> required_tags;
+  double verify_share = 0;
+  bool watch = false;
+  bool json = false;
+};
+
+void AddFlags(CLI::App& app, SubmitOptions& options) {
+  AddSceneFlags(app, options.scene);
+  AddConnectionFlags(app, options.connection);
+  AddText(app, "--name", "NAME", WithDefault("name of the job", "SCENE without its extension"), options.name);
+  AddValue(app, "--priority", "N", WithDefault("jobs with a higher priority run first", "0"),
+           options.priority, WholeNumber<int>(-kPriorityMax, kPriorityMax));
+  AddRepeatedWord(app, "--require", "TAG", "lease the job only to workers with this tag; may be repeated",
+                  static_cast<int>(kTagsMax), [&options](const std::string& word) -> Result<void> {
+                    const auto tag = ParseTag("--require", word);
+                    if (!tag) return tag.error();
+                    options.required_tags.insert(*tag);
+                    return {};
+                  });
+  AddVerifyFlag(app, options.verify_share);
+  AddSwitch(app, "--watch", "follow the job's progress until it ends", options.watch);
+  AddJsonFlag(app, options.json);
+}
+
+Result<int> Run(const SubmitOptions& options, Cancellation& cancellation) {
+  const auto job = LoadSceneJob(options.scene, Scene::Depth::kCheck, cancellation.token());
+  if (!job) return job.error();
+  const auto client = Connect(options.connection, cancellation);
+  if (!client) return client.error();
+  const auto sent = (*client)->Upload(job->packed);
+  if (!sent) return sent.error();
+  fmt::print(stderr, "uploaded {} of {} files, {}\n", sent->files_sent, sent->files_total,
+             BytesText(sent->bytes_sent));
+  const std::string name =
+      options.name.empty() ? std::filesystem::path(options.scene.path).stem().string() : options.name;
+  const auto id =
+      (*client)->Submit(job->packed, {name, options.priority, options.required_tags, options.verify_share});
+  if (!id) return id.error();
+  if (options.json) {
+    fmt::print("{{\"job\":{}}}\n", Number(*id));
+  } else {
+    fmt::print("{}\n", Number(*id));
+  }
+  std::fflush(stdout);  // a script may read it while this command watches the job
+  if (!options.watch) return 0;
+  const auto status = WatchWithProgress(**client, *id);
+  if (!status) return status.error();
+  if (status->state != JobState::kFinished) return EndedWithoutPicture(*status);
+  return 0;
+}
+
+}  // namespace
+
+Command SubmitCommand() {
+  return MakeCommand<SubmitOptions>({
+      .name = "submit",
+      .summary = "Submit a scene to a farm and print the job id",
+      .add_flags = AddFlags,
+      .run = Run,
+  });
+}
+
+}  // namespace tessera

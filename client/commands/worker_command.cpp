@@ -1,0 +1,59 @@
+#include "client/commands/worker_command.h"
+
+#include <fmt/format.h>
+
+#include "client/commands/connection.h"
+#include "client/commands/option_groups.h"
+#include "client/commands/status_text.h"
+
+namespace tessera {
+namespace {
+
+struct WorkerOptions {
+  std::string which;
+  ConnectionOptions connection;
+  bool json = false;
+};
+
+void AddFlags(CLI::App& app, WorkerOptions& options) {
+  AddConnectionFlags(app, options.connection);
+  AddJsonFlag(app, options.json);
+}
+
+void AddFlagsAndWorker(CLI::App& app, WorkerOptions& options) {
+  AddText(app, "WORKER", "", "name of one or more workers, or id of one, as listed by workers", options.which,
+          Presence::kRequired);
+  AddFlags(app, options);
+}
+
+Result<int> Run(const WorkerOptions& options, Cancellation& cancellation, const WorkerCall& call) {
+  const auto client = Connect(options.connection, cancellation);
+  if (!client) return client.error();
+  const auto workers = call(**client, options.which);
+  if (!workers) return workers.error();
+  fmt::print("{}", options.json ? WorkersJson(*workers) + "\n" : WorkerTable(*workers));
+  return 0;
+}
+
+Command Make(const std::string& name, const std::string& summary,
+             void (*add_flags)(CLI::App&, WorkerOptions&), const WorkerCall& call) {
+  return MakeCommand<WorkerOptions>({
+      .name = name,
+      .summary = summary,
+      .add_flags = add_flags,
+      .run = [call](const WorkerOptions& options,
+                    Cancellation& cancellation) { return Run(options, cancellation, call); },
+  });
+}
+
+}  // namespace
+
+Command WorkerCommand(const std::string& name, const std::string& summary, const WorkerCall& call) {
+  return Make(name, summary, AddFlagsAndWorker, call);
+}
+
+Command AllWorkersCommand(const std::string& name, const std::string& summary, const WorkerCall& call) {
+  return Make(name, summary, AddFlags, call);
+}
+
+}  // namespace tessera

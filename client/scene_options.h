@@ -1,0 +1,21 @@
+// Which scene or sequence to render, and how.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "client/frame_range.h"
+#include "renderer/scene/scene.h"
+
+namespace tessera {
+
+constexpr double kFramesPerSecondDefault = 24;  // of films
+
+struct SceneOptions {
+  std::string path;                      // of the scene file; of a sequence perhaps a pattern (frame_name.h)
+  std::optional<FrameRange> frames;      // of a sequence
+  double fps = kFramesPerSecondDefault;  // frames of one animated scene in a second of its time
+  RenderOptions render;
+};
+
+}  // namespace tessera

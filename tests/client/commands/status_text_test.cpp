@@ -1,0 +1,92 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/commands/status_text.h"
+#include "client/commands/times_text.h"
+#include "client/progress_line.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Progress, IsToldInFiguresThatPeopleRead) {
+  Progress progress{12'300'000, 28'600'000, 1'420'000, 2, 8.7, 11.5, "", {}};
+  EXPECT_EQ(
+      ProgressText(progress, "worker"),
+      " 43.0 %  12.3 Msamples of 28.6 Msamples  1.42 Msamples/s  2 workers  8.7 s elapsed  11.5 s left");
+  progress = {100, 100, 950, 1, 192, 0, "", {}};
+  EXPECT_EQ(ProgressText(progress, "thread"),
+            "100.0 %  100 samples of 100 samples  950 samples/s  1 thread  3 min 12 s elapsed");
+  progress = {0, 100, 0, 0, 0, -1, "disk full", {}};
+  EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("time left not known yet  (disk full)"));
+  progress.has_ended = true;
+  EXPECT_THAT(ProgressText(progress, "worker"), testing::Not(HasSubstr("left")));
+}
+
+TEST(Progress, CountsTheFramesOfASequence) {
+  Progress progress{50, 100, 950, 1, 2, 2, "", {}};
+  EXPECT_EQ(ProgressText(progress, "worker").find("frames"), std::string::npos);
+  progress.frames = {3, 24};
+  EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("2.0 s elapsed  3 of 24 frames  2.0 s left"));
+}
+
+TEST(Times, TheLargestPartsComeFirstAndSmallOnesAreLeftOutOfALine) {
+  JobTimes times;
+  times.load_s = 20;
+  times.render_s = 79.6;
+  times.tail_s = 0.4;
+  EXPECT_EQ(TimesLine(times), "80 % rendering, 20 % building the scene");
+  EXPECT_THAT(TimesTable(times), HasSubstr("1 min 40 s of render slots"));
+  EXPECT_THAT(TimesTable(times), HasSubstr("   0.4 %         0.4 s  waiting for the last units\n"));
+  EXPECT_EQ(TimesLine({}), "") << "a farm without slots has no shares";
+}
+
+TEST(Progress, DurationsGrowIntoMinutesAndHours) {
+  EXPECT_EQ(DurationText(0.04), "0.0 s");
+  EXPECT_EQ(DurationText(59.94), "59.9 s");
+  EXPECT_EQ(DurationText(59.97), "60.0 s");
+  EXPECT_EQ(DurationText(61), "1 min 1 s");
+  EXPECT_EQ(DurationText(7500), "2 h 5 min");
+  EXPECT_EQ(DurationText(-1), "0.0 s");
+}
+
+TEST(StatusText, JsonIsValidForNamesThatAreNoUtf8) {
+  JobStatus status;
+  status.job = JobId{7};
+  status.name = "caf\xe9 \"quoted\"";
+  status.state = JobState::kRunning;
+  const std::string json = JobJson(status);
+  EXPECT_THAT(json, HasSubstr("\"job\":7"));
+  EXPECT_THAT(json, HasSubstr("\\\"quoted\\\""));
+  EXPECT_THAT(json, HasSubstr("\"left_s\":null"));
+}
+
+TEST(StatusText, APriorityIsToldWhereItWasGiven) {
+  JobStatus status;
+  status.name = "shot";
+  EXPECT_EQ(JobText(status).find("priority"), std::string::npos);
+  status.priority = -7;
+  EXPECT_THAT(JobText(status), HasSubstr("\"shot\", priority -7: "));
+  EXPECT_THAT(JobTable({status}), HasSubstr("      -7  "));
+}
+
+TEST(StatusText, ADrainedWorkerIsToldFromOneThatStillHoldsSomething) {
+  WorkerStatus worker;
+  worker.draining = true;
+  worker.leases = 2;
+  EXPECT_THAT(WorkerTable({worker}), HasSubstr("  draining\n"));
+  worker.leases = 0;
+  EXPECT_THAT(WorkerTable({worker}), HasSubstr("  drained\n"));
+}
+
+TEST(StatusText, TablesShowWhyAWorkerIdles) {
+  WorkerStatus worker;
+  worker.name = "slow";
+  worker.quarantined = true;
+  worker.reason = "results differ";
+  EXPECT_THAT(WorkerTable({worker}), HasSubstr("quarantined: results differ"));
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,115 @@
+#include "client/frame_range.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/frame_name.h"
+#include "client/picture_names.h"
+#include "client/scene_frames.h"
+
+namespace tessera {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(FrameRange, IsFirstLastAndStep) {
+  EXPECT_THAT(ParseFrameRange("--frames", "3-6")->Numbers(), ElementsAre(3, 4, 5, 6));
+  EXPECT_THAT(ParseFrameRange("--frames", "0-10x4")->Numbers(), ElementsAre(0, 4, 8));
+  EXPECT_THAT(ParseFrameRange("--frames", "7")->Numbers(), ElementsAre(7));
+  EXPECT_THAT(ParseFrameRange("--frames", "7-7x3")->Numbers(), ElementsAre(7));
+  EXPECT_THAT(ParseFrameRange("--frames", "99999998-99999999")->Numbers(),
+              ElementsAre(99'999'998, 99'999'999));
+}
+
+TEST(FrameRange, RefusesWhatIsNotARange) {
+  for (const char* word : {"", "-", "a", "1-", "-3", "1--3", "1-3x", "1-3x-1", "1-3y2", "1-3 ", "1,3",
+                           "1-99999999999999999999", "0-100000000"}) {
+    const auto range = ParseFrameRange("--frames", word);
+    ASSERT_FALSE(range) << word;
+    EXPECT_THAT(range.error().message, HasSubstr("A-BxSTEP")) << word;
+  }
+  EXPECT_THAT(ParseFrameRange("--frames", "5-4").error().message, HasSubstr("before the first"));
+  EXPECT_THAT(ParseFrameRange("--frames", "1-4x0").error().message, HasSubstr("at least 1"));
+  EXPECT_THAT(ParseFrameRange("--frames", "1-10001").error().message,
+              HasSubstr("10001 frames; a job has at most 10000"));
+  EXPECT_TRUE(ParseFrameRange("--frames", "1-10000"));
+}
+
+TEST(FrameName, PutsTheNumberInPlaceOfHashesAndPrintfFormats) {
+  EXPECT_EQ(FrameName("scene.####.pbrt").Of(7), "scene.0007.pbrt");
+  EXPECT_EQ(FrameName("scene.#.pbrt").Of(123), "scene.123.pbrt");
+  EXPECT_EQ(FrameName("###/scene.##.pbrt").Of(7), "007/scene.07.pbrt");
+  EXPECT_EQ(FrameName("scene%03d.pbrt").Of(7), "scene007.pbrt");
+  EXPECT_EQ(FrameName("scene%d.pbrt").Of(7), "scene7.pbrt");
+  EXPECT_EQ(FrameName("#%d#").Of(7), "777");
+  EXPECT_EQ(FrameName("100%.%x.%0d.%099d.pbrt").Of(7), "100%.%x.%0d.%099d.pbrt");
+  EXPECT_EQ(FrameName("").Of(7), "");
+  EXPECT_TRUE(FrameName("a%4d#").HasPlace());
+  EXPECT_FALSE(FrameName("a%4d%").HasPlace());
+}
+
+TEST(FrameName, GetsAPlaceBeforeItsExtensionIfItHasNone) {
+  EXPECT_EQ(FrameName("out.exr").WithPlace().text(), "out.####.exr");
+  EXPECT_EQ(FrameName("dir.d/out").WithPlace().text(), "dir.d/out.####");
+  EXPECT_EQ(FrameName("out.##.exr").WithPlace().text(), "out.##.exr");
+}
+
+TEST(PictureNames, FollowTheFrames) {
+  using Numbers = PictureNames::Numbers;
+  EXPECT_EQ(PictureNames("a.exr", "a.png", Numbers::kAlways).Exr(12), "a.0012.exr");
+  EXPECT_EQ(PictureNames("a.exr", "a.png", Numbers::kAlways).Png(12), "a.0012.png");
+  EXPECT_EQ(PictureNames("a.exr", "", Numbers::kAlways).Png(12), "");
+  EXPECT_EQ(PictureNames("a.exr", "", Numbers::kInPlace).Exr(12), "a.exr");
+  EXPECT_EQ(PictureNames("a#.exr", "", Numbers::kInPlace).Exr(12), "a12.exr");
+  EXPECT_EQ(PictureNames("a#.exr", "", Numbers::kNone).Exr(12), "a#.exr");
+}
+
+SceneOptions Sequence(const std::string& path, FrameRange frames, double fps = kFramesPerSecondDefault) {
+  SceneOptions options;
+  options.path = path;
+  options.frames = frames;
+  options.fps = fps;
+  return options;
+}
+
+TEST(ListFrames, GivesEachFrameItsFile) {
+  const auto frames = ListFrames(Sequence("shot/scene.###.pbrt", {8, 12, 2}));
+  ASSERT_TRUE(frames);
+  ASSERT_EQ(frames->size(), 3u);
+  EXPECT_EQ((*frames)[1].number, 10);
+  EXPECT_EQ((*frames)[1].path, "shot/scene.010.pbrt");
+  EXPECT_EQ((*frames)[1].folder(), "shot");
+  EXPECT_EQ((*frames)[1].name(), "scene.010.pbrt");
+  EXPECT_FALSE((*frames)[1].is_animated);
+  EXPECT_FALSE((*frames)[1].options.time);
+}
+
+TEST(ListFrames, GivesTheFramesOfOneSceneTheirTimes) {
+  const auto frames = ListFrames(Sequence("scene.pbrt", {0, 24, 1}));
+  ASSERT_TRUE(frames);
+  EXPECT_EQ((*frames)[12].path, "scene.pbrt");
+  EXPECT_TRUE((*frames)[12].is_animated);
+  EXPECT_EQ((*frames)[12].options.time, 0.5);
+  EXPECT_EQ((*ListFrames(Sequence("s", {30, 30, 1}, 60)))[0].options.time, 0.5);
+}
+
+TEST(ListFrames, AsksForTheFramesOfAPattern) {
+  SceneOptions options;
+  options.path = "scene.####.pbrt";
+  const auto frames = ListFrames(options);
+  ASSERT_FALSE(frames);
+  EXPECT_THAT(frames.error().message, HasSubstr("--frames A-B"));
+}
+
+TEST(ListFrames, GivesOneSceneOneFrameWithoutATime) {
+  SceneOptions options;
+  options.path = "scene.pbrt";
+  const auto frames = ListFrames(options);
+  ASSERT_TRUE(frames);
+  ASSERT_EQ(frames->size(), 1u);
+  EXPECT_FALSE((*frames)[0].options.time);
+}
+
+}  // namespace
+}  // namespace tessera
