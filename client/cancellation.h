@@ -1,4 +1,4 @@
-// Why and when to stop: one per command, shared by all that it waits for.
+// The request to stop a command, with its reason. Shared by everything that the command waits for.
 #pragma once
 
 #include <mutex>
@@ -12,11 +12,11 @@ namespace tessera {
 // Thread safe.
 class Cancellation {
  public:
-  // Asks everything that holds the token to stop. The first reason is kept.
-  void Cancel(Error why) {
+  // Requests a stop from everything that holds the token. The first reason is kept.
+  void Cancel(Error reason) {
     {
       const std::lock_guard lock(mutex_);
-      if (!why_) why_ = std::move(why);
+      if (!reason_) reason_ = std::move(reason);
     }
     source_.request_stop();
   }
@@ -25,13 +25,13 @@ class Cancellation {
   // Call only if cancelled.
   Error error() const {
     const std::lock_guard lock(mutex_);
-    return why_.value();
+    return reason_.value();
   }
 
  private:
   std::stop_source source_;
   mutable std::mutex mutex_;
-  std::optional<Error> why_;
+  std::optional<Error> reason_;
 };
 
 }  // namespace tessera

@@ -18,7 +18,7 @@
 namespace tessera {
 namespace {
 
-constexpr uint64_t kLogSizeMax = 64 << 20;  // of which only the last line is wanted
+constexpr uint64_t kLogSizeMax = 64 << 20;
 
 // glibc 2.36 declares its own wrapper without C linkage.
 int OpenPidfd(pid_t pid) {
@@ -42,12 +42,13 @@ void BecomeProgram(char* const* arguments, int log_fd, pid_t parent) {
   ::execv(arguments[0], arguments);
 }
 
-// The errno with which the child failed to become the program, or 0.
+// Returns the errno with which the child failed to execute the program, or 0.
 int AwaitExec(int report_fd) {
   int reason = 0;
   ssize_t got = 0;
   do {
-    got = ::read(report_fd, &reason, sizeof reason);  // ends at exec, which closes the other end
+    // Returns 0 bytes at exec, which closes the other end.
+    got = ::read(report_fd, &reason, sizeof reason);
   } while (got < 0 && errno == EINTR);
   return got == sizeof reason ? reason : 0;
 }
@@ -73,22 +74,23 @@ ChildProcess::~ChildProcess() {
 
 Result<ChildProcess> ChildProcess::Start(const std::string& program,
                                          const std::vector<std::string>& arguments, const std::string& log) {
-  std::vector<char*> words{const_cast<char*>(program.c_str())};
-  for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
-  words.push_back(nullptr);
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
   const int log_fd = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
   int report[2] = {-1, -1};
   if (log_fd < 0 || ::pipe2(report, O_CLOEXEC) != 0) {
     const int reason = errno;
     if (log_fd >= 0) ::close(log_fd);
-    return Failed(fmt::format("{}: cannot prepare to start {}: {}", log, program, std::strerror(reason)));
+    return Failed(
+        fmt::format("{}: cannot start the program with log {}: {}", program, log, std::strerror(reason)));
   }
   const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid == 0) {
-    BecomeProgram(words.data(), log_fd, parent);
+    BecomeProgram(argv.data(), log_fd, parent);
     const int reason = errno;
-    [[maybe_unused]] const ssize_t told = ::write(report[1], &reason, sizeof reason);
+    [[maybe_unused]] const ssize_t written = ::write(report[1], &reason, sizeof reason);
     ::_exit(127);
   }
   const int fork_reason = errno;
@@ -96,11 +98,12 @@ Result<ChildProcess> ChildProcess::Start(const std::string& program,
   ::close(report[1]);
   const int reason = pid < 0 ? fork_reason : AwaitExec(report[0]);
   ::close(report[0]);
-  if (pid < 0) return Failed(fmt::format("{}: cannot be started: {}", program, std::strerror(reason)));
+  if (pid < 0) return Failed(fmt::format("{}: cannot start the program: {}", program, std::strerror(reason)));
   ChildProcess process(pid, OpenPidfd(pid), log);
-  if (reason != 0) return Failed(fmt::format("{}: cannot be started: {}", program, std::strerror(reason)));
+  if (reason != 0)
+    return Failed(fmt::format("{}: cannot start the program: {}", program, std::strerror(reason)));
   if (process.ended_fd_ < 0)
-    return Failed(fmt::format("{}: cannot be watched: {}", program, std::strerror(errno)));
+    return Failed(fmt::format("{}: cannot monitor the process: {}", program, std::strerror(errno)));
   return process;
 }
 
@@ -113,7 +116,7 @@ std::string ChildProcess::HowEnded() {
   return fmt::format("exit code {}", WEXITSTATUS(status));
 }
 
-std::string ChildProcess::LastWords() const {
+std::string ChildProcess::LastLine() const {
   const auto text = ReadFile(log_, kLogSizeMax);
   if (!text) return {};
   const size_t end = text->find_last_not_of(" \n");

@@ -1,4 +1,4 @@
-// Processes of ours that must never outlive us.
+// Child processes that never outlive this process.
 #pragma once
 
 #include <sys/types.h>
@@ -10,12 +10,12 @@
 
 namespace tessera {
 
-// Owns a running process. It is killed when this object goes, and by the kernel when the thread that started
-// it ends in whatever way; so start processes from the main thread.
+// Owns a running process. It is killed by the destructor, and by the kernel when the thread that started it
+// ends, however it ends. So start processes from the main thread.
 class ChildProcess {
  public:
-  // Starts `program` with `arguments` (the program's name excluded), its output appended to the file `log`,
-  // in a process group of its own so that a terminal's Ctrl-C reaches only us.
+  // Starts `program` with `arguments` (without the program's name) and appends its output to the file `log`.
+  // The process gets a process group of its own, so that Ctrl-C in a terminal only reaches this one.
   static Result<ChildProcess> Start(const std::string& program, const std::vector<std::string>& arguments,
                                     const std::string& log);
   ChildProcess(ChildProcess&& other) noexcept;
@@ -24,15 +24,15 @@ class ChildProcess {
 
   // Polls as readable once the process has ended.
   int ended_fd() const { return ended_fd_; }
-  // Takes leave of a process that has ended: "exit code 1", "signal 9 (Killed)".
+  // Reaps the process if it has ended: "exit code 1", "signal 9 (Killed)", or else "still running".
   std::string HowEnded();
-  // The last line it logged, or "".
-  std::string LastWords() const;
+  // The last line that it logged, or "".
+  std::string LastLine() const;
 
  private:
   ChildProcess(pid_t pid, int ended_fd, std::string log);
 
-  pid_t pid_;  // -1: gone
+  pid_t pid_;  // -1: ended and reaped, or moved from
   int ended_fd_;
   std::string log_;
 };

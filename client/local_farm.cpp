@@ -3,39 +3,28 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/eventfd.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
+#include <filesystem>
+
+#include "proto/shell/system.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::chrono::seconds kStartPatience{30};  // a loaded machine; a healthy one takes some 30 ms
-constexpr int kAttemptsMax = 3;                     // workers that may fail a unit, if there are so many
+constexpr std::chrono::seconds kStartPatience{30};  // for a loaded machine; an idle one takes about 30 ms
 constexpr int kStartProbe_ms = 2;                   // between attempts to connect to the socket
+// Workers that may fail a unit before the job fails; fewer if there are fewer workers.
+constexpr int kAttemptsMax = 3;
 
-// The folder of our own program.
+// The folder of this program.
 Result<std::string> ProgramFolder() {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) return Failed(fmt::format("/proc/self/exe: cannot be read: {}", error.message()));
   return program.parent_path().string();
-}
-
-// Whether somebody listens on the socket.
-bool CanConnect(const std::string& path) {
-  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (fd < 0) return false;
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
-  const bool connected = ::connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
-  ::close(fd);
-  return connected;
 }
 
 bool HasEnded(const ChildProcess& process, int patience_ms) {
@@ -45,8 +34,8 @@ bool HasEnded(const ChildProcess& process, int patience_ms) {
 
 Error EndedError(const std::string& who, ChildProcess& process) {
   const std::string how = process.HowEnded();
-  const std::string words = process.LastWords();
-  return Failed(fmt::format("{} ended with {}{}{}", who, how, words.empty() ? "" : ": ", words));
+  const std::string line = process.LastLine();
+  return Failed(fmt::format("{} ended with {}{}{}", who, how, line.empty() ? "" : ": ", line));
 }
 
 }  // namespace
@@ -62,7 +51,7 @@ LocalFarm::LocalFarm(TemporaryFolder folder, std::string socket, ChildProcess co
   TESSERA_CHECK(closing_fd_ >= 0);
 }
 
-// The processes are killed: all that they hold goes with the folder, so there is nothing to say goodbye to.
+// The members' destructors kill the processes: everything they hold is in the folder, which is removed too.
 LocalFarm::~LocalFarm() {
   const uint64_t one = 1;
   TESSERA_CHECK(::write(closing_fd_, &one, sizeof one) == sizeof one);
@@ -98,7 +87,8 @@ Result<void> LocalFarm::AwaitCoordinator() {
     if (cancellation_.cancelled()) return cancellation_.error();
     if (HasEnded(coordinator_, kStartProbe_ms)) return EndedError("tessera-coordinator", coordinator_);
     if (std::chrono::steady_clock::now() > deadline)
-      return Failed("tessera-coordinator does not start to listen");
+      return Failed(
+          fmt::format("tessera-coordinator did not start listening within {} s", kStartPatience.count()));
   }
   return {};
 }
@@ -121,16 +111,16 @@ void LocalFarm::Monitor() {
   for (const ChildProcess& worker : workers_) events.push_back({worker.ended_fd(), POLLIN, 0});
   size_t alive = workers_.size();
   while (true) {
-    if (::poll(events.data(), events.size(), -1) < 0) continue;  // a signal came
+    if (::poll(events.data(), events.size(), -1) < 0) continue;  // interrupted by a signal
     if (events[0].revents != 0) return;
     if (events[1].revents != 0) return cancellation_.Cancel(EndedError("tessera-coordinator", coordinator_));
     for (size_t i = 2; i < events.size(); ++i) {
       if (events[i].revents == 0) continue;
       const Error ended = EndedError(fmt::format("worker {}", i - 1), workers_[i - 2]);
-      events[i] = {-1, 0, 0};  // poll passes over it
+      events[i] = {-1, 0, 0};  // ignored by poll
       if (--alive == 0)
-        return cancellation_.Cancel(Failed(fmt::format("no worker is left; {}", ended.message)));
-      fmt::print(stderr, "\ntessera: warning: {}; the others go on\n", ended.message);
+        return cancellation_.Cancel(Failed(fmt::format("no worker is left: {}", ended.message)));
+      fmt::print(stderr, "\ntessera: warning: {}; the other workers continue\n", ended.message);
     }
   }
 }

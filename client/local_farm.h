@@ -1,4 +1,4 @@
-// A coordinator and some workers of our own on this machine, for one job.
+// A coordinator and workers on this machine, started for one job.
 #pragma once
 
 #include <memory>
@@ -12,12 +12,12 @@
 
 namespace tessera {
 
-// Its processes live in a private folder and on a Unix socket there, and end with this object or with this
-// process, however that ends. If they end by themselves (the coordinator, or the last worker) the farm
-// cancels with the reason.
+// Its processes use a private folder and a Unix socket in it. They end with this object or with this process,
+// however it ends. If the coordinator or the last worker ends by itself, the farm cancels with the reason.
 class LocalFarm {
  public:
-  // The programs are found beside our own. Call from the main thread. `cancellation` must outlive the farm.
+  // Starts the programs that are in the folder of this one. Call from the main thread (ChildProcess).
+  // `cancellation` must outlive the farm.
   static Result<std::unique_ptr<LocalFarm>> Start(int workers, int threads, Cancellation& cancellation);
   ~LocalFarm();
   LocalFarm(const LocalFarm&) = delete;

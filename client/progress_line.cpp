@@ -13,7 +13,7 @@ namespace {
 constexpr std::chrono::milliseconds kTerminalInterval{100};  // as fast as an eye can follow
 constexpr std::chrono::milliseconds kLogInterval{5000};      // a log stays readable
 
-// The number with a prefix that leaves it below 1000, and the prefix.
+// The number scaled below 1000 if possible, with the prefix of its scale: "12.3 M".
 std::string WithPrefix(double value) {
   const char* prefix = "";
   if (value >= 1e9) {
@@ -44,27 +44,27 @@ std::string BytesText(uint64_t bytes) {
   return WithPrefix(static_cast<double>(bytes)) + "B";
 }
 
-std::string ProgressText(const Progress& progress, const char* worker_word) {
+std::string ProgressText(const Progress& progress, const char* worker_noun) {
   const double done = static_cast<double>(progress.samples_done);
   const double total = static_cast<double>(progress.samples_total);
   const double percent = total > 0 ? 100 * done / total : 0;
   std::string text = fmt::format("{:5.1f} %  {}samples of {}samples  {}samples/s  {} {}{}  {} elapsed",
                                  percent, WithPrefix(done), WithPrefix(total),
-                                 WithPrefix(progress.samples_per_second), progress.workers, worker_word,
+                                 WithPrefix(progress.samples_per_second), progress.workers, worker_noun,
                                  progress.workers == 1 ? "" : "s", DurationText(progress.elapsed_s));
   if (progress.frames.total > 1) {
     text += fmt::format("  {} of {} frames", progress.frames.finished, progress.frames.total);
   }
   if (progress.samples_done < progress.samples_total && !progress.has_ended) {
     text += progress.left_s >= 0 ? fmt::format("  {} left", DurationText(progress.left_s))
-                                 : "  time left not known yet";
+                                 : "  time left unknown";
   }
   if (!progress.remark.empty()) text += fmt::format("  ({})", progress.remark);
   return text;
 }
 
-ProgressLine::ProgressLine(const char* worker_word)
-    : worker_word_(worker_word),
+ProgressLine::ProgressLine(const char* worker_noun)
+    : worker_noun_(worker_noun),
       terminal_(::isatty(STDERR_FILENO) == 1),
       next_(std::chrono::steady_clock::now()) {}
 
@@ -86,9 +86,9 @@ void ProgressLine::Finish(const Progress& progress) {
 }
 
 void ProgressLine::Print(const Progress& progress) {
-  const std::string text = ProgressText(progress, worker_word_);
+  const std::string text = ProgressText(progress, worker_noun_);
   if (terminal_) {
-    fmt::print(stderr, "\r{}\x1b[K", text);  // clears what a longer line left behind
+    fmt::print(stderr, "\r{}\x1b[K", text);  // clears the rest of a longer line
   } else {
     fmt::print(stderr, "{}\n", text);
   }

@@ -1,4 +1,4 @@
-// Says on stderr how far a render is.
+// Shows the progress of a render on stderr.
 #pragma once
 
 #include <chrono>
@@ -16,39 +16,41 @@ struct Progress {
   double samples_per_second = 0;
   int workers = 0;
   double elapsed_s = 0;
-  double left_s = -1;      // negative: not known yet
-  std::string remark;      // why nothing moves and the like, or empty
-  FrameCount frames;       // told if there are several
-  bool has_ended = false;  // nothing more will come, whether all is done or not
+  double left_s = -1;      // negative: unknown
+  std::string remark;      // such as why a job does not progress, or empty
+  FrameCount frames;       // shown if there are several
+  bool has_ended = false;  // complete or not
 };
 
-// "  43.1 %  12.3/28.6 Msamples  1.42 Msamples/s  2 workers  8.7 s elapsed  11 s left"
-std::string ProgressText(const Progress& progress, const char* worker_word);
+// "  43.1 %  12.3/28.6 Msamples  1.42 Msamples/s  2 workers  8.7 s elapsed  11 s left". `worker_noun` is what
+// renders, in the singular: "worker" or "thread".
+std::string ProgressText(const Progress& progress, const char* worker_noun);
 // "4.2 s", "3 min 12 s", "2 h 5 min"
 std::string DurationText(double seconds);
 
 // "12.3 MB"
 std::string BytesText(uint64_t bytes);
 
-// One line rewritten in place on a terminal; otherwise a line of its own, now and then. Not thread safe.
+// On a terminal, one line that is rewritten in place; in a log, a new line every few seconds. Not thread
+// safe.
 class ProgressLine {
  public:
-  // `worker_word` is what does the work, in singular: "worker" or "thread".
-  explicit ProgressLine(const char* worker_word);
+  // `worker_noun` as in ProgressText.
+  explicit ProgressLine(const char* worker_noun);
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
-  // Shows it, unless the last one was shown a moment ago.
+  // Shows the progress, unless it was shown a moment ago.
   void Show(const Progress& progress);
-  // Shows it in any case and ends the line.
+  // Always shows the progress, and ends the line.
   void Finish(const Progress& progress);
 
  private:
   void Print(const Progress& progress);
 
-  const char* worker_word_;
+  const char* worker_noun_;
   bool terminal_;
-  bool open_ = false;  // the terminal's cursor is in our line
+  bool open_ = false;  // the cursor of the terminal is in the line
   std::chrono::steady_clock::time_point next_;
 };
 

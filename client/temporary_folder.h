@@ -1,4 +1,4 @@
-// A private folder that is removed with all it holds.
+// A private folder that is removed with everything in it.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@ namespace tessera {
 
 class TemporaryFolder {
  public:
-  // In $TMPDIR or /tmp, readable by this user alone.
+  // Creates it in $TMPDIR or /tmp, accessible to this user only.
   static Result<TemporaryFolder> Make();
   TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
   TemporaryFolder& operator=(TemporaryFolder&&) = delete;

@@ -137,7 +137,7 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
   if (!status) return status.error();
   if (status->state != JobState::kFinished) return EndedWithoutPicture(*status);
   if (const std::string line = TimesLine(status->times); !line.empty())
-    fmt::print(stderr, "the farm's time: {}\n", line);
+    fmt::print(stderr, "time of the farm: {}\n", line);
   if (auto saved = fetcher.SaveFinished(); !saved) return saved.error();
   return fetcher.saved();
 }

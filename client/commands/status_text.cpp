@@ -17,7 +17,7 @@ double Percent(const JobStatus& status) {
   return 100 * static_cast<double>(status.samples_done) / static_cast<double>(status.samples_total);
 }
 
-// Names come from other people: bytes that are no UTF-8 are replaced.
+// Names come from other users: bytes that are not UTF-8 are replaced.
 std::string Dump(const nlohmann::ordered_json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -68,7 +68,8 @@ nlohmann::ordered_json ToJson(const JobStatus& status) {
 
 nlohmann::ordered_json ToJson(const WorkerStatus& status) {
   nlohmann::ordered_json json;
-  json["worker"] = fmt::format("{:016x}", Number(status.worker));  // too large for some readers' numbers
+  json["worker"] =
+      fmt::format("{:016x}", Number(status.worker));  // too large for the numbers of some JSON readers
   json["name"] = status.name;
   json["slots"] = status.slots;
   json["software_version"] = status.software_version;
@@ -102,14 +103,15 @@ std::string WorkerRemark(const WorkerStatus& status) {
   return remark;
 }
 
-// What the comparing of workers has brought; empty if nothing is compared.
+// The outcome of verification; empty if the job is not verified.
 std::string VerificationText(const JobStatus& status) {
   if (status.verify_share <= 0) return {};
   std::string text =
       fmt::format("{} units verified, {} disputed", status.units_verified, status.units_disputed);
   if (status.units_suspect > 0) {
-    text += fmt::format("; SUSPECT: {} unverified units of a worker that was found wrong are in the picture",
-                        status.units_suspect);
+    text += fmt::format(
+        "; SUSPECT: the picture contains {} unverified units of a worker that returned wrong results",
+        status.units_suspect);
   }
   return text;
 }

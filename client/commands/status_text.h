@@ -1,4 +1,4 @@
-// Jobs and workers in words for people and in JSON for machines.
+// The status of jobs and workers as text for people and as JSON for programs.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ Progress ProgressOf(const JobStatus& status);
 std::string JobText(const JobStatus& status);
 std::string JobTable(const std::vector<JobStatus>& jobs);
 std::string WorkerTable(const std::vector<WorkerStatus>& workers);
-// Durations in seconds; "left_s" is null while it is not known.
+// Durations are in seconds. "left_s" is null if unknown.
 std::string JobJson(const JobStatus& status);
 std::string JobsJson(const std::vector<JobStatus>& jobs);
 std::string WorkersJson(const std::vector<WorkerStatus>& workers);

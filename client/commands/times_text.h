@@ -1,4 +1,4 @@
-// Where a farm's time went, in words for people.
+// How a farm spent its time, as text for people.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace tessera {
 
-// Some lines: each part of the slots' time with its share, the largest first, and what the coordinator took.
-// Empty if the farm has had no slots.
+// A line for each part of the slots' time with its share, the largest first, and a line with the time of the
+// coordinator. Empty if the farm has had no slots.
 std::string TimesTable(const JobTimes& times);
-// The same in one line: the parts that matter. Empty if the farm has had no slots.
+// The parts of at least one per cent in one line. Empty if the farm has had no slots.
 std::string TimesLine(const JobTimes& times);
 
 }  // namespace tessera

@@ -11,7 +11,7 @@ namespace tessera {
 Result<JobStatus> WatchWithProgress(CoordinatorClient& client, JobId job,
                                     const std::function<void(const JobStatus&)>& on_status) {
   ProgressLine line("worker");
-  uint32_t workers_most = 0;  // at the end none is left: say how many it were
+  uint32_t workers_most = 0;  // shown at the end, when none works for the job any more
   auto last = client.Watch(job, [&](const JobStatus& status) {
     workers_most = std::max(workers_most, status.workers);
     if (!HasEnded(status.state)) line.Show(ProgressOf(status));

@@ -1,4 +1,4 @@
-// Following a job.
+// Watching a job.
 #pragma once
 
 #include <functional>
@@ -7,12 +7,12 @@
 
 namespace tessera {
 
-// Shows the job's progress on stderr until it has ended; its last status. `on_status`, if there is one, hears
-// of each status on the way.
+// Shows the job's progress on stderr until it has ended. Returns its last status. Calls `on_status`, if
+// given, with each status on the way.
 Result<JobStatus> WatchWithProgress(CoordinatorClient& client, JobId job,
                                     const std::function<void(const JobStatus&)>& on_status = {});
 
-// The error that a job without a picture is: failed or cancelled.
+// The error of a command whose job failed or was cancelled.
 Error EndedWithoutPicture(const JobStatus& status);
 
 }  // namespace tessera

@@ -16,15 +16,15 @@
 namespace tessera {
 namespace {
 
-// Bytes to send: a file on disk, or bytes in memory.
+// A file on disk or bytes in memory to be sent.
 struct Source {
   Digest digest;
   uint64_t size = 0;
-  std::string path;  // empty: `bytes`
+  std::string path;  // of the file; empty: `bytes`
   std::string_view bytes;
 };
 
-// Gives the source piece by piece.
+// Reads a source piece by piece.
 class SourceReader {
  public:
   SourceReader(const Source& source, uint64_t offset)
@@ -37,7 +37,7 @@ class SourceReader {
   SourceReader(const SourceReader&) = delete;
   SourceReader& operator=(const SourceReader&) = delete;
 
-  // Fills `piece`; empty at the end. False if the file cannot be read.
+  // Reads the next piece, which is empty at the end. Returns false if the file cannot be read.
   bool Next(std::string& piece) {
     const uint64_t left = source_.size - offset_;
     piece.resize(std::min<uint64_t>(left, kChunkBytesMax));
@@ -61,7 +61,7 @@ class SourceReader {
   int fd_;
 };
 
-// Sends what follows `offset`; adds what was sent to `bytes_sent`.
+// Sends the bytes from `offset` on and adds their number to `bytes_sent`.
 grpc::Status SendBlob(proto::Blobs::Stub& stub, grpc::ClientContext* context, const Source& source,
                       uint64_t offset, std::atomic<uint64_t>& bytes_sent) {
   SourceReader reader(source, offset);
@@ -76,11 +76,11 @@ grpc::Status SendBlob(proto::Blobs::Stub& stub, grpc::ClientContext* context, co
     if (!reader.Next(*chunk.mutable_data())) {
       context->TryCancel();
       writer->Finish();
-      return {grpc::StatusCode::FAILED_PRECONDITION, fmt::format("{} cannot be read any more", source.path)};
+      return {grpc::StatusCode::FAILED_PRECONDITION, fmt::format("{} can no longer be read", source.path)};
     }
     const bool is_last = chunk.data().empty() && !is_first;
-    if (is_last || !writer->Write(chunk))
-      break;  // a refused write: the coordinator has it already, or an error
+    // A write is refused if the coordinator already has the blob, or on an error that Finish returns.
+    if (is_last || !writer->Write(chunk)) break;
     bytes_sent += chunk.data().size();
     is_first = false;
     chunk.clear_digest();
@@ -91,11 +91,11 @@ grpc::Status SendBlob(proto::Blobs::Stub& stub, grpc::ClientContext* context, co
   return writer->Finish();
 }
 
-// What the coordinator lacks, and how many bytes of each it has.
+// The digests of the blobs that the coordinator lacks, each with the number of bytes that it has already.
 using Missing = std::map<std::string, uint64_t>;
 
-// Sends blobs over several streams at the same time, so that neither small files wait for each other's
-// answers nor one large file for all others.
+// Sends blobs over several streams in parallel, so that small files do not wait for each other's answers and
+// no file waits for a large one.
 class Uploader {
  public:
   Uploader(proto::Blobs::Stub& stub, std::stop_token stop) : stub_(stub), stop_(std::move(stop)) {}
@@ -114,12 +114,12 @@ class Uploader {
       missing[answer.missing(i)] = i < answer.held_size() ? answer.held(i) : 0;
     return missing;
   }
-  // All of them, or the first error.
+  // Sends all of them. Returns the first error.
   Result<void> Send(std::vector<std::pair<const Source*, uint64_t>> queue) {
     queue_ = std::move(queue);
     const std::stop_callback on_stop(stop_, [this] { broken_.request_stop(); });
     std::vector<std::thread> threads;
-    for (size_t i = 0; i < std::min(kUploadsAtOnce, queue_.size()); ++i)
+    for (size_t i = 0; i < std::min(kParallelUploads, queue_.size()); ++i)
       threads.emplace_back([this] { SendNext(); });
     for (std::thread& thread : threads) thread.join();
     if (error_) return *error_;
@@ -128,7 +128,7 @@ class Uploader {
   uint64_t bytes_sent() const { return bytes_sent_; }
 
  private:
-  static constexpr size_t kUploadsAtOnce = 4;
+  static constexpr size_t kParallelUploads = 4;
 
   void SendNext() {
     for (size_t next = taken_++; next < queue_.size() && !broken_.stop_requested(); next = taken_++) {
@@ -139,26 +139,26 @@ class Uploader {
       broken_.request_stop();
     }
   }
-  // An upload that breaks goes on where it stopped, for as long as something gets through.
+  // An interrupted upload continues where it stopped, as long as some bytes get through within
+  // kRetryPatience.
   Result<void> SendOne(const Source& source, uint64_t held) {
-    const std::string what = fmt::format("send {}", source.path.empty() ? "the list of files" : source.path);
-    std::chrono::milliseconds pause = kRetryFirst;
-    auto give_up = std::chrono::steady_clock::now() + kRetryPatience;
+    const std::string what = source.path.empty() ? "send the list of files" : "send " + source.path;
+    Backoff waits = RetryWaits();
+    auto deadline = std::chrono::steady_clock::now() + kRetryPatience;
     while (true) {
       CallContext context(broken_.get_token());
       const grpc::Status status =
           SendBlob(stub_, context.get(), source, std::min(held, source.size), bytes_sent_);
       if (status.ok()) return {};
-      const bool too_late = std::chrono::steady_clock::now() > give_up;
-      if (!IsTransient(status) || too_late || !Pause(broken_.get_token(), pause))
+      const bool too_late = std::chrono::steady_clock::now() > deadline;
+      if (!IsTransient(status) || too_late || !Pause(broken_.get_token(), waits.Next()))
         return ToError(status, what);
       const auto missing = FindMissing({WriteDigest(source.digest)});
       if (!missing) return missing.error();
       if (missing->empty()) return {};
-      pause = std::min(pause * 2, kRetryMax);
       if (missing->begin()->second > held) {
-        give_up = std::chrono::steady_clock::now() + kRetryPatience;
-        pause = kRetryFirst;
+        deadline = std::chrono::steady_clock::now() + kRetryPatience;
+        waits.Reset();
       }
       held = missing->begin()->second;
     }
@@ -194,7 +194,8 @@ Result<UploadReport> CoordinatorClient::Upload(const PackedScene& scene) {
     if (!missing) return missing.error();
     for (const auto& [digest, held] : *missing) {
       const auto source = sources.find(digest);
-      if (source == sources.end()) return Failed("the coordinator asks for a file that is not of this scene");
+      if (source == sources.end())
+        return Failed("the coordinator asked for a file that is not part of this scene");
       queue.emplace_back(&source->second, held);
       report.files_sent += source->second.path.empty() ? 0 : 1;
     }

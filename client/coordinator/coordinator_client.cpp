@@ -2,20 +2,20 @@
 
 #include <fmt/format.h>
 
-#include <random>
-
 #include "client/coordinator/coordinator_connection.h"
 #include "proto/wire/convert.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::chrono::seconds kSilenceNoticed{1};
-constexpr std::chrono::milliseconds kConnectSlice{100};  // how soon a stop is noticed meanwhile
-constexpr std::chrono::minutes kWatchPatience{30};  // for a coordinator that is away: a machine's restart
+constexpr std::chrono::seconds kSlowConnection{1};  // after which the user is told
+// How long a stop may go unnoticed while connecting.
+constexpr std::chrono::milliseconds kConnectSlice{100};
+// For a coordinator that is away while a job is watched: its machine may be restarting.
+constexpr std::chrono::minutes kWatchPatience{30};
 constexpr uint64_t kPictureSizeMax = uint64_t{8} << 30;  // bytes: the largest frame in floats
 
-// One call with one answer.
+// Makes one call with one answer.
 template <typename Stub, typename Request, typename Answer>
 Result<void> Call(std::stop_token stop, Stub& stub,
                   grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Answer*),
@@ -32,7 +32,7 @@ proto::JobRequest RequestFor(JobId job) {
   return request;
 }
 
-// A call that names a job and is answered with its status.
+// Makes a call about a job that is answered with the job's status.
 template <typename Connection, typename Request>
 Result<JobStatus> AskAboutJob(Connection& connection,
                               grpc::Status (proto::Jobs::Stub::*method)(grpc::ClientContext*, const Request&,
@@ -45,7 +45,7 @@ Result<JobStatus> AskAboutJob(Connection& connection,
   return ReadJobStatus(answer);
 }
 
-// A call about some workers that is answered with their states.
+// Makes a call about some workers that is answered with their status.
 template <typename Connection>
 Result<std::vector<WorkerStatus>> AskAboutWorkers(
     Connection& connection,
@@ -66,14 +66,7 @@ Result<std::vector<WorkerStatus>> AskAboutWorkers(
   return workers;
 }
 
-uint64_t RandomSubmission() {
-  std::random_device device;
-  const uint64_t high = device();
-  const uint64_t low = device();
-  return (high << 32 | low) | 1;  // not 0
-}
-
-// Receives one picture; `bytes` holds it if the status is good.
+// Receives one picture into `bytes`.
 grpc::Status ReceivePicture(proto::Jobs::Stub& stub, grpc::ClientContext* context,
                             const proto::FetchRequest& request, std::string& bytes) {
   bytes.clear();
@@ -88,33 +81,34 @@ grpc::Status ReceivePicture(proto::Jobs::Stub& stub, grpc::ClientContext* contex
     }
     if (size > kPictureSizeMax || bytes.size() + chunk.data().size() > size) {
       context->TryCancel();
-      return {grpc::StatusCode::DATA_LOSS, "the picture does not have the size that was announced"};
+      return {grpc::StatusCode::DATA_LOSS, "the picture does not have the announced size"};
     }
     bytes += chunk.data();
   }
   const grpc::Status status = reader->Finish();
   if (!status.ok()) return status;
   if (bytes.size() != size || WriteDigest(Sha256(bytes)) != digest) {
-    return {grpc::StatusCode::DATA_LOSS, "the picture was damaged on its way"};
+    return {grpc::StatusCode::DATA_LOSS, "the picture was corrupted in transit (SHA-256 mismatch)"};
   }
   return status;
 }
 
 Result<void> WaitForCoordinator(grpc::Channel& channel, const std::string& address,
                                 std::chrono::milliseconds patience, std::stop_token stop,
-                                const std::function<void()>& on_silence) {
-  const auto begin = std::chrono::steady_clock::now();
-  bool noticed = on_silence == nullptr;
+                                const std::function<void()>& on_slow) {
+  const auto start = std::chrono::steady_clock::now();
+  bool reported = on_slow == nullptr;
   while (!WaitForConnection(channel, kConnectSlice)) {
     if (stop.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
-    const auto waited = std::chrono::steady_clock::now() - begin;
+    const auto waited = std::chrono::steady_clock::now() - start;
     if (waited > patience) {
-      return Failed(fmt::format("{}: no coordinator answers there (waited {:.0f} s)", address,
-                                std::chrono::duration<double>(patience).count()));
+      return Failed(
+          fmt::format("{}: no coordinator answered within {:.0f} s; check the address and that it is running",
+                      address, std::chrono::duration<double>(patience).count()));
     }
-    if (!noticed && waited > kSilenceNoticed) {
-      on_silence();
-      noticed = true;
+    if (!reported && waited > kSlowConnection) {
+      on_slow();
+      reported = true;
     }
   }
   return {};
@@ -126,9 +120,10 @@ CoordinatorClient::CoordinatorClient(std::unique_ptr<Connection> connection)
     : connection_(std::move(connection)) {}
 CoordinatorClient::~CoordinatorClient() = default;
 
-Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(
-    const std::string& address, std::chrono::milliseconds patience, std::stop_token stop,
-    const std::function<void()>& on_silence) {
+Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const std::string& address,
+                                                                      std::chrono::milliseconds patience,
+                                                                      std::stop_token stop,
+                                                                      const std::function<void()>& on_slow) {
   const auto parsed = ParseAddress(address, "--coordinator");
   if (!parsed) return parsed.error();
   auto connection = std::make_unique<Connection>();
@@ -137,27 +132,29 @@ Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(
   connection->channel = OpenChannel(*parsed);
   connection->jobs = proto::Jobs::NewStub(connection->channel);
   connection->blobs = proto::Blobs::NewStub(connection->channel);
-  auto reached = WaitForCoordinator(*connection->channel, address, patience, stop, on_silence);
+  auto reached = WaitForCoordinator(*connection->channel, address, patience, stop, on_slow);
   if (!reached) return reached.error();
   proto::HealthAnswer health;
   auto asked = Call(stop, *connection->jobs, &proto::Jobs::Stub::Health, proto::HealthRequest(), health,
-                    "greet the coordinator");
+                    "ask the coordinator for its version");
   if (!asked) return asked.error();
   if (health.protocol() != kProtocolVersion || health.software_version() != kSoftwareVersion) {
-    return Failed(fmt::format("{}: the coordinator is version {} (protocol {}); this is {} (protocol {})",
-                              address, ReadReason(health.software_version()), health.protocol(),
-                              kSoftwareVersion, kProtocolVersion));
+    return Failed(
+        fmt::format("{}: the coordinator has version {} (protocol {}) and this program version {} (protocol "
+                    "{}); use the same version of both",
+                    address, ReadReason(health.software_version()), health.protocol(), kSoftwareVersion,
+                    kProtocolVersion));
   }
   return std::unique_ptr<CoordinatorClient>(new CoordinatorClient(std::move(connection)));
 }
 
-Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const Wishes& wishes) {
+Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const SubmitOptions& options) {
   JobSpec spec;
-  spec.submission = RandomSubmission();
-  spec.name = wishes.name;
-  spec.priority = wishes.priority;
-  spec.required_tags = wishes.required_tags;
-  spec.verify_share = wishes.verify_share;
+  spec.submission = RandomId();
+  spec.name = options.name;
+  spec.priority = options.priority;
+  spec.required_tags = options.required_tags;
+  spec.verify_share = options.verify_share;
   spec.package = scene.digest;
   spec.frames = scene.frames;
   proto::JobSpec request;
@@ -170,7 +167,7 @@ Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const Wishes& 
 }
 
 Result<JobStatus> CoordinatorClient::Status(JobId job) {
-  return AskAboutJob(*connection_, &proto::Jobs::Stub::Status, RequestFor(job), "ask for");
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::Status, RequestFor(job), "get the status of");
 }
 
 Result<JobStatus> CoordinatorClient::Cancel(JobId job) {
@@ -205,8 +202,8 @@ Result<JobStatus> CoordinatorClient::Extend(JobId job, uint32_t samples_per_pixe
 
 Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(const JobStatus&)>& report) {
   const std::string what = fmt::format("watch job {}", Number(job));
-  auto heard = std::chrono::steady_clock::now();
-  std::chrono::milliseconds pause = kRetryFirst;
+  auto last_report = std::chrono::steady_clock::now();
+  Backoff waits = RetryWaits();
   while (true) {
     CallContext context(connection_->stop);
     const auto reader = connection_->jobs->Watch(context.get(), RequestFor(job));
@@ -216,22 +213,21 @@ Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(c
       if (!status) return status.error();
       report(*status);
       if (HasEnded(status->state)) return status;
-      heard = std::chrono::steady_clock::now();
-      pause = kRetryFirst;
+      last_report = std::chrono::steady_clock::now();
+      waits.Reset();
     }
     grpc::Status status = reader->Finish();
-    if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "the coordinator stopped reporting"};
-    const bool away_too_long = std::chrono::steady_clock::now() - heard > kWatchPatience;
-    if (!IsTransient(status) || away_too_long || !tessera::Pause(connection_->stop, pause))
+    if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "the coordinator closed the stream"};
+    const bool too_late = std::chrono::steady_clock::now() - last_report > kWatchPatience;
+    if (!IsTransient(status) || too_late || !tessera::Pause(connection_->stop, waits.Next()))
       return ToError(status, what);
-    pause = std::min(pause * 2, kRetryMax);
   }
 }
 
 Result<std::vector<FrameStatus>> CoordinatorClient::Frames(JobId job) {
   proto::FramesAnswer answer;
   auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Frames, RequestFor(job),
-                    answer, fmt::format("ask for the frames of job {}", Number(job)));
+                    answer, fmt::format("list the frames of job {}", Number(job)));
   if (!asked) return asked.error();
   return ReadFrameStatuses(answer);
 }

@@ -1,4 +1,4 @@
-// What `tessera` asks of a coordinator.
+// The calls that `tessera` makes to a coordinator.
 #pragma once
 
 #include <functional>
@@ -19,42 +19,42 @@ class Channel;
 namespace tessera {
 
 struct UploadReport {
-  size_t files_total = 0;  // different ones
+  size_t files_total = 0;  // with different contents
   size_t files_sent = 0;
-  uint64_t bytes_sent = 0;  // with the list of files, and with what had to be sent again
+  uint64_t bytes_sent = 0;  // including the list of files and everything that was sent twice
 };
 
-// Every call waits for its answer and tries again, with bounded patience, while the coordinator is away. A
-// request to stop ends any of them with kInterrupted. Used by one thread at a time.
+// Every call waits for its answer and is repeated for a limited time while the coordinator is away. A request
+// to stop ends each of them with kInterrupted. Used by one thread at a time.
 class CoordinatorClient {
  public:
-  // `address` is HOST:PORT or unix:PATH. An error if nobody answers there within `patience` or only another
-  // version of the protocol. Calls `on_silence`, if given, once when the answer does not come at once.
-  static Result<std::unique_ptr<CoordinatorClient>> Connect(
-      const std::string& address, std::chrono::milliseconds patience, std::stop_token stop,
-      const std::function<void()>& on_silence = nullptr);
+  // `address` is HOST:PORT or unix:PATH. Fails if no coordinator answers there within `patience` or if its
+  // version differs. Calls `on_slow`, if given, once if the answer takes longer than a moment.
+  static Result<std::unique_ptr<CoordinatorClient>> Connect(const std::string& address,
+                                                            std::chrono::milliseconds patience,
+                                                            std::stop_token stop,
+                                                            const std::function<void()>& on_slow = nullptr);
   ~CoordinatorClient();
   CoordinatorClient(const CoordinatorClient&) = delete;
   CoordinatorClient& operator=(const CoordinatorClient&) = delete;
 
-  // Sends the files of the scene that the coordinator lacks, several at the same time.
+  // Sends the files of the scene that the coordinator lacks, several in parallel.
   Result<UploadReport> Upload(const PackedScene& scene);
-  // What is asked for beside the picture.
-  struct Wishes {
+  struct SubmitOptions {
     std::string name;
     int priority = 0;
     std::set<std::string> required_tags;
     double verify_share = 0;
   };
-  Result<JobId> Submit(const PackedScene& scene, const Wishes& wishes);
+  Result<JobId> Submit(const PackedScene& scene, const SubmitOptions& options);
   Result<JobStatus> Status(JobId job);
-  // Calls `report` with every change until the job has ended, and answers its last status.
+  // Calls `report` with every change until the job has ended. Returns its last status.
   Result<JobStatus> Watch(JobId job, const std::function<void(const JobStatus&)>& report);
-  // The job's frames, in order. Never empty.
+  // Returns the job's frames, in order. Never empty.
   Result<std::vector<FrameStatus>> Frames(JobId job);
-  // The bytes of the OpenEXR file of a frame, by its index.
+  // Returns the bytes of the OpenEXR file of a frame, given by its index.
   Result<std::string> FetchPicture(JobId job, uint32_t frame, bool preview);
-  // Each answers the job's status after it.
+  // Each returns the status of the job after the change.
   Result<JobStatus> Cancel(JobId job);
   Result<JobStatus> Extend(JobId job, uint32_t samples_per_pixel);
   Result<JobStatus> Pause(JobId job);
@@ -62,7 +62,7 @@ class CoordinatorClient {
   Result<JobStatus> SetPriority(JobId job, int priority);
   Result<std::vector<JobStatus>> Jobs();
   Result<std::vector<WorkerStatus>> Workers();
-  // Of the workers of a name, or the one of a number; each answers them after it.
+  // `which` is the name of some workers or the id of one. Each returns those workers after the change.
   Result<std::vector<WorkerStatus>> Drain(const std::string& which);
   Result<std::vector<WorkerStatus>> Release(const std::string& which);
 

@@ -11,11 +11,11 @@
 namespace tessera {
 
 struct PackedScene {
-  std::vector<FrameOrder> frames;  // with the attributes that the pictures' files will have
+  std::vector<FrameOrder> frames;  // with the attributes of the picture files
   ScenePackage package;
   std::string manifest;                      // EncodeScenePackage(package)
   Digest digest;                             // of the manifest
-  std::map<Digest, std::string> disk_paths;  // where each file of the package is
+  std::map<Digest, std::string> disk_paths;  // of each file of the package
 };
 
 }  // namespace tessera

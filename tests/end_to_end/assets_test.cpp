@@ -1,4 +1,4 @@
-// What travels to a farm, and what does not travel twice.
+// The files that a submitted scene sends to a farm.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@ namespace {
 using testing::HasSubstr;
 using Assets = EndToEnd;
 
-// A quad with a texture of its own.
-std::string Quad(int number) {
+// A disk with a texture of its own.
+std::string Disk(int number) {
   const std::string n = std::to_string(number);
   return "AttributeBegin\nTranslate " + n + " 0 4\nTexture \"t" + n +
          "\" \"spectrum\" \"imagemap\" \"string filename\" \"t" + n +
@@ -30,13 +30,13 @@ std::string Picture(int seed) {
   return bytes;
 }
 
-TEST_F(Assets, OnlyWhatTheFarmLacksIsUploaded) {
+TEST_F(Assets, OnlyMissingFilesAreUploaded) {
   StartCoordinator();
   std::string scene =
       "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nCamera \"perspective\"\n"
       "Sampler \"independent\" \"integer pixelsamples\" 1\nWorldBegin\nLightSource \"point\"\n";
   for (int i = 0; i < 4; ++i) {
-    scene += Quad(i);
+    scene += Disk(i);
     Write("t" + std::to_string(i) + ".pfm", Picture(i));
   }
   const std::string path = Write("scene.pbrt", scene);
@@ -50,7 +50,7 @@ TEST_F(Assets, OnlyWhatTheFarmLacksIsUploaded) {
   EXPECT_THAT(third.errors, HasSubstr("uploaded 1 of 5 files, 3.15 MB"));
 }
 
-TEST_F(Assets, TheStatusOfAJobTellsWhereTheTimeWent) {
+TEST_F(Assets, TheStatusOfAJobShowsHowTheTimeWasSpent) {
   StartCoordinator();
   StartWorker("only");
   const std::string job = Submit(BoxScene(), {});
@@ -58,7 +58,7 @@ TEST_F(Assets, TheStatusOfAJobTellsWhereTheTimeWent) {
   const Outcome status = Ask({"status", job});
   EXPECT_THAT(status.output, HasSubstr("of render slots:"));
   EXPECT_THAT(status.output, HasSubstr("  rendering\n"));
-  EXPECT_THAT(status.output, HasSubstr("meanwhile the coordinator: merging"));
+  EXPECT_THAT(status.output, HasSubstr("coordinator, at the same time: merging"));
   EXPECT_GT(Figure(job, "render_s"), 0);
   EXPECT_GE(Figure(job, "writing_s"), 0);
 }

@@ -1,4 +1,4 @@
-// The picture is the same to the last bit, whoever renders it and whatever happens meanwhile.
+// The picture is bit-identical however it is rendered and whatever fails meanwhile.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -47,7 +47,7 @@ TEST_F(Bits, SurviveCropsAndSampleCountsThatAreNoPowerOfTwo) {
   EXPECT_TRUE(Bytes("picture.exr") == oracle);
 }
 
-// The tiles of the box stop at different counts: those in the shadow late.
+// The tiles of the box stop at different sample counts; those in shadow stop last.
 const std::vector<std::string> kAdaptive{"--noise-threshold", "0.05", "--spp", "300", "--aov", "samples"};
 
 TEST_F(Bits, OfAnAdaptiveFrameAreTheSameForAnyNumberOfWorkers) {
@@ -90,7 +90,7 @@ TEST_F(Bits, SurviveAWorkerKilledInMidFrameWhileAnotherJoins) {
   AwaitShare(job, 0.1);
   doomed.Signal(SIGKILL);
   EXPECT_EQ(doomed.Wait(), -SIGKILL);
-  EXPECT_LT(Figure(job, "samples_done"), Figure(job, "samples_total"));  // it was in mid-frame
+  EXPECT_LT(Figure(job, "samples_done"), Figure(job, "samples_total"));  // the frame was unfinished
   StartWorker("late");
   const Outcome watched = Ask({"watch", job});
   ASSERT_EQ(watched.code, 0) << watched.errors;
@@ -134,7 +134,7 @@ TEST_F(Bits, SurviveAWorkerThatHangsAndComesBack) {
   StartWorker("steady");
   hanging.Signal(SIGSTOP);
   ASSERT_EQ(Ask({"watch", job}).code, 0);
-  hanging.Signal(SIGCONT);  // with late results of a job that is over
+  hanging.Signal(SIGCONT);  // with late results of a finished job
   ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
   EXPECT_TRUE(Bytes("picture.exr") == oracle);
   EXPECT_EQ(Ask({"submit", BoxScene(), "--watch"}).code, 0);
@@ -157,7 +157,7 @@ TEST_F(Bits, SurviveACoordinatorKilledAndRestarted) {
   EXPECT_TRUE(Bytes("picture.exr") == oracle);
 }
 
-// Names that are no plain paths in a package: above the scene's folder, absolute, with strange characters.
+// File names that need mapping to package paths: in a parent folder, absolute, with special characters.
 TEST_F(Bits, AreTheSameForFilesOutsideTheScenesFolder) {
   Write("shared/odd name%.pbrt", "Material \"diffuse\" \"rgb reflectance\" [ 0.2 0.6 0.3 ]\n");
   Write("shared/ball.pbrt", "Shape \"sphere\" \"float radius\" 0.5\n");

@@ -1,4 +1,4 @@
-// What the commands answer.
+// The commands of tessera against a real farm.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -15,10 +15,10 @@ using testing::HasSubstr;
 using testing::Not;
 using Commands = EndToEnd;
 
-// More than a test can wait for: to be cancelled.
+// A render that does not end during a test.
 const std::vector<std::string> kEndless{"--spp", "100000"};
 
-TEST_F(Commands, SubmitStatusWatchAndFetchLeadToThePicture) {
+TEST_F(Commands, SubmitWatchAndFetchGiveThePicture) {
   StartCoordinator();
   StartWorker("only");
   const std::string job = Submit(BoxScene(), {"--name", "little box", "--priority", "3"});
@@ -64,7 +64,7 @@ TEST_F(Commands, AnUnfinishedPictureIsFetchedOnlyAsAPreview) {
   EXPECT_EQ(Tessera({"compare", "picture.exr", "picture.exr"}).code, 0);
 }
 
-TEST_F(Commands, CancelStopsAJobAndThoseWhoWatchIt) {
+TEST_F(Commands, CancelEndsAJobAndTheCommandsThatWatchIt) {
   StartCoordinator();
   StartWorker("only");
   const std::string job = Submit(BoxScene(), kEndless);
@@ -79,7 +79,7 @@ TEST_F(Commands, CancelStopsAJobAndThoseWhoWatchIt) {
   EXPECT_EQ(Ask({"submit", BoxScene(), "--watch"}).code, 0);
 }
 
-TEST_F(Commands, AJobThatIsNotThereIsBadInput) {
+TEST_F(Commands, AnUnknownJobIsBadInput) {
   StartCoordinator();
   for (const char* command : {"status", "watch", "cancel", "fetch"}) {
     const Outcome outcome = Ask({command, "77"});
@@ -88,7 +88,7 @@ TEST_F(Commands, AJobThatIsNotThereIsBadInput) {
   }
 }
 
-TEST_F(Commands, InterruptedRenderLeavesNothingBehind) {
+TEST_F(Commands, AnInterruptedRenderLeavesNoFilesOrProcesses) {
   for (const char* way : {"--in-process", "--workers=2"}) {
     Process render(folder(), "tessera", {"render", BoxScene(), "-o", "picture.exr", way, "--spp", "100000"});
     const size_t children = std::string_view(way) == "--in-process" ? 0 : 3;
@@ -104,7 +104,7 @@ TEST_F(Commands, InterruptedRenderLeavesNothingBehind) {
   }
 }
 
-TEST_F(Commands, AKilledRenderTakesItsProcessesWithIt) {
+TEST_F(Commands, TheProcessesOfAKilledRenderEnd) {
   std::vector<pid_t> pids;
   Process render(folder(), "tessera", {"render", BoxScene(), "--workers", "2", "--spp", "100000"});
   ASSERT_TRUE(Eventually([&] { return (pids = ChildrenOf(render.pid())).size() == 3; }));
@@ -119,10 +119,10 @@ TEST_F(Commands, ARenderWhoseWorkersAllEndFails) {
   ASSERT_TRUE(Eventually([&] { return (workers = ChildrenOf(render.pid(), "tessera-worker")).size() == 1; }));
   ::kill(workers[0], SIGKILL);
   EXPECT_EQ(render.Wait(), 1);
-  EXPECT_THAT(render.Errors(), HasSubstr("no worker is left; worker 1 ended with signal 9"));
+  EXPECT_THAT(render.Errors(), HasSubstr("no worker is left: worker 1 ended with signal 9"));
 }
 
-TEST_F(Commands, RenderNamesItsPictureAfterTheSceneAndReplacesWhatWasThere) {
+TEST_F(Commands, RenderNamesThePictureAfterTheSceneAndReplacesAnExistingFile) {
   Write("box.exr", "something else");
   const Outcome outcome = Tessera({"render", BoxScene(), "--spp", "1", "--json", "--png", "box.png"});
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
@@ -132,7 +132,7 @@ TEST_F(Commands, RenderNamesItsPictureAfterTheSceneAndReplacesWhatWasThere) {
   EXPECT_THAT(outcome.errors, HasSubstr("samples/s"));
 }
 
-TEST_F(Commands, CompareSaysHowPicturesDiffer) {
+TEST_F(Commands, ComparePrintsTheDifferenceOfTwoPictures) {
   Oracle(BoxScene(), {"--spp", "4"});
   std::filesystem::rename(Path("oracle.exr"), Path("a.exr"));
   Oracle(BoxScene(), {"--spp", "4", "--seed", "9"});
@@ -146,7 +146,7 @@ TEST_F(Commands, CompareSaysHowPicturesDiffer) {
   EXPECT_EQ(Tessera({"compare", "a.exr", "nothing.exr"}).code, 2);
 }
 
-TEST_F(Commands, InfoSaysWhatASceneHolds) {
+TEST_F(Commands, InfoDescribesAScene) {
   const Outcome text = Tessera({"info", BoxScene()});
   EXPECT_EQ(text.code, 0) << text.errors;
   EXPECT_THAT(text.output, HasSubstr("96x72 pixels, 16 samples per pixel"));

@@ -1,4 +1,4 @@
-// What people change while jobs run: pauses, priorities, who works for what, and who checks whom.
+// Control of running jobs and workers: pause, priority, tags, verification, drain.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@ namespace {
 using testing::HasSubstr;
 using Controls = EndToEnd;
 
-TEST_F(Controls, APausedJobRestsThroughARestartAndItsPictureIsTheSame) {
+TEST_F(Controls, APausedJobStaysPausedAfterARestartAndItsPictureIsTheSame) {
   StartCoordinator();
   StartWorker("only");
   const std::vector<std::string> options{"--spp", "256"};
@@ -18,7 +18,7 @@ TEST_F(Controls, APausedJobRestsThroughARestartAndItsPictureIsTheSame) {
   const Outcome paused = Ask({"pause", job, "--json"});
   EXPECT_EQ(paused.code, 0) << paused.errors;
   EXPECT_THAT(paused.output, HasSubstr("\"state\":\"paused\",\"reason\":\"by the user\""));
-  EXPECT_TRUE(Eventually([&] { return Figure(job, "workers") == 0; })) << "what runs is finished";
+  EXPECT_TRUE(Eventually([&] { return Figure(job, "workers") == 0; })) << "running units are finished";
   const double done = Figure(job, "samples_done");
   StartCoordinator();
   EXPECT_TRUE(Eventually([&] { return Ask({"workers"}).output.find("only") != std::string::npos; }));
@@ -57,7 +57,7 @@ TEST_F(Controls, AJobThatRequiresATagWaitsForAWorkerThatHasIt) {
   EXPECT_THAT(Ask({"workers", "--json"}).output, HasSubstr("\"units_finished\":0")) << "the plain one";
 }
 
-TEST_F(Controls, AVerifiedPictureHasTheSameBitsAndSaysWhatWasCompared) {
+TEST_F(Controls, AVerifiedPictureHasTheSameBitsAndCountsWhatWasCompared) {
   StartCoordinator();
   StartWorker("one");
   const std::string job = Submit(BoxScene(), {"--verify", "100%"});
@@ -83,7 +83,7 @@ TEST_F(Controls, ALocalFarmVerifiesWithTwoProcesses) {
   }
 }
 
-TEST_F(Controls, ADrainedWorkerRestsUntilItIsReleased) {
+TEST_F(Controls, ADrainedWorkerGetsNoWorkUntilItIsReleased) {
   StartCoordinator();
   StartWorker("tired");
   EXPECT_TRUE(Eventually([&] { return Ask({"drain", "tired"}).code == 0; }));

@@ -1,4 +1,4 @@
-// What was acknowledged is never lost and never rendered again; what was rendered can be extended.
+// Acknowledged results are neither lost nor rendered again, and finished jobs can be extended.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 class Durability : public EndToEnd {
  protected:
-  // The box with a sampler whose samples do not depend on their number, and a texture.
+  // A textured scene whose samples do not depend on the number of samples.
   std::string ExtendableScene() const {
     return Write("extendable.pbrt",
                  "Sampler \"paddedsobol\"\n"
@@ -26,7 +26,7 @@ class Durability : public EndToEnd {
                  "Texture \"c\" \"spectrum\" \"checkerboard\" \"float uscale\" 9 \"float vscale\" 7\n"
                  "Material \"diffuse\" \"texture reflectance\" \"c\"\nShape \"sphere\"\n");
   }
-  // Each number that follows `key` in the coordinator's log, added.
+  // The sum of all numbers that follow `key` in the coordinator's log.
   double Logged(const std::string& key) {
     const std::string log = coordinator().Errors();
     double sum = 0;
@@ -35,7 +35,7 @@ class Durability : public EndToEnd {
     }
     return sum;
   }
-  // Kills it and starts it again on the same data.
+  // Kills the coordinator and starts it again with the same data.
   void RestartCoordinator() {
     coordinator().Signal(SIGKILL);
     EXPECT_EQ(coordinator().Wait(), -SIGKILL);
@@ -58,14 +58,14 @@ TEST_F(Durability, NothingAcknowledgedIsRenderedAgainAfterKills) {
   for (const double share : {0.05, 0.15, 0.25}) {
     AwaitShare(job, share);
     RestartCoordinator();
-    EXPECT_GT(Logged("samples_restored="), share * total / 2) << "of the process before";
+    EXPECT_GT(Logged("samples_restored="), share * total / 2) << "from the previous process";
   }
   ASSERT_EQ(Ask({"watch", job}).code, 0);
   EXPECT_EQ(Logged("samples_restored=") + Logged("samples_accepted="), total);
   EXPECT_TRUE(Fetched(job) == oracle);
 }
 
-TEST_F(Durability, AnExtendedPictureIsTheOneRenderedAtOnce) {
+TEST_F(Durability, AnExtendedPictureEqualsOneRenderedWithAllSamples) {
   const std::string scene = ExtendableScene();
   const std::string oracle = Oracle(scene, {"--spp", "75"});
   StartCoordinator();
@@ -77,7 +77,8 @@ TEST_F(Durability, AnExtendedPictureIsTheOneRenderedAtOnce) {
   RestartCoordinator();
   EXPECT_GE(Logged("samples_restored="), 96 * 64 * 12);
   ASSERT_EQ(Ask({"watch", job}).code, 0);
-  EXPECT_EQ(Logged("samples_restored=") + Logged("samples_accepted="), 96 * 64 * 75) << "nothing twice";
+  EXPECT_EQ(Logged("samples_restored=") + Logged("samples_accepted="), 96 * 64 * 75)
+      << "nothing is rendered twice";
   EXPECT_TRUE(Fetched(job) == oracle);
 }
 
@@ -96,7 +97,7 @@ TEST_F(Durability, ARunningJobIsExtendedWithoutLoadingItsSceneAgain) {
   EXPECT_EQ(log.find("scene_loaded "), log.rfind("scene_loaded ")) << "loaded once";
 }
 
-TEST_F(Durability, ASamplerThatCountsItsSamplesIsRefusedByName) {
+TEST_F(Durability, ExtendRefusesASamplerThatDependsOnTheNumberOfSamples) {
   StartCoordinator();
   const std::string scene = Write("fixed.pbrt",
                                   "Sampler \"zsobol\"\nCamera \"perspective\"\nWorldBegin\n"
@@ -106,18 +107,18 @@ TEST_F(Durability, ASamplerThatCountsItsSamplesIsRefusedByName) {
   EXPECT_THAT(outcome.errors, testing::AllOf(HasSubstr("\"zsobol\""), HasSubstr("--spp 64")));
 }
 
-// A small file system of its own, which goes with the object.
+// A small file system, mounted for the lifetime of the object.
 class SmallDisk {
  public:
   explicit SmallDisk(const std::string& path) : path_(path) {
     std::filesystem::create_directories(path);
-    is_there_ = ::mount("tmpfs", path.c_str(), "tmpfs", 0, "size=48m") == 0;
+    is_mounted_ = ::mount("tmpfs", path.c_str(), "tmpfs", 0, "size=48m") == 0;
   }
   ~SmallDisk() {
-    if (is_there_) ::umount2(path_.c_str(), MNT_DETACH);
+    if (is_mounted_) ::umount2(path_.c_str(), MNT_DETACH);
   }
-  bool is_there() const { return is_there_; }
-  // Leaves no byte free.
+  bool is_mounted() const { return is_mounted_; }
+  // Uses all free space.
   void Fill() const {
     std::ofstream file(path_ + "/filler");
     const std::string block(4096, 'x');
@@ -128,12 +129,12 @@ class SmallDisk {
 
  private:
   std::string path_;
-  bool is_there_ = false;
+  bool is_mounted_ = false;
 };
 
-TEST_F(Durability, AFullDiskPausesTheJobUntilThereIsRoom) {
+TEST_F(Durability, AFullDiskPausesTheJobUntilSpaceIsFree) {
   const SmallDisk disk(Path("data"));
-  if (!disk.is_there()) GTEST_SKIP() << "no file system may be mounted here";
+  if (!disk.is_mounted()) GTEST_SKIP() << "no permission to mount a file system";
   const std::string oracle = Oracle(BoxScene(), kLongRender);
   StartCoordinator();
   StartWorker("only");

@@ -1,4 +1,4 @@
-// What is wrong is said in one clear line, before anything starts, with the right exit code.
+// Bad input is reported in one line, before anything starts, with the exit code of the contract.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -19,7 +19,7 @@ class Errors : public EndToEnd {
   std::string Scene(const std::string& world) const {
     return Write("scene.pbrt", "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\n" + world);
   }
-  // Expects bad input, told in one line, by every command that reads a scene, and nothing done.
+  // Expects that a farm and a render in one process refuse the arguments in one line and leave no files.
   void ExpectBadInput(const std::vector<std::string>& words, const std::string& message) {
     for (const char* way : {"--in-process", "--workers=1"}) {
       std::vector<std::string> arguments{"render", way};
@@ -35,24 +35,24 @@ class Errors : public EndToEnd {
   }
 };
 
-TEST_F(Errors, ATruncatedPlyIsNamed) {
+TEST_F(Errors, ATruncatedPlyFileIsNamed) {
   Write("half.ply",
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n");
   ExpectBadInput({Scene("Shape \"plymesh\" \"string filename\" \"half.ply\"\n")}, "half.ply");
 }
 
-TEST_F(Errors, AMissingTextureIsNamedWithItsPlace) {
+TEST_F(Errors, AMissingTextureIsNamed) {
   ExpectBadInput({Scene("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"gone.png\"\n"
                         "Material \"diffuse\" \"texture reflectance\" \"t\"\nShape \"sphere\"\n")},
                  "gone.png");
 }
 
-TEST_F(Errors, AnUnknownMaterialIsNamedWithItsPlace) {
+TEST_F(Errors, AnUnknownMaterialIsReportedWithItsLocation) {
   ExpectBadInput({Scene("Material \"chrome\"\nShape \"sphere\"\n")}, "scene.pbrt:4:");
 }
 
-TEST_F(Errors, ASyntaxErrorInAnIncludedFileIsFoundThere) {
+TEST_F(Errors, ASyntaxErrorInAnIncludedFileIsLocatedThere) {
   Write("part.pbrt", "Material \"diffuse\"\nShape \"sphere\" \"float radius\" [ one ]\n");
   ExpectBadInput({Scene("Include \"part.pbrt\"\n")}, "part.pbrt:");
 }
@@ -75,13 +75,13 @@ TEST_F(Errors, AMissingSceneIsNamed) {
   ExpectBadInput({Path("gone.pbrt")}, "gone.pbrt");
 }
 
-TEST_F(Errors, SubmitRefusesABadSceneBeforeItLooksForTheFarm) {
+TEST_F(Errors, SubmitRefusesABadSceneBeforeItConnects) {
   const Outcome outcome = Tessera({"submit", Scene("Material \"chrome\"\n"), "--coordinator", "127.0.0.1:1"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.errors, HasSubstr("scene.pbrt:4:"));
 }
 
-TEST_F(Errors, APortInUseEndsTheSecondCoordinator) {
+TEST_F(Errors, ACoordinatorFailsIfItsPortIsInUse) {
   StartCoordinator();
   const Outcome second =
       RunProgram(folder(), "tessera-coordinator", {"--listen", address(), "--data-dir", Path("other")});
@@ -89,24 +89,24 @@ TEST_F(Errors, APortInUseEndsTheSecondCoordinator) {
   EXPECT_THAT(second.errors, HasSubstr(address()));
 }
 
-TEST_F(Errors, ACoordinatorThatIsNotThereIsAFailureOfTheFarm) {
+TEST_F(Errors, AnUnreachableCoordinatorIsAFailureNotBadInput) {
   StartCoordinator();
   coordinator().Signal(SIGKILL);
   coordinator().Wait();
   const Outcome outcome = Ask({"jobs", "--patience", "2"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.errors, HasSubstr("waiting for it up to 2 s"));
-  EXPECT_THAT(outcome.errors, HasSubstr(address() + ": no coordinator answers there"));
+  EXPECT_THAT(outcome.errors, HasSubstr(address() + ": no coordinator answered within 2 s"));
 }
 
-TEST_F(Errors, OtherMachinesAreNotListenedToUnlessToldSo) {
+TEST_F(Errors, ACoordinatorRefusesPublicAddressesWithoutInsecure) {
   const Outcome outcome =
       RunProgram(folder(), "tessera-coordinator", {"--listen", "0.0.0.0:0", "--data-dir", Path("data")});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.errors, HasSubstr("--insecure"));
 }
 
-TEST_F(Errors, AWorkerWithBadOptionsSaysSo) {
+TEST_F(Errors, AWorkerNamesItsBadOptions) {
   const auto expect = [&](const std::vector<std::string>& words, const std::string& message) {
     const Outcome outcome = RunProgram(folder(), "tessera-worker", words);
     EXPECT_EQ(outcome.code, 2);

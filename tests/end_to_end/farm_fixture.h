@@ -1,4 +1,4 @@
-// A folder, and a farm of real processes in it. What a test cannot go on without throws.
+// A temporary folder and a farm of real processes in it. Throws if a step fails that a test depends on.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -28,28 +28,28 @@ class EndToEnd : public testing::Test {
   Outcome Tessera(const std::vector<std::string>& arguments) const {
     return RunProgram(folder_, "tessera", arguments);
   }
-  // Renders without a farm, as the oracle; the bytes of the EXR.
+  // Renders in one process, as the reference. Returns the bytes of the EXR.
   std::string Oracle(const std::string& scene, std::vector<std::string> options);
 
-  // A coordinator on a free port of this machine, or on the port it had before.
+  // Starts a coordinator on a free port of this machine, or restarts it on the port that it had.
   void StartCoordinator();
   Process& coordinator() { return *coordinator_; }
   const std::string& address() const { return address_; }
   Process& StartWorker(const std::string& name, int threads = 1, std::vector<std::string> options = {});
   // `tessera COMMAND ... --coordinator ADDRESS`
   Outcome Ask(std::vector<std::string> arguments) const;
-  // Hands in a scene; the job's number as printed.
+  // Submits a scene and returns the job id as printed.
   std::string Submit(const std::string& scene, std::vector<std::string> options);
-  // A figure of `status --json`.
+  // A number in the output of `status --json`.
   double Figure(const std::string& job, const std::string& key) const;
-  // Waits until more than this share of the job is done.
+  // Waits until more than this fraction of the job is done.
   void AwaitShare(const std::string& job, double share) const;
 
  private:
   std::string folder_;
   std::string address_ = "127.0.0.1:0";
   std::optional<Process> coordinator_;
-  std::deque<Process> workers_;  // references stay good
+  std::deque<Process> workers_;  // keeps references valid
 };
 
 // The scene that most tests render.
@@ -57,8 +57,8 @@ inline std::string BoxScene() {
   return SourceDir() + "/tests/scenes/box.pbrt";
 }
 
-// Options that make a render of it long: what happens at a quarter of it happens in mid-frame, on a loaded
-// machine too.
+// Options that make it a long render, so that an event at a quarter of the samples happens within the frame
+// even on a loaded machine.
 inline const std::vector<std::string> kLongRender{"--spp", "1000"};
 
 }  // namespace tessera

@@ -65,7 +65,7 @@ TEST_F(Frames, AnAnimatedSceneMovesFromFrameToFrame) {
   EXPECT_FALSE(Bytes("farm.0004.exr") == Bytes("farm.0008.exr"));
 }
 
-TEST_F(Frames, FramesInFoldersOfTheirOwnHaveTheirOwnFiles) {
+TEST_F(Frames, FramesInDifferentFoldersUseTheirOwnFiles) {
   for (const std::string shot : {"1", "2"}) {
     std::filesystem::create_directories(Path("shot-" + shot));
     Write("shot-" + shot + "/my scene.pbrt", Scene(LookFrom(0), "Include \"more.pbrt\""));
@@ -78,7 +78,7 @@ TEST_F(Frames, FramesInFoldersOfTheirOwnHaveTheirOwnFiles) {
   EXPECT_FALSE(Bytes("out.1.exr") == Bytes("out.2.exr"));
 }
 
-TEST_F(Frames, ABadFrameIsRefusedByNameBeforeAnythingStarts) {
+TEST_F(Frames, ABadFrameIsNamedBeforeRenderingStarts) {
   WriteSequence(4);
   Write("scene.0003.pbrt",
         Scene(LookFrom(3), "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"no.png\""));
@@ -94,18 +94,18 @@ TEST_F(Frames, ABadFrameIsRefusedByNameBeforeAnythingStarts) {
   EXPECT_THAT(info.errors, HasSubstr("scene.0003.pbrt:8:35: no.png"));
   const Outcome missing = Tessera({"render", "scene.####.pbrt", "--frames", "1-7"});
   EXPECT_EQ(missing.code, 2);
-  EXPECT_THAT(missing.errors, HasSubstr("scene.0003.pbrt")) << "the first that is bad";
+  EXPECT_THAT(missing.errors, HasSubstr("scene.0003.pbrt")) << "the first bad frame";
 }
 
-TEST_F(Frames, InfoCountsThem) {
+TEST_F(Frames, InfoCountsTheFramesOfASequence) {
   WriteSequence(3);
   const Outcome info = Tessera({"info", "scene.####.pbrt", "--frames", "1-3"});
   ASSERT_EQ(info.code, 0) << info.errors;
   EXPECT_THAT(info.output,
-              AllOf(HasSubstr("frames      3, 1 to 3, all can be read"), HasSubstr("files       3,")));
+              AllOf(HasSubstr("frames      3, 1 to 3, all readable"), HasSubstr("files       3,")));
 }
 
-TEST_F(Frames, AFarmsSequenceIsFetchedWholeOrByOneFrame) {
+TEST_F(Frames, ASequenceIsFetchedAsAWholeOrByFrame) {
   WriteSequence(3);
   StartCoordinator();
   StartWorker("only");
@@ -123,10 +123,10 @@ TEST_F(Frames, AFarmsSequenceIsFetchedWholeOrByOneFrame) {
   }
   const Outcome none = Ask({"fetch", job, "--frame", "9"});
   EXPECT_EQ(none.code, 2);
-  EXPECT_THAT(none.errors, HasSubstr("has no frame 9: its frames are 1 to 3"));
+  EXPECT_THAT(none.errors, HasSubstr("has no frame 9; its frames are 1 to 3"));
 }
 
-TEST_F(Frames, FetchTakesWhatIsFinishedAndNamesWhatIsNot) {
+TEST_F(Frames, FetchSavesFinishedFramesAndNamesTheOthers) {
   WriteSequence(1);
   Write("scene.0002.pbrt", Scene(LookFrom(2) + " Sampler \"independent\" \"integer pixelsamples\" 1000000"));
   StartCoordinator();

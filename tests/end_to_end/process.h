@@ -1,4 +1,4 @@
-// Programs under test, as processes.
+// Runs the programs under test.
 #pragma once
 
 #include <sys/types.h>
@@ -10,14 +10,14 @@
 
 namespace tessera {
 
-constexpr std::chrono::seconds kProcessPatience{
-    120};  // for anything a test waits for: machines may be loaded
+// For anything that a test waits for; machines may be loaded.
+constexpr std::chrono::seconds kProcessPatience{120};
 
-// A running program of ours. Killed, with its descendants' help, when it goes out of scope.
+// A running program, killed by the destructor.
 class Process {
  public:
-  // `program` is one of build/PRESET/bin; its output goes to files in `folder`, where it also runs.
-  // Its own temporary folders go to `folder`/tmp.
+  // `program` is one of build/PRESET/bin. It runs in `folder`, writes its output to files there, and creates
+  // its temporary folders in `folder`/tmp.
   Process(const std::string& folder, const std::string& program, const std::vector<std::string>& arguments);
   ~Process();
   Process(Process&& other) noexcept;
@@ -25,11 +25,12 @@ class Process {
 
   pid_t pid() const { return pid_; }
   void Signal(int number) const;
-  // Waits for the end: the exit code, or minus the signal's number. Nothing if it takes too long.
+  // Waits for the program to end. Returns its exit code or minus the number of the signal that ended it, or
+  // nullopt if that takes too long.
   std::optional<int> Wait(std::chrono::milliseconds patience = kProcessPatience);
   std::string Output() const;
   std::string Errors() const;
-  // Waits until its standard error holds `text`; whether it came before the program's end.
+  // Waits until stderr contains `text`. Returns false if the program ends before, or on timeout.
   bool AwaitErrors(const std::string& text);
 
  private:
@@ -39,22 +40,22 @@ class Process {
 };
 
 struct Outcome {
-  int code = 0;  // or minus the signal's number; 1000: took too long
+  int code = 0;  // or minus the number of a signal; 1000: timeout
   std::string output, errors;
 };
 
-// Runs a program to its end.
+// Runs a program until it ends.
 Outcome RunProgram(const std::string& folder, const std::string& program,
                    const std::vector<std::string>& arguments);
 
-// The processes that `parent` started and that have not ended.
+// The running children of `parent`.
 std::vector<pid_t> ChildrenOf(pid_t parent);
-// Of those, the ones whose program is `program`.
+// The running children of `parent` that execute `program`.
 std::vector<pid_t> ChildrenOf(pid_t parent, const std::string& program);
 bool IsAlive(pid_t pid);
 
-// Calls `condition` now and then until it is true; false if that takes too long. For conditions that cannot
-// be waited for.
+// Polls `condition` until it is true. Returns false on timeout. Only for conditions that nothing else can
+// wait for.
 template <typename Condition>
 bool Eventually(Condition condition, std::chrono::milliseconds patience = kProcessPatience);
 

@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Progress, IsToldInFiguresThatPeopleRead) {
+TEST(Progress, IsShownInReadableUnits) {
   Progress progress{12'300'000, 28'600'000, 1'420'000, 2, 8.7, 11.5, "", {}};
   EXPECT_EQ(
       ProgressText(progress, "worker"),
@@ -19,7 +19,7 @@ TEST(Progress, IsToldInFiguresThatPeopleRead) {
   EXPECT_EQ(ProgressText(progress, "thread"),
             "100.0 %  100 samples of 100 samples  950 samples/s  1 thread  3 min 12 s elapsed");
   progress = {0, 100, 0, 0, 0, -1, "disk full", {}};
-  EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("time left not known yet  (disk full)"));
+  EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("time left unknown  (disk full)"));
   progress.has_ended = true;
   EXPECT_THAT(ProgressText(progress, "worker"), testing::Not(HasSubstr("left")));
 }
@@ -31,7 +31,7 @@ TEST(Progress, CountsTheFramesOfASequence) {
   EXPECT_THAT(ProgressText(progress, "worker"), HasSubstr("2.0 s elapsed  3 of 24 frames  2.0 s left"));
 }
 
-TEST(Times, TheLargestPartsComeFirstAndSmallOnesAreLeftOutOfALine) {
+TEST(Times, ListLargePartsFirstAndOmitSmallOnesFromTheLine) {
   JobTimes times;
   times.load_s = 20;
   times.render_s = 79.6;
@@ -51,7 +51,7 @@ TEST(Progress, DurationsGrowIntoMinutesAndHours) {
   EXPECT_EQ(DurationText(-1), "0.0 s");
 }
 
-TEST(StatusText, JsonIsValidForNamesThatAreNoUtf8) {
+TEST(StatusText, JsonIsValidForNamesThatAreNotUtf8) {
   JobStatus status;
   status.job = JobId{7};
   status.name = "caf\xe9 \"quoted\"";
@@ -62,7 +62,7 @@ TEST(StatusText, JsonIsValidForNamesThatAreNoUtf8) {
   EXPECT_THAT(json, HasSubstr("\"left_s\":null"));
 }
 
-TEST(StatusText, APriorityIsToldWhereItWasGiven) {
+TEST(StatusText, ShowsThePriorityUnlessItIsZero) {
   JobStatus status;
   status.name = "shot";
   EXPECT_EQ(JobText(status).find("priority"), std::string::npos);
@@ -71,7 +71,7 @@ TEST(StatusText, APriorityIsToldWhereItWasGiven) {
   EXPECT_THAT(JobTable({status}), HasSubstr("      -7  "));
 }
 
-TEST(StatusText, ADrainedWorkerIsToldFromOneThatStillHoldsSomething) {
+TEST(StatusText, DistinguishesADrainedWorkerFromADrainingOne) {
   WorkerStatus worker;
   worker.draining = true;
   worker.leases = 2;
@@ -80,7 +80,7 @@ TEST(StatusText, ADrainedWorkerIsToldFromOneThatStillHoldsSomething) {
   EXPECT_THAT(WorkerTable({worker}), HasSubstr("  drained\n"));
 }
 
-TEST(StatusText, TablesShowWhyAWorkerIdles) {
+TEST(StatusText, ShowsWhyAWorkerIsQuarantined) {
   WorkerStatus worker;
   worker.name = "slow";
   worker.quarantined = true;
