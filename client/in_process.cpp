@@ -14,32 +14,32 @@
 namespace tessera {
 namespace {
 
-// Pixel samples of a unit: below a tenth of a second of one thread, so that all threads finish together, and
-// far above the cost of merging.
+// Pixel samples of a unit: less than a tenth of a second of one thread, so that all threads finish together,
+// and far more than the cost of merging.
 constexpr int64_t kUnitSamplesMax = 1 << 16;
 constexpr std::chrono::milliseconds kReportInterval{100};
 
-// The largest unit of a frame.
+// The largest number of samples per pixel in a unit of the frame.
 uint32_t UnitSizeMax(const FrameSpec& spec) {
   const int64_t tile_area = std::min(spec.TileBounds(0).area(), kUnitSamplesMax);
   return std::bit_floor(static_cast<uint32_t>(kUnitSamplesMax / tile_area));
 }
 
-// Threads that take units one after another and merge what they render.
-class Crew {
+// Threads that take units one after another and merge the results.
+class ThreadPool {
  public:
-  Crew(const Scene& scene, const FrameSpec& spec, int threads)
+  ThreadPool(const Scene& scene, const FrameSpec& spec, int threads)
       : scene_(scene), spec_(spec), merger_(spec), unit_size_max_(UnitSizeMax(spec)), running_(threads) {
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Work(); });
   }
-  ~Crew() { Join(); }
+  ~ThreadPool() { Join(); }
   void Stop() {
     const std::lock_guard lock(mutex_);
     stop_ = true;
     work_.notify_all();
   }
-  // Waits a moment; whether all threads are done. Says in `progress` how many pixel samples are merged and
-  // how many there may come to be.
+  // Waits for kReportInterval or until all threads are done, and returns whether they are. Stores the numbers
+  // of pixel samples in `progress`.
   bool WaitForEnd(Progress& progress) {
     std::unique_lock lock(mutex_);
     done_.wait_for(lock, kReportInterval, [this] { return running_ == 0; });
@@ -58,7 +58,7 @@ class Crew {
     SampleRange range;
     PixelMask pixels;
   };
-  // Samples of a tile that nobody has taken yet.
+  // Samples of a tile that no thread has taken yet.
   struct Open {
     int tile;
     uint32_t begin, end;
@@ -81,7 +81,8 @@ class Crew {
     work_.notify_all();
     if (--running_ == 0) done_.notify_all();
   }
-  // Waits while others render what may open more. Nothing if there is nothing left to do.
+  // Waits while no unit is open but results that are being rendered may open more. Returns nullopt if nothing
+  // is left to do.
   std::optional<Unit> Take(std::unique_lock<std::mutex>& lock) {
     const int tile_count = spec_.TileCount();
     work_.wait(lock, [&] { return stop_ || !open_.empty() || tile_next_ < tile_count || taken_ == 0; });
@@ -112,8 +113,8 @@ class Crew {
   const FrameSpec& spec_;
   Merger merger_;  // guarded by mutex_, as all that follows
   const uint32_t unit_size_max_;
-  std::vector<Open> open_;  // a stack: a tile begun is ended before another begins
-  int tile_next_ = 0;       // those from here on have not begun
+  std::vector<Open> open_;  // a stack: a tile is finished before another is started
+  int tile_next_ = 0;       // the first tile that has not been started
   int taken_ = 0;           // units being rendered
   std::atomic<bool> stop_ = false;
   std::mutex mutex_;
@@ -132,19 +133,19 @@ Result<FramePicture> RenderInProcess(const Scene& scene, const FrameSpec& spec, 
                                      std::stop_token stop,
                                      const std::function<void(const Progress&)>& report) {
   const auto start = std::chrono::steady_clock::now();
-  Crew crew(scene, spec, threads);
-  const std::stop_callback on_stop(stop, [&crew] { crew.Stop(); });
+  ThreadPool pool(scene, spec, threads);
+  const std::stop_callback on_stop(stop, [&pool] { pool.Stop(); });
   Progress progress;
   progress.workers = threads;
   for (bool done = false; !done;) {
-    done = crew.WaitForEnd(progress);
+    done = pool.WaitForEnd(progress);
     progress.elapsed_s = SecondsSince(start);
     progress.samples_per_second = static_cast<double>(progress.samples_done) / progress.elapsed_s;
     const double left = static_cast<double>(progress.samples_total - progress.samples_done);
     progress.left_s = progress.samples_done > 0 ? left / progress.samples_per_second : -1;
     report(progress);
   }
-  const Merger& merger = crew.TakeMerger();
+  const Merger& merger = pool.TakeMerger();
   if (!merger.Complete()) return Error{ErrorKind::kInterrupted, "interrupted"};
   return merger.Picture();
 }

@@ -1,4 +1,4 @@
-// Renders a whole frame in this process: the oracle for the farm, and the baseline.
+// Renders a whole frame in this process: the reference and baseline for farms.
 #pragma once
 
 #include <functional>
@@ -10,9 +10,9 @@
 
 namespace tessera {
 
-// Renders every sample of the frame on `threads` threads; `spec` is the scene's, perhaps with more
-// attributes. `report` is called on the calling thread, a few times a second. The picture has the bits of
-// every other way to render the frame. kInterrupted if `stop` was requested first.
+// Renders every sample of the frame on `threads` threads. `spec` is the scene's, possibly with more
+// attributes. `report` is called on the calling thread, several times a second. The picture is bit-identical
+// to that of any other way to render the frame. Returns kInterrupted if a stop is requested first.
 Result<FramePicture> RenderInProcess(const Scene& scene, const FrameSpec& spec, int threads,
                                      std::stop_token stop,
                                      const std::function<void(const Progress&)>& report);
