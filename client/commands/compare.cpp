@@ -21,7 +21,7 @@ struct CompareOptions {
 void AddFlags(CLI::App& app, CompareOptions& options) {
   AddText(app, "A", "", "EXR file", options.a, Presence::kRequired);
   AddText(app, "B", "", "EXR file of the reference", options.b, Presence::kRequired);
-  AddValue(app, "--tolerance", "E", WithDefault("exit with code 0 if no value differs by more than E", "0"),
+  AddValue(app, "--tolerance", "E", WithDefault("Exit with code 0 if no value differs by more than E", "0"),
            options.tolerance,
            [](std::string_view flag, std::string_view word) { return ParseNumber(flag, word, 0); });
   AddJsonFlag(app, options.json);

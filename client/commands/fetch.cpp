@@ -25,9 +25,9 @@ void AddFlags(CLI::App& app, FetchOptions& options) {
   AddJobArgument(app, options.job);
   AddConnectionFlags(app, options.connection);
   AddOutputFlags(app, options.output, "job-JOB.exr");
-  AddValue(app, "--frame", "N", WithDefault("fetch only this frame of a sequence", "all frames"),
+  AddValue(app, "--frame", "N", WithDefault("Fetch only this frame of a sequence", "all frames"),
            options.frame, WholeNumber<int>(0, kFrameNumberMax));
-  AddSwitch(app, "--preview", "also fetch pictures that are not finished, as far as they are rendered",
+  AddSwitch(app, "--preview", "Also fetch pictures that are not finished, with what is rendered so far",
             options.preview);
   AddJsonFlag(app, options.json);
 }
@@ -55,9 +55,9 @@ PictureNames NamesFor(const FetchOptions& options, bool is_sequence) {
 
 Error NotFinished(JobId job, const std::vector<int>& missing) {
   const size_t more = missing.size() - 1;
-  return Failed(fmt::format("frame {}{} of job {} {} not finished; use --preview to fetch what is rendered",
-                            missing.front(), more == 0 ? "" : fmt::format(" and {} more", more), Number(job),
-                            more == 0 ? "is" : "are"));
+  return Failed(fmt::format(
+      "frame {}{} of job {} {} not finished; use --preview to fetch what is rendered so far", missing.front(),
+      more == 0 ? "" : fmt::format(" and {} more", more), Number(job), more == 0 ? "is" : "are"));
 }
 
 Result<int> Run(const FetchOptions& options, Cancellation& cancellation) {

@@ -24,11 +24,11 @@ constexpr const char* kCoordinatorDefault = "127.0.0.1:7700";
 
 void AddFrameFlags(CLI::App& app, SceneOptions& options) {
   AddValue(app, "--frames", "A-B[xSTEP]",
-           "render a sequence: one scene file per frame if SCENE has a place for the frame number "
+           "Render a sequence: one scene file per frame if SCENE has a place for the frame number "
            "(scene.####.pbrt), or the frames of one animated scene",
            options.frames, ParseFrameRange);
   AddValue(app, "--fps", "F",
-           WithDefault("frames per second of an animated scene; frame N shows it at N / fps seconds",
+           WithDefault("Frames per second of an animated scene; frame N shows it at N / fps seconds",
                        fmt::format("{}", options.fps)),
            options.fps, [](std::string_view flag, std::string_view word) {
              return ParseNumber(flag, word, kFramesPerSecondMin);
@@ -36,26 +36,27 @@ void AddFrameFlags(CLI::App& app, SceneOptions& options) {
 }
 
 void AddSamplingFlags(CLI::App& app, RenderOptions& render) {
-  AddValue(app, "--spp", "N", "samples per pixel; the maximum with --noise-threshold",
+  AddValue(app, "--spp", "N", "Samples per pixel; the maximum with --noise-threshold",
            render.samples_per_pixel, WholeNumber<uint32_t>(1, kSamplesPerPixelMax));
   AddValue(
       app, "--noise-threshold", "E",
-      WithDefault(fmt::format("stop sampling a pixel once the square root of its expected relMSE is below "
+      WithDefault(fmt::format("Stop sampling a pixel once the square root of its expected relMSE is below "
                               "E x sqrt(n / {}) at n samples; 0.2 is a draft, 0.05 is clean",
                               kThresholdSamples),
                   "0, every pixel gets all samples"),
       render.noise_threshold, [](std::string_view flag, std::string_view word) {
         return ParseNumber(flag, word, 0, kNoiseThresholdMax);
       });
-  AddValue(app, "--seed", "S", "random seed", render.seed, WholeNumber<uint64_t>(0));
-  AddText(app, "--integrator", "NAME", fmt::format("one of: {}", fmt::join(Integrators().Names(), ", ")),
+  AddValue(app, "--seed", "S", "Random seed", render.seed, WholeNumber<uint64_t>(0));
+  AddText(app, "--integrator", "NAME", fmt::format("Integrator: {}", fmt::join(Integrators().Names(), ", ")),
           render.integrator);
-  AddValue(app, "--accelerator", "NAME",
-           WithDefault(fmt::format("one of: {}", fmt::join(kAcceleratorKinds, ", ")), "embree"),
-           render.accelerator, [](std::string_view flag, std::string_view word) {
-             return ParseChoice(flag, word, kAcceleratorKinds);
-           });
-  AddValue(app, "--max-depth", "N", "maximum path length in bounces", render.max_depth,
+  AddValue(
+      app, "--accelerator", "NAME",
+      WithDefault(fmt::format("Ray tracing structure: {}", fmt::join(kAcceleratorKinds, ", ")), "embree"),
+      render.accelerator, [](std::string_view flag, std::string_view word) {
+        return ParseChoice(flag, word, kAcceleratorKinds);
+      });
+  AddValue(app, "--max-depth", "N", "Maximum path length in bounces", render.max_depth,
            WholeNumber<int>(0, kPathDepthMax));
 }
 
@@ -66,15 +67,17 @@ void AddFilmFlags(CLI::App& app, RenderOptions& render) {
     std::tie(render.width, render.height) = *size;
     return {};
   };
-  AddWord(app, "--resolution", "WxH", "size of the picture in pixels", set_size);
-  AddValue(app, "--crop", "x0,x1,y0,y1", "part of the picture to render, as fractions of its size",
+  AddWord(app, "--resolution", "WxH", "Size of the picture in pixels", set_size);
+  AddValue(app, "--crop", "x0,x1,y0,y1", "Part of the picture to render, as fractions of its size",
            render.crop, ParseCrop);
   AddValue(app, "--tile-size", "N",
-           WithDefault("side of a tile in pixels", fmt::format("{}", kTileSizeDefault)), render.tile_size,
+           WithDefault("Side of a tile in pixels", fmt::format("{}", kTileSizeDefault)), render.tile_size,
            WholeNumber<int>(1, kTileSizeMax));
-  AddValue(app, "--exr-type", "TYPE", WithDefault("half or float", "half"), render.exr_type, ParseExrType);
+  AddValue(app, "--exr-type", "TYPE",
+           WithDefault("Type of the values in the EXR file: half or float", "half"), render.exr_type,
+           ParseExrType);
   AddValue(app, "--aov", "LIST",
-           fmt::format("channels to add to the picture, separated by commas, of: {}", fmt::join(kAovs, ", ")),
+           fmt::format("Channels to add to the picture, separated by commas: {}", fmt::join(kAovs, ", ")),
            render.aovs,
            [](std::string_view flag, std::string_view word) { return ParseNames(flag, word, kAovs); });
 }
@@ -90,7 +93,7 @@ void AddUnsupported(CLI::App& app, const std::string& name) {
 }  // namespace
 
 void AddSceneFlags(CLI::App& app, SceneOptions& options) {
-  AddText(app, "SCENE", "", "scene file (pbrt-v4)", options.path, Presence::kRequired);
+  AddText(app, "SCENE", "", "Scene file (pbrt-v4)", options.path, Presence::kRequired);
   AddFrameFlags(app, options);
   AddSamplingFlags(app, options.render);
   AddFilmFlags(app, options.render);
@@ -98,7 +101,7 @@ void AddSceneFlags(CLI::App& app, SceneOptions& options) {
 }
 
 void AddRequiredSamples(CLI::App& app, uint32_t& samples_per_pixel) {
-  AddValue(app, "--spp", "N", "samples per pixel in all", samples_per_pixel,
+  AddValue(app, "--spp", "N", "Samples per pixel in total", samples_per_pixel,
            WholeNumber<uint32_t>(1, kSamplesPerPixelMax), Presence::kRequired);
 }
 
@@ -108,13 +111,13 @@ void AddConnectionFlags(CLI::App& app, ConnectionOptions& options) {
   options.coordinator = fallback;
   options.patience = kPatienceDefault;
   AddValue(app, "--coordinator", "ADDR",
-           WithDefault("address of the coordinator, HOST:PORT or unix:PATH",
+           WithDefault("Address of the coordinator: HOST:PORT or unix:PATH",
                        fmt::format("${} or {}", kCoordinatorVariable, kCoordinatorDefault)),
            options.coordinator, [fallback](std::string_view, std::string_view word) -> Result<std::string> {
              return word.empty() ? fallback : std::string(word);
            });
   AddValue(app, "--patience", "N",
-           WithDefault("seconds to wait for a coordinator that does not answer",
+           WithDefault("Seconds to wait for a coordinator that does not answer",
                        fmt::format("{}", kPatienceDefault.count())),
            options.patience,
            [](std::string_view flag, std::string_view word) -> Result<std::chrono::milliseconds> {
@@ -126,14 +129,15 @@ void AddConnectionFlags(CLI::App& app, ConnectionOptions& options) {
 
 void AddOutputFlags(CLI::App& app, OutputOptions& options, const std::string& default_name) {
   AddText(app, "-o,--output", "FILE",
-          WithDefault("EXR file to write; for a sequence, #### stands for the frame number", default_name),
+          WithDefault("EXR file to write; in the name for a sequence, #### stands for the frame number",
+                      default_name),
           options.exr);
-  AddText(app, "--png", "FILE", "also write a tone-mapped 8-bit PNG", options.png);
+  AddText(app, "--png", "FILE", "Also write a tone-mapped 8-bit PNG", options.png);
 }
 
 void AddJobArgument(CLI::App& app, JobId& job) {
   AddValue(
-      app, "JOB", "", "job id, as printed by submit and listed by jobs", job,
+      app, "JOB", "", "Job id, as printed by submit and listed by jobs", job,
       [](std::string_view flag, std::string_view word) -> Result<JobId> {
         const auto number = ParseUnsigned(flag, word, 1);
         if (!number) return number.error();
@@ -143,13 +147,13 @@ void AddJobArgument(CLI::App& app, JobId& job) {
 }
 
 void AddJsonFlag(CLI::App& app, bool& json) {
-  AddSwitch(app, "--json", "print the answer as JSON", json);
+  AddSwitch(app, "--json", "Print the answer as JSON", json);
 }
 
 void AddVerifyFlag(CLI::App& app, double& share) {
   AddValue(
       app, "--verify", "P%",
-      WithDefault("render this share of the work on two workers and compare the results bit for bit", "0%"),
+      WithDefault("Render this share of the work on two workers and compare the results bit for bit", "0%"),
       share, ParsePercent);
 }
 

@@ -12,7 +12,7 @@ struct PriorityOptions : JobOptions {
 
 void AddFlags(CLI::App& app, PriorityOptions& options) {
   AddJobFlags(app, options);
-  AddValue(app, "N", "", "the new priority; jobs with a higher one run first", options.priority,
+  AddValue(app, "N", "", "New priority; jobs with a higher priority run first", options.priority,
            WholeNumber<int>(-kPriorityMax, kPriorityMax), Presence::kRequired);
 }
 

@@ -41,12 +41,12 @@ struct RenderCommandOptions {
 void AddFlags(CLI::App& app, RenderCommandOptions& options) {
   AddSceneFlags(app, options.scene);
   AddOutputFlags(app, options.output, "SCENE with the extension .exr");
-  AddInteger(app, "--workers", WithDefault("number of worker processes", "1, or 2 with --verify"), 1,
+  AddInteger(app, "--workers", WithDefault("Number of worker processes", "1, or 2 with --verify"), 1,
              kProcessesMax, options.workers);
   AddInteger(app, "--threads",
-             WithDefault("render threads of each worker process", "all cores, divided among the workers"), 1,
+             WithDefault("Render threads of each worker process", "all cores, divided among the workers"), 1,
              kProcessesMax, options.threads);
-  AddSwitch(app, "--in-process", "render in this process instead of on a farm", options.in_process);
+  AddSwitch(app, "--in-process", "Render in this process instead of on a farm", options.in_process);
   AddVerifyFlag(app, options.verify_share);
   AddJsonFlag(app, options.json);
 }

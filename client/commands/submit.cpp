@@ -28,10 +28,10 @@ struct SubmitOptions {
 void AddFlags(CLI::App& app, SubmitOptions& options) {
   AddSceneFlags(app, options.scene);
   AddConnectionFlags(app, options.connection);
-  AddText(app, "--name", "NAME", WithDefault("name of the job", "SCENE without its extension"), options.name);
-  AddValue(app, "--priority", "N", WithDefault("jobs with a higher priority run first", "0"),
+  AddText(app, "--name", "NAME", WithDefault("Name of the job", "SCENE without its extension"), options.name);
+  AddValue(app, "--priority", "N", WithDefault("Jobs with a higher priority run first", "0"),
            options.priority, WholeNumber<int>(-kPriorityMax, kPriorityMax));
-  AddRepeatedWord(app, "--require", "TAG", "lease the job only to workers with this tag; may be repeated",
+  AddRepeatedWord(app, "--require", "TAG", "Lease the job only to workers with this tag; may be repeated",
                   static_cast<int>(kTagsMax), [&options](const std::string& word) -> Result<void> {
                     const auto tag = ParseTag("--require", word);
                     if (!tag) return tag.error();
@@ -39,7 +39,7 @@ void AddFlags(CLI::App& app, SubmitOptions& options) {
                     return {};
                   });
   AddVerifyFlag(app, options.verify_share);
-  AddSwitch(app, "--watch", "follow the job's progress until it ends", options.watch);
+  AddSwitch(app, "--watch", "Follow the job's progress until it ends", options.watch);
   AddJsonFlag(app, options.json);
 }
 

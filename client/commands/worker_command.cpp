@@ -21,8 +21,8 @@ void AddFlags(CLI::App& app, WorkerOptions& options) {
 }
 
 void AddFlagsAndWorker(CLI::App& app, WorkerOptions& options) {
-  AddText(app, "WORKER", "", "name of one or more workers, or id of one, as listed by workers", options.which,
-          Presence::kRequired);
+  AddText(app, "WORKER", "", "Name of one or more workers, or the id of one, as listed by workers",
+          options.which, Presence::kRequired);
   AddFlags(app, options);
 }
 
