@@ -5,7 +5,7 @@
 namespace tessera {
 namespace {
 
-// The luminance that `power` is measured against, relative to L.
+// The mean luminance over the surface, relative to that of L.
 float MeanLuminance(const AreaEmitter& emitter) {
   if (emitter.image.empty()) return 1;
   return RelativeLuminance(emitter.image.color_space(), emitter.image.Mean());
@@ -36,7 +36,14 @@ AreaEmitter ReadEmitter(ParameterReader& reader, const Shape& shape, FileSource&
   return emitter;
 }
 
-// The least of Dot(axis, p) over the box.
+using EmitterReader = AreaEmitter (*)(ParameterReader& reader, const Shape& shape, FileSource& files,
+                                      ImageCache& images);
+constexpr Kind<EmitterReader> kAreaLights[] = {
+    {"diffuse", Support::kSupported, ReadEmitter},
+};
+constexpr KindTable<EmitterReader> kAreaLightTable("area light", kAreaLights);
+
+// The minimum of Dot(axis, p) over the box.
 float SupportMin(const Bounds3& box, Vec3 axis) {
   float sum = 0;
   for (int i = 0; i < 3; ++i) sum += axis[i] * (axis[i] > 0 ? box.min[i] : box.max[i]);
@@ -45,13 +52,16 @@ float SupportMin(const Bounds3& box, Vec3 axis) {
 
 }  // namespace
 
+KindList AreaLightKinds() {
+  return kAreaLightTable.List();
+}
+
 Result<void> AreaLights::Add(const Entity& entity, const Shape& shape, FileSource& files,
                              ImageCache& images) {
-  if (entity.kind != "diffuse") {
-    return ErrorAt(entity.location, "unknown area light \"" + entity.kind + "\", expected \"diffuse\"");
-  }
+  const Kind<EmitterReader>* kind = kAreaLightTable.Find(entity.kind);
+  if (kind == nullptr) return ErrorAt(entity.location, kAreaLightTable.Refusal(entity.kind));
   ParameterReader reader(entity);
-  emitters_.push_back(ReadEmitter(reader, shape, files, images));
+  emitters_.push_back(kind->reader(reader, shape, files, images));
   const AreaEmitter& emitter = emitters_.back();
   if (reader.failed()) return reader.Finish();
   const std::optional<float> power = ReadTotal(reader, "power");
@@ -84,7 +94,7 @@ std::optional<LightSample> AreaLights::Sample(size_t light, const ReferencePoint
   if (!emitter.two_sided && Dot(on_shape->n, wi) >= 0) return std::nullopt;
   LightSample sample;
   sample.L = Emission(emitter, area, on_shape->uv, wavelengths);
-  // Where alpha is below 1 only that share of rays would hit the emitter.
+  // Where alpha is below 1, only that share of rays would hit the emitter.
   if (emitter.has_alpha) {
     const TextureContext context{on_shape->p, on_shape->n, on_shape->uv, {}, {}, 0, 0, 0, 0};
     sample.L *= std::clamp(textures.Evaluate(emitter.shape->surface.alpha, context), 0.0f, 1.0f);

@@ -1,4 +1,4 @@
-// Surfaces that emit: one emitter for each shape, one light for each of its primitives.
+// Surfaces that emit: one emitter per shape, one light per primitive of it.
 #pragma once
 
 #include <optional>
@@ -11,15 +11,15 @@
 
 namespace tessera {
 
-// What the primitives of one shape have in common.
+// What the primitives of one shape share.
 struct AreaEmitter {
   const Shape* shape = nullptr;
   Spectrum L;      // radiance; with a picture: of its white
   RgbImage image;  // over (u, 1 - v); empty: L alone
   float image_scale = 1;
   bool two_sided = false;
-  bool has_alpha = false;  // an alpha that only lets a part of the light out
-  // Alpha 0 everywhere: rays pass, but it emits fully. Only light samples find it.
+  bool has_alpha = false;  // alpha lets only a part of the light out
+  // Alpha is 0 everywhere: rays pass, but the surface emits fully, so only light sampling finds it.
   bool is_hidden = false;
 };
 
@@ -27,7 +27,7 @@ struct AreaEmitter {
 struct AreaLight {
   uint32_t emitter = 0;
   uint32_t primitive = 0;
-  float scale = 1;  // `power` is for each primitive, whose areas differ
+  float scale = 1;  // of L: `power` is per primitive, and their areas differ
 };
 
 class AreaLights {
@@ -52,7 +52,8 @@ class AreaLights {
     if (!emitter.two_sided && Dot(on_light.n, wo) < 0) return SampledSpectrum();
     return Emission(emitter, area, on_light.uv, wavelengths);
   }
-  // Of each light, in order.
+  bool IsHitByRays(size_t light) const { return !emitters_[lights_[light].emitter].is_hidden; }
+  // Appends the profile of each light, in order.
   void AddProfiles(std::vector<LightProfile>* profiles) const;
 
  private:

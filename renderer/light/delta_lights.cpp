@@ -53,22 +53,21 @@ std::optional<LightSample> SamplePoint(Point3 p, const ReferencePoint& reference
   return sample;
 }
 
-PointLight PointLight::Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files) {
+PointLight PointLight::Read(ParameterReader& reader, const LightContext& context) {
   PointLight light;
-  light.I = ReadEmission(reader, "I", files);
-  light.p = render_from_light.ToPoint(reader.Point3Value("from", {0, 0, 0}));
+  light.I = ReadEmission(reader, "I", context.files);
+  light.p = context.render_from_light.ToPoint(reader.Point3Value("from", {0, 0, 0}));
   if (const auto power = ReadTotal(reader, "power")) light.I = light.I.Scaled(*power * kInv4Pi);
   return light;
 }
 
-std::optional<LightSample> PointLight::Sample(const ReferencePoint& reference,
-                                              const SampledWavelengths& wavelengths) const {
-  std::optional<LightSample> sample = SamplePoint(p, reference);
-  if (sample) sample->L *= I.Sample(wavelengths);
+std::optional<LightSample> PointLight::Sample(const LightQuery& query) const {
+  std::optional<LightSample> sample = SamplePoint(p, query.reference);
+  if (sample) sample->L *= I.Sample(query.wavelengths);
   return sample;
 }
 
-LightProfile PointLight::Profile() const {
+LightProfile PointLight::Profile(float) const {
   const float strength = Strength(I);
   LightBounds bounds;
   bounds.box = BoxOf(p);
@@ -78,14 +77,15 @@ LightProfile PointLight::Profile() const {
   return {true, 4 * kPi * strength, bounds, 0};
 }
 
-SpotLight SpotLight::Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files) {
+SpotLight SpotLight::Read(ParameterReader& reader, const LightContext& context) {
   Point3 from;
   const Vec3 direction = ReadDirection(reader, &from);
-  const Transform from_spot = render_from_light * Translate(from) * FrameTransform(Frame::FromZ(direction));
+  const Transform from_spot =
+      context.render_from_light * Translate(from) * FrameTransform(Frame::FromZ(direction));
   const float angle = reader.Float("coneangle", 30), delta = reader.Float("conedeltaangle", 5);
   if (delta < 0) reader.FailAt("conedeltaangle", "must not be negative");
   SpotLight light{LightPlace(from_spot), Normalize(from_spot.ToVector({0, 0, 1})),
-                  ReadEmission(reader, "I", files), std::cos(Radians(angle - delta)),
+                  ReadEmission(reader, "I", context.files), std::cos(Radians(angle - delta)),
                   std::cos(Radians(angle))};
   if (const auto power = ReadTotal(reader, "power")) {
     if (!(light.UnitPower() > 0))
@@ -104,18 +104,18 @@ float SpotLight::UnitPower() const {
   return 2 * kPi * ((1 - cos_falloff_start) + (cos_falloff_start - cos_falloff_end) / 2);
 }
 
-std::optional<LightSample> SpotLight::Sample(const ReferencePoint& reference,
-                                             const SampledWavelengths& wavelengths) const {
-  std::optional<LightSample> sample = SamplePoint(place.p, reference);
+std::optional<LightSample> SpotLight::Sample(const LightQuery& query) const {
+  std::optional<LightSample> sample = SamplePoint(place.p, query.reference);
   if (!sample) return std::nullopt;
   const float falloff = Falloff(place.Outgoing(sample->wi).z);
   if (falloff == 0) return std::nullopt;
-  sample->L *= falloff * I.Sample(wavelengths);
+  sample->L *= falloff * I.Sample(query.wavelengths);
   return sample;
 }
 
-LightProfile SpotLight::Profile() const {
-  constexpr float kRimSlack = 1e-3f;  // against rounding at the rim, where only this light's samples find it
+LightProfile SpotLight::Profile(float) const {
+  // Against rounding at the rim, where only samples of this light find it.
+  constexpr float kRimSlack = 1e-3f;
   const float fade = std::acos(cos_falloff_end) - std::acos(cos_falloff_start);
   LightBounds bounds;
   bounds.box = BoxOf(place.p);
@@ -126,24 +126,22 @@ LightProfile SpotLight::Profile() const {
   return {true, bounds.strength * UnitPower(), bounds, 0};
 }
 
-DistantLight DistantLight::Read(ParameterReader& reader, const Transform& render_from_light,
-                                FileSource& files) {
+DistantLight DistantLight::Read(ParameterReader& reader, const LightContext& context) {
   Point3 from;
   const Vec3 direction = ReadDirection(reader, &from);
   DistantLight light;
-  light.wi = Normalize(render_from_light.ToVector(-direction));
-  light.L = ReadEmission(reader, "L", files);
+  light.wi = Normalize(context.render_from_light.ToVector(-direction));
+  light.L = ReadEmission(reader, "L", context.files);
   if (const auto illuminance = ReadTotal(reader, "illuminance")) light.L = light.L.Scaled(*illuminance);
   return light;
 }
 
-LightSample DistantLight::Sample(const ReferencePoint& reference, float scene_radius,
-                                 const SampledWavelengths& wavelengths) const {
+std::optional<LightSample> DistantLight::Sample(const LightQuery& query) const {
   LightSample sample;
-  sample.L = L.Sample(wavelengths);
+  sample.L = L.Sample(query.wavelengths);
   sample.wi = wi;
   sample.pdf = 1;
-  sample.p = reference.p + wi * (2 * scene_radius);
+  sample.p = query.reference.p + wi * (2 * query.scene_radius);
   sample.is_delta = true;
   return sample;
 }

@@ -4,13 +4,11 @@
 #include <optional>
 
 #include "renderer/color/spectrum.h"
-#include "renderer/description/parameter_reader.h"
-#include "renderer/light/light.h"
-#include "renderer/light/light_chooser.h"
+#include "renderer/light/light_kind.h"
 
 namespace tessera {
 
-// Where a light without extent is, and how it is turned.
+// Position and orientation of a light without extent.
 struct LightPlace {
   Point3 p;
   Transform light_from_render;
@@ -21,18 +19,18 @@ struct LightPlace {
   Vec3 Outgoing(Vec3 wi) const { return Normalize(light_from_render.ToVector(-wi)); }
 };
 
-// The sample of a light at `p` towards `reference`, with L = 1 / distance^2. Nothing at the light itself.
+// The sample of a light at `p` towards `reference`, with L = 1 / distance^2. Returns nullopt at the light
+// itself.
 std::optional<LightSample> SamplePoint(Point3 p, const ReferencePoint& reference);
 
-// Emits alike in all directions.
+// Emits the same in all directions.
 struct PointLight {
   Point3 p;
   Spectrum I;  // radiant intensity
 
-  static PointLight Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files);
-  std::optional<LightSample> Sample(const ReferencePoint& reference,
-                                    const SampledWavelengths& wavelengths) const;
-  LightProfile Profile() const;
+  static PointLight Read(ParameterReader& reader, const LightContext& context);
+  std::optional<LightSample> Sample(const LightQuery& query) const;
+  LightProfile Profile(float scene_radius) const;
 };
 
 // A cone about +z of its space, fading towards the rim.
@@ -42,24 +40,22 @@ struct SpotLight {
   Spectrum I;  // on the axis
   float cos_falloff_start = 1, cos_falloff_end = 1;
 
-  static SpotLight Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files);
-  std::optional<LightSample> Sample(const ReferencePoint& reference,
-                                    const SampledWavelengths& wavelengths) const;
+  static SpotLight Read(ParameterReader& reader, const LightContext& context);
+  std::optional<LightSample> Sample(const LightQuery& query) const;
   // The share of I at an angle to the axis.
   float Falloff(float cos_theta) const;
   // Total power of a light with I = 1.
   float UnitPower() const;
-  LightProfile Profile() const;
+  LightProfile Profile(float scene_radius) const;
 };
 
-// Arrives from one direction everywhere.
+// Arrives from the same direction everywhere.
 struct DistantLight {
   Vec3 wi;     // unit, towards the light
   Spectrum L;  // irradiance on a plane that faces it
 
-  static DistantLight Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files);
-  LightSample Sample(const ReferencePoint& reference, float scene_radius,
-                     const SampledWavelengths& wavelengths) const;
+  static DistantLight Read(ParameterReader& reader, const LightContext& context);
+  std::optional<LightSample> Sample(const LightQuery& query) const;
   LightProfile Profile(float scene_radius) const;
 };
 

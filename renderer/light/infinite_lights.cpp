@@ -6,8 +6,8 @@
 namespace tessera {
 namespace {
 
-// What pbrt-v4 takes for the illuminance of the picture on a plane that faces +z: half of the true value.
-// Kept, so that scenes have the brightness that their authors saw.
+// pbrt-v4's measure of the illuminance of the picture on a plane that faces +z: half of the true value. Used
+// here too, so that scenes have the brightness that their authors saw.
 float UpwardIlluminance(const RgbImage& image) {
   const float size = static_cast<float>(image.width());
   double sum = 0;
@@ -21,7 +21,7 @@ float UpwardIlluminance(const RgbImage& image) {
   return static_cast<float>(sum) * (2 * kPi / (size * size));
 }
 
-// What each texel adds to the mean of R, G and B, above the mean of all.
+// By how much the mean of R, G and B of each texel exceeds that of the picture; 0 where it does not.
 std::vector<float> ExcessOverMean(const RgbImage& image, float* mean) {
   std::vector<float> values;
   values.reserve(static_cast<size_t>(image.width()) * static_cast<size_t>(image.height()));
@@ -40,21 +40,28 @@ std::vector<float> ExcessOverMean(const RgbImage& image, float* mean) {
 
 }  // namespace
 
-ConstantInfiniteLight ConstantInfiniteLight::Read(ParameterReader& reader, FileSource& files) {
-  ConstantInfiniteLight light{ReadEmission(reader, "L", files)};
+ConstantInfiniteLight ConstantInfiniteLight::Read(ParameterReader& reader, const LightContext& context) {
+  ConstantInfiniteLight light{ReadEmission(reader, "L", context.files)};
   if (const auto illuminance = ReadTotal(reader, "illuminance"))
     light.L = light.L.Scaled(*illuminance * kInvPi);
   return light;
 }
 
-ImageInfiniteLight ImageInfiniteLight::Read(ParameterReader& reader, const Transform& render_from_light,
-                                            ImageCache& images) {
+std::optional<LightSample> ConstantInfiniteLight::Sample(const LightQuery&) const {
+  return std::nullopt;
+}
+
+LightProfile ConstantInfiniteLight::Profile(float) const {
+  return {false, 0, std::nullopt, 0};
+}
+
+ImageInfiniteLight ImageInfiniteLight::Read(ParameterReader& reader, const LightContext& context) {
   ImageInfiniteLight light;
-  light.render_from_light = render_from_light;
-  light.light_from_render = render_from_light.Inverse();
+  light.render_from_light = context.render_from_light;
+  light.light_from_render = context.render_from_light.Inverse();
   float scale = ReadImageScale(reader, ColorSpace::Srgb());
   const std::optional<float> illuminance = ReadTotal(reader, "illuminance");
-  const RgbImage image = RgbImage::Read(reader, images);
+  const RgbImage image = RgbImage::Read(reader, context.images);
   if (image.empty()) return light;
   if (image.width() != image.height()) {
     reader.FailAt(
@@ -88,16 +95,14 @@ SampledSpectrum ImageInfiniteLight::Radiance(Vec3 d, const SampledWavelengths& w
   return map.SampleNearest(PlaceInMap(d), wavelengths);
 }
 
-std::optional<LightSample> ImageInfiniteLight::Sample(const ReferencePoint& reference, Point2 u,
-                                                      float scene_radius,
-                                                      const SampledWavelengths& wavelengths) const {
-  const Distribution2D::Drawn drawn = brighter.Sample(u);
+std::optional<LightSample> ImageInfiniteLight::Sample(const LightQuery& query) const {
+  const Distribution2D::Drawn drawn = brighter.Sample(query.u);
   if (!(drawn.pdf > 0)) return std::nullopt;
   LightSample sample;
-  sample.L = map.Sample(drawn.x, drawn.y, wavelengths);
+  sample.L = map.Sample(drawn.x, drawn.y, query.wavelengths);
   sample.wi = Normalize(render_from_light.ToVector(EqualAreaSquareToSphere(drawn.p)));
   sample.pdf = drawn.pdf * kInv4Pi;
-  sample.p = reference.p + sample.wi * (2 * scene_radius);
+  sample.p = query.reference.p + sample.wi * (2 * query.scene_radius);
   return sample;
 }
 

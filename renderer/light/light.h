@@ -1,4 +1,4 @@
-// Lights: what emits, how to sample it from a point, and how to choose among many.
+// The lights of a scene: radiance they emit, sampling one from a point, choosing one of many.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "renderer/color/wavelengths.h"
+#include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
 #include "renderer/image/image.h"
+#include "renderer/light/light_choice.h"
 #include "renderer/shape/geometry.h"
 #include "renderer/shape/interaction.h"
 #include "renderer/shape/shape_sampling.h"
@@ -21,18 +23,13 @@ namespace tessera {
 struct LightSample {
   SampledSpectrum L;  // radiance (delta lights: radiance times the density they lack), unoccluded
   Vec3 wi;            // unit, towards the light
-  float pdf =
-      0;     // per solid angle, without the probability of choosing this light; 1 for points and directions
+  // Per solid angle, without the probability of choosing this light; 1 for points and directions.
+  float pdf = 0;
   Point3 p;  // on the light; for lights at infinity a point outside the scene's sphere
   Vec3 p_error;
-  Normal3 n;  // of an area light's surface; zero else
-  bool is_delta =
-      false;  // no ray can hit it (also a surface of alpha 0): do not weight it against other techniques
-};
-
-struct ChosenLight {
-  int light = 0;
-  float pmf = 0;
+  Normal3 n;  // of an area light's surface; otherwise zero
+  // No ray can hit it (also a surface of alpha 0): light sampling has the weight 1.
+  bool is_delta = false;
 };
 
 // What a LightTable is built from.
@@ -41,18 +38,21 @@ struct LightInputs {
   // The description of each entry of Geometry::shapes.
   std::span<const ShapeDescription* const> shape_sources;
   const Transform& render_from_world;
-  std::string_view light_sampler;  // "uniform", "power" or "bvh"
+  LightSamplerKind light_sampler = LightSamplerKind::kTree;
   FileSource& files;
   ImageCache& images;
-  // For the alpha of emitters. Finished, and must outlive the table at this address.
+  // For the alpha of emitters. Complete; must outlive the table at this address.
   const TextureTable& textures;
 };
 
+struct BuiltLights;
+
 // All lights of a scene with the structure that chooses among them. Immutable.
 //
-// What Choose and Sample never take, because directions sampled from surfaces find it better, has probability
-// 0 everywhere: a constant light at infinity, and the part of an environment map that is darker than its mean
-// (Karlik et al. 2019, "MIS Compensation"). So an integrator must also follow rays that miss or hit emitters.
+// Some light is never chosen or sampled, as directions sampled from surfaces find it with less noise:
+// constant lights at infinity, and the part of an environment map that is darker than its mean (Karlik et al.
+// 2019, "MIS Compensation"). So an integrator must also count what rays find that hit emitters or leave the
+// scene.
 class LightTable {
  public:
   struct Data;  // light_data.h
@@ -62,18 +62,18 @@ class LightTable {
   LightTable(LightTable&&) noexcept;
   LightTable& operator=(LightTable&&) noexcept;
 
-  // Builds the LightSource directives, then one diffuse area light per primitive of every shape with an
-  // AreaLightSource, writing its SurfaceProperties::area_light. The is_interface flag and alpha of all
-  // surfaces must be set already. The shapes of `geometry` must outlive the table and stay where they are.
-  // Adds to `diagnostics`.
-  static Result<LightTable> Build(const LightInputs& inputs, Geometry& geometry, Diagnostics& diagnostics);
+  // Builds the LightSource directives in their order, then one area light per primitive of every shape with
+  // an AreaLightSource. The shapes of `geometry` must outlive the table and stay where they are; their
+  // area_light is not used.
+  static Result<BuiltLights> Build(const LightInputs& inputs, const Geometry& geometry,
+                                   Diagnostics& diagnostics);
 
-  // Chooses a light for a reference point; nothing if none can contribute. u in [0, 1).
+  // Chooses a light for a reference point. Returns nullopt if none can contribute. u in [0, 1).
   std::optional<ChosenLight> Choose(const ReferencePoint& reference, float u) const;
   // The probability with which Choose takes `light`.
   float ChoosePmf(const ReferencePoint& reference, int light) const;
 
-  // Samples the light of index `light` from `reference`. Nothing if no light arrives.
+  // Samples the light of index `light` from `reference`. Returns nullopt if no light arrives.
   std::optional<LightSample> Sample(int light, const ReferencePoint& reference, Point2 u,
                                     const SampledWavelengths& wavelengths) const;
   // The density per solid angle with which Sample would find the hit emitter along wi.
@@ -86,7 +86,9 @@ class LightTable {
                                   const SampledWavelengths& wavelengths) const;
   // Radiance that arrives against unit direction d from a light at infinity.
   SampledSpectrum InfiniteRadiance(int light, Vec3 d, const SampledWavelengths& wavelengths) const;
-  // Indices of the lights at infinity that rays can hit.
+  // Whether rays can find the light; if not, only light sampling can.
+  bool IsHitByRays(int light) const;
+  // The indices of all lights at infinity that rays can hit.
   std::span<const int> infinite_lights() const;
   size_t size() const;
   bool empty() const { return size() == 0; }
@@ -94,5 +96,15 @@ class LightTable {
  private:
   std::unique_ptr<Data> data_;
 };
+
+struct BuiltLights {
+  LightTable table;
+  // For each shape of the geometry: SurfaceProperties::area_light.
+  std::vector<int> area_lights;
+};
+
+// The kinds of LightSource and AreaLightSource.
+KindList LightSourceKinds();
+KindList AreaLightKinds();
 
 }  // namespace tessera

@@ -1,79 +1,70 @@
 // From the directives of a scene to a LightTable.
-#include <array>
-
 #include "renderer/light/light_data.h"
-#include "renderer/util/text.h"
+#include "renderer/util/dispatch.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::array<std::string_view, 6> kLightKinds = {"point",    "spot",        "distant",
-                                                         "infinite", "goniometric", "projection"};
-constexpr std::array<std::string_view, 4> kLightSamplers = {"uniform", "power", "bvh", "exhaustive"};
 // Indices of lights leave a bit free in the light tree.
 constexpr size_t kLightsMax = size_t{1} << 30;
 
+using SourceReader = SourceLight (*)(ParameterReader& reader, const LightContext& context);
+
+template <typename Light>
+SourceLight Read(ParameterReader& reader, const LightContext& context) {
+  return Light::Read(reader, context);
+}
+
+SourceLight ReadInfinite(ParameterReader& reader, const LightContext& context) {
+  if (reader.Has("portal")) reader.FailAt("portal", "portals of infinite lights are not supported yet");
+  const bool has_picture = !reader.String("filename", "").empty();
+  if (!has_picture) return ConstantInfiniteLight::Read(reader, context);
+  if (reader.Has("L")) reader.FailAt("L", "an infinite light has either \"L\" or \"filename\"");
+  return ImageInfiniteLight::Read(reader, context);
+}
+
+constexpr Kind<SourceReader> kSources[] = {
+    {"point", Support::kSupported, Read<PointLight>},
+    {"spot", Support::kSupported, Read<SpotLight>},
+    {"distant", Support::kSupported, Read<DistantLight>},
+    {"infinite", Support::kSupported, ReadInfinite},
+    {"goniometric", Support::kSupported, Read<GoniometricLight>},
+    {"projection", Support::kSupported, Read<ProjectionLight>},
+};
+constexpr KindTable<SourceReader> kSourceTable("light", kSources);
+
 class LightBuilder {
  public:
-  LightBuilder(const LightInputs& inputs, Geometry& geometry, Diagnostics& diagnostics)
+  LightBuilder(const LightInputs& inputs, const Geometry& geometry, Diagnostics& diagnostics)
       : inputs_(inputs), geometry_(geometry), diagnostics_(diagnostics) {}
 
-  // Adds everything to `data`.
-  Result<void> Build(LightTable::Data& data);
+  // Adds everything to `data`, and to *area_lights the first light of each shape.
+  Result<void> Build(LightTable::Data& data, std::vector<int>* area_lights);
 
  private:
   Result<SourceLight> ReadSource(const LightDescription& description);
-  SourceLight ReadKind(ParameterReader& reader, const Transform& render_from_light);
   Result<void> AddSources();
-  Result<void> AddAreas();
-  Result<LightChooser::Method> ReadMethod() const;
-  void Warn(const SourceLocation& where, const std::string& text) { diagnostics_.Warn(where, text); }
+  Result<void> AddAreas(std::vector<int>* area_lights);
+  // Returns the first light of the shape, or -1 if it does not emit.
+  Result<int> AddArea(const Shape& shape, const Entity& entity);
 
   const LightInputs& inputs_;
-  Geometry& geometry_;
+  const Geometry& geometry_;
   Diagnostics& diagnostics_;
   LightTable::Data* data_ = nullptr;
 };
 
-struct SourceProfiler {
-  float scene_radius;
-
-  template <typename PointLike>
-  LightProfile operator()(const PointLike& light) const {
-    return light.Profile();
-  }
-  LightProfile operator()(const DistantLight& light) const { return light.Profile(scene_radius); }
-  LightProfile operator()(const ImageInfiniteLight& light) const { return light.Profile(scene_radius); }
-  LightProfile operator()(const ConstantInfiniteLight&) const { return {false, 0, std::nullopt, 0}; }
-};
-
-SourceLight LightBuilder::ReadKind(ParameterReader& reader, const Transform& render_from_light) {
-  const std::string& kind = reader.entity().kind;
-  if (kind == "point") return PointLight::Read(reader, render_from_light, inputs_.files);
-  if (kind == "spot") return SpotLight::Read(reader, render_from_light, inputs_.files);
-  if (kind == "distant") return DistantLight::Read(reader, render_from_light, inputs_.files);
-  if (kind == "goniometric") {
-    return GoniometricLight::Read(reader, render_from_light, inputs_.files, inputs_.images);
-  }
-  if (kind == "projection") return ProjectionLight::Read(reader, render_from_light, inputs_.images);
-  if (kind == "infinite") {
-    if (reader.Has("portal")) reader.FailAt("portal", "portals of infinite lights are not supported yet");
-    const bool has_picture = !reader.String("filename", "").empty();
-    if (!has_picture) return ConstantInfiniteLight::Read(reader, inputs_.files);
-    if (reader.Has("L")) reader.FailAt("L", "an infinite light has either \"L\" or \"filename\"");
-    return ImageInfiniteLight::Read(reader, render_from_light, inputs_.images);
-  }
-  reader.Fail("unknown light \"" + kind + "\"" + DidYouMean(kind, kLightKinds));
-  return PointLight();
-}
-
 Result<SourceLight> LightBuilder::ReadSource(const LightDescription& description) {
+  const Entity& entity = description.entity;
   if (description.world_from_light.IsAnimated()) {
-    Warn(description.entity.location,
-         "lights do not move: its transform at the start of the shutter is used");
+    diagnostics_.Warn(entity.location,
+                      "lights do not move: its transform at the start of the shutter is used");
   }
-  ParameterReader reader(description.entity);
-  SourceLight light = ReadKind(reader, inputs_.render_from_world * description.world_from_light.start);
+  const Kind<SourceReader>* kind = kSourceTable.Find(entity.kind);
+  if (kind == nullptr) return ErrorAt(entity.location, kSourceTable.Refusal(entity.kind));
+  ParameterReader reader(entity);
+  SourceLight light = kind->reader(reader, {inputs_.render_from_world * description.world_from_light.start,
+                                            inputs_.files, inputs_.images});
   if (const Result<void> finished = reader.Finish(); !finished) return finished.error();
   return light;
 }
@@ -82,72 +73,66 @@ Result<void> LightBuilder::AddSources() {
   for (const LightDescription& description : inputs_.scene.lights) {
     Result<SourceLight> light = ReadSource(description);
     if (!light) return light.error();
-    const int index = static_cast<int>(data_->sources.size());
-    if (std::holds_alternative<ConstantInfiniteLight>(*light) ||
-        std::holds_alternative<ImageInfiniteLight>(*light)) {
-      data_->infinite.push_back(index);
-    }
+    const bool is_hit = Dispatch(*light, []<typename Light>(Light&) { return HitByRays<Light>; });
+    if (is_hit) data_->infinite.push_back(static_cast<int>(data_->sources.size()));
     data_->sources.push_back(std::move(*light));
   }
   return {};
 }
 
-Result<void> LightBuilder::AddAreas() {
+Result<int> LightBuilder::AddArea(const Shape& shape, const Entity& entity) {
+  if (shape.surface.is_interface) {
+    diagnostics_.Warn(entity.location, "the area light of a shape with an \"interface\" material is ignored");
+    return -1;
+  }
+  const size_t first = data_->sources.size() + data_->areas.size();
+  if (first + shape.PrimitiveCount() > kLightsMax) return ErrorAt(entity.location, "too many area lights");
+  if (const Result<void> added = data_->areas.Add(entity, shape, inputs_.files, inputs_.images); !added) {
+    return added.error();
+  }
+  return static_cast<int>(first);
+}
+
+Result<void> LightBuilder::AddAreas(std::vector<int>* area_lights) {
   TESSERA_CHECK(inputs_.shape_sources.size() == geometry_.shapes.size());
   for (size_t i = 0; i < geometry_.shapes.size(); ++i) {
     const std::optional<Entity>& entity = inputs_.shape_sources[i]->area_light;
-    Shape& shape = geometry_.shapes[i];
-    if (!entity) continue;
-    if (shape.surface.is_interface) {
-      Warn(entity->location, "the area light of a shape with an \"interface\" material is ignored");
-      continue;
-    }
-    const size_t first = data_->sources.size() + data_->areas.size();
-    if (first + shape.PrimitiveCount() > kLightsMax) return ErrorAt(entity->location, "too many area lights");
-    if (const Result<void> added = data_->areas.Add(*entity, shape, inputs_.files, inputs_.images); !added) {
-      return added.error();
-    }
-    shape.surface.area_light = static_cast<int>(first);
+    const Result<int> first = entity ? AddArea(geometry_.shapes[i], *entity) : Result<int>(-1);
+    if (!first) return first.error();
+    area_lights->push_back(*first);
   }
   return {};
 }
 
-Result<LightChooser::Method> LightBuilder::ReadMethod() const {
-  if (inputs_.light_sampler == "uniform") return LightChooser::Method::kUniform;
-  if (inputs_.light_sampler == "power") return LightChooser::Method::kPower;
-  if (inputs_.light_sampler == "bvh") return LightChooser::Method::kTree;
-  const std::string name(inputs_.light_sampler);
-  const SourceLocation& where = inputs_.scene.integrator.location;
-  if (name == "exhaustive") return ErrorAt(where, "light sampler \"exhaustive\" is not supported yet");
-  return ErrorAt(where, "unknown light sampler \"" + name + "\"" + DidYouMean(name, kLightSamplers));
-}
-
-Result<void> LightBuilder::Build(LightTable::Data& data) {
+Result<void> LightBuilder::Build(LightTable::Data& data, std::vector<int>* area_lights) {
   data_ = &data;
-  const Result<LightChooser::Method> method = ReadMethod();
-  if (!method) return method.error();
-  if (const Result<void> added = AddSources(); !added) return added.error();
-  if (const Result<void> added = AddAreas(); !added) return added.error();
+  if (const Result<void> added = AddSources(); !added) return added;
+  if (const Result<void> added = AddAreas(area_lights); !added) return added;
   data.textures = &inputs_.textures;
   const Bounds3 bounds = geometry_.Bounds();
   data.scene_radius = bounds.empty() ? 0 : Length(bounds.Diagonal()) / 2;
   std::vector<LightProfile> profiles;
   for (const SourceLight& source : data.sources) {
-    profiles.push_back(std::visit(SourceProfiler{data.scene_radius}, source));
+    profiles.push_back(Dispatch(source, [&](const auto& light) { return light.Profile(data.scene_radius); }));
   }
   data.areas.AddProfiles(&profiles);
-  data.chooser = LightChooser(*method, profiles);
+  data.chooser = LightChooser(inputs_.light_sampler, profiles);
   return {};
 }
 
 }  // namespace
 
-Result<LightTable> LightTable::Build(const LightInputs& inputs, Geometry& geometry,
-                                     Diagnostics& diagnostics) {
-  LightTable table;
+Result<BuiltLights> LightTable::Build(const LightInputs& inputs, const Geometry& geometry,
+                                      Diagnostics& diagnostics) {
+  BuiltLights lights;
   LightBuilder builder(inputs, geometry, diagnostics);
-  if (const Result<void> built = builder.Build(*table.data_); !built) return built.error();
-  return table;
+  if (const Result<void> built = builder.Build(*lights.table.data_, &lights.area_lights); !built)
+    return built.error();
+  return lights;
+}
+
+KindList LightSourceKinds() {
+  return kSourceTable.List();
 }
 
 }  // namespace tessera

@@ -2,20 +2,20 @@
 
 #include <algorithm>
 
+#include "renderer/util/hash.h"
+
 namespace tessera {
 namespace {
 
-constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
-
-// What share of the chances is given evenly, not by estimates that ignore occlusion. Keeps any light's chance
-// within this factor of an even one.
+// The share of the probability that is distributed evenly, not by estimates that ignore occlusion. No light
+// is less probable than this times an even share.
 constexpr float kEvenShare = 0.5f;
 
 bool IsSampled(const LightProfile& profile) {
   return profile.is_sampled && profile.power > 0;
 }
 
-std::vector<float> Weights(LightChooser::Method method, const std::vector<LightProfile>& profiles,
+std::vector<float> Weights(LightSamplerKind kind, const std::vector<LightProfile>& profiles,
                            const std::vector<uint32_t>& candidates) {
   const float count = static_cast<float>(candidates.size());
   float irradiance = 0;
@@ -24,8 +24,8 @@ std::vector<float> Weights(LightChooser::Method method, const std::vector<LightP
   for (const uint32_t light : candidates) {
     const LightProfile& profile = profiles[light];
     float weight = 1 / count;
-    if (method == LightChooser::Method::kPower) weight = profile.power;
-    if (method == LightChooser::Method::kTree && irradiance > 0) {
+    if (kind == LightSamplerKind::kPower) weight = profile.power;
+    if (kind == LightSamplerKind::kTree && irradiance > 0) {
       weight = kEvenShare / count + (1 - kEvenShare) * profile.irradiance / irradiance;
     }
     weights.push_back(weight);
@@ -33,15 +33,26 @@ std::vector<float> Weights(LightChooser::Method method, const std::vector<LightP
   return weights;
 }
 
+constexpr Kind<LightSamplerKind> kLightSamplers[] = {
+    {"uniform", Support::kSupported, LightSamplerKind::kUniform},
+    {"power", Support::kSupported, LightSamplerKind::kPower},
+    {"bvh", Support::kSupported, LightSamplerKind::kTree},
+    {"exhaustive", Support::kNotSupported},
+};
+
 }  // namespace
 
-LightChooser::LightChooser(Method method, const std::vector<LightProfile>& profiles) {
+KindTable<LightSamplerKind> LightSamplers() {
+  return {"light sampler", kLightSamplers};
+}
+
+LightChooser::LightChooser(LightSamplerKind kind, const std::vector<LightProfile>& profiles) {
   std::vector<uint32_t> placed;
   std::vector<LightBounds> bounds;
   for (uint32_t i = 0; i < profiles.size(); ++i) {
     const LightProfile& profile = profiles[i];
     if (!IsSampled(profile)) continue;
-    if (method == Method::kTree && profile.bounds) {
+    if (kind == LightSamplerKind::kTree && profile.bounds) {
       placed.push_back(i);
       bounds.push_back(*profile.bounds);
     } else {
@@ -52,7 +63,7 @@ LightChooser::LightChooser(Method method, const std::vector<LightProfile>& profi
   if (placed.size() == 1 && candidates_.empty()) candidates_.swap(placed);  // nothing to choose
   places_.assign(profiles.size(), kNowhere);
   for (uint32_t i = 0; i < candidates_.size(); ++i) places_[candidates_[i]] = i;
-  if (!candidates_.empty()) choice_ = Distribution1D(Weights(method, profiles, candidates_));
+  if (!candidates_.empty()) choice_ = Distribution1D(Weights(kind, profiles, candidates_));
   if (!placed.empty()) tree_ = LightTree(bounds, placed, profiles.size());
 }
 

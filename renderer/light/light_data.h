@@ -1,4 +1,4 @@
-// What a LightTable holds: the lights of each kind, and where in the list each is.
+// The contents of a LightTable.
 #pragma once
 
 #include <variant>
@@ -12,18 +12,19 @@
 
 namespace tessera {
 
-// A LightSource directive.
+// A LightSource directive: one of the kinds that light_kind.h describes.
 using SourceLight = std::variant<PointLight, SpotLight, DistantLight, GoniometricLight, ProjectionLight,
                                  ConstantInfiniteLight, ImageInfiniteLight>;
 
 struct LightTable::Data {
   std::vector<SourceLight> sources;  // lights 0, 1, ...
   AreaLights areas;                  // the lights after them
-  std::vector<int> infinite;         // those among `sources` that rays can hit
+  std::vector<int> infinite;         // those of `sources` that rays can hit
   LightChooser chooser;
   const TextureTable* textures = nullptr;
   float scene_radius = 0;  // of a sphere around all geometry
 
+  const SourceLight& Source(int light) const { return sources[static_cast<size_t>(light)]; }
   bool IsSource(int light) const { return static_cast<size_t>(light) < sources.size(); }
   size_t AreaIndex(int light) const { return static_cast<size_t>(light) - sources.size(); }
 };

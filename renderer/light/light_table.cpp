@@ -1,31 +1,8 @@
 #include "renderer/light/light.h"
 #include "renderer/light/light_data.h"
+#include "renderer/util/dispatch.h"
 
 namespace tessera {
-namespace {
-
-// Samples whichever kind a source is.
-struct SourceSampler {
-  const ReferencePoint& reference;
-  Point2 u;
-  float scene_radius;
-  const SampledWavelengths& wavelengths;
-
-  template <typename PointLike>
-  std::optional<LightSample> operator()(const PointLike& light) const {
-    return light.Sample(reference, wavelengths);
-  }
-  std::optional<LightSample> operator()(const DistantLight& light) const {
-    return light.Sample(reference, scene_radius, wavelengths);
-  }
-  std::optional<LightSample> operator()(const ImageInfiniteLight& light) const {
-    return light.Sample(reference, u, scene_radius, wavelengths);
-  }
-  std::optional<LightSample> operator()(const ConstantInfiniteLight&) const { return std::nullopt; }
-};
-
-}  // namespace
-
 LightTable::LightTable() : data_(std::make_unique<Data>()) {}
 LightTable::~LightTable() = default;
 LightTable::LightTable(LightTable&&) noexcept = default;
@@ -45,8 +22,8 @@ std::optional<LightSample> LightTable::Sample(int light, const ReferencePoint& r
   if (!data.IsSource(light)) {
     return data.areas.Sample(data.AreaIndex(light), reference, u, wavelengths, *data.textures);
   }
-  return std::visit(SourceSampler{reference, u, data.scene_radius, wavelengths},
-                    data.sources[static_cast<size_t>(light)]);
+  const LightQuery query{reference, u, data.scene_radius, wavelengths};
+  return Dispatch(data.Source(light), [&](const auto& source) { return source.Sample(query); });
 }
 
 float LightTable::AreaLightPdf(int light, const ReferencePoint& reference, Vec3 wi,
@@ -55,8 +32,10 @@ float LightTable::AreaLightPdf(int light, const ReferencePoint& reference, Vec3 
 }
 
 float LightTable::InfiniteLightPdf(int light, Vec3 wi) const {
-  const auto* image = std::get_if<ImageInfiniteLight>(&data_->sources[static_cast<size_t>(light)]);
-  return image ? image->Pdf(wi) : 0;
+  return Dispatch(data_->Source(light), [&]<typename Light>(const Light& source) -> float {
+    if constexpr (HitByRays<Light>) return source.Pdf(wi);
+    return 0;
+  });
 }
 
 SampledSpectrum LightTable::EmittedRadiance(int light, const SurfaceInteraction& on_light, Vec3 wo,
@@ -65,11 +44,15 @@ SampledSpectrum LightTable::EmittedRadiance(int light, const SurfaceInteraction&
 }
 
 SampledSpectrum LightTable::InfiniteRadiance(int light, Vec3 d, const SampledWavelengths& wavelengths) const {
-  const SourceLight& source = data_->sources[static_cast<size_t>(light)];
-  if (const auto* constant = std::get_if<ConstantInfiniteLight>(&source))
-    return constant->L.Sample(wavelengths);
-  if (const auto* image = std::get_if<ImageInfiniteLight>(&source)) return image->Radiance(d, wavelengths);
-  return SampledSpectrum();
+  return Dispatch(data_->Source(light), [&]<typename Light>(const Light& source) -> SampledSpectrum {
+    if constexpr (HitByRays<Light>) return source.Radiance(d, wavelengths);
+    return SampledSpectrum();
+  });
+}
+
+bool LightTable::IsHitByRays(int light) const {
+  if (!data_->IsSource(light)) return data_->areas.IsHitByRays(data_->AreaIndex(light));
+  return Dispatch(data_->Source(light), []<typename Light>(const Light&) { return HitByRays<Light>; });
 }
 
 std::span<const int> LightTable::infinite_lights() const {

@@ -4,10 +4,10 @@
 
 #include "renderer/light/light_tree_builder.h"
 
+#include "renderer/util/hash.h"
+
 namespace tessera {
 namespace {
-
-constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 
 Float4 Select(__m128 mask, Float4 yes, Float4 no) {
   return _mm_blendv_ps(no.v, yes.v, mask);

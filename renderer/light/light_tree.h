@@ -1,6 +1,6 @@
-// A tree over the lights that have a place, to choose one with a probability near its share of the light that
-// arrives at a point. Four children a node, weighed at once. Immutable, deterministic, no allocation when
-// used.
+// A tree over the lights that have a position, to choose one with a probability near its share of the light
+// that arrives at a point. The four children of a node are weighted in one SIMD computation. Immutable and
+// deterministic; a choice allocates nothing.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "renderer/light/light.h"
 #include "renderer/light/light_bounds.h"
+#include "renderer/light/light_choice.h"
 #include "renderer/math/float4.h"
 
 namespace tessera {
@@ -34,14 +34,15 @@ struct alignas(16) LightTreeNode {
 class LightTree {
  public:
   LightTree() = default;
-  // One entry of `bounds` for each of `lights`, with indices below light_count. Lights of strength 0 are left
-  // out.
+  // One entry of `bounds` for each of `lights`, which are indices below light_count. Omits lights of strength
+  // 0.
   LightTree(std::span<const LightBounds> bounds, std::span<const uint32_t> lights, size_t light_count);
 
   bool empty() const { return nodes_.empty(); }
   bool Contains(int light) const { return !places_.empty() && places_[light] != kNowhere; }
   // An upper estimate of the irradiance at p from all lights.
   float Importance(Point3 p, Normal3 n) const { return empty() ? 0 : Sum(nodes_[0].Importance(p, n)); }
+  // Returns nullopt if nothing arrives. u in [0, 1).
   std::optional<ChosenLight> Choose(Point3 p, Normal3 n, float u) const;
   // The probability with which Choose takes `light`, which the tree contains.
   float Pmf(Point3 p, Normal3 n, int light) const;

@@ -6,7 +6,8 @@
 namespace tessera {
 namespace {
 
-constexpr float kNearPlane = 1e-3f;  // directions flatter than this are behind the projector
+// Cosine: flatter directions count as behind the projector.
+constexpr float kNearPlane = 1e-3f;
 
 Transform SwapYAndZ() {
   Matrix4 m;
@@ -65,11 +66,13 @@ std::vector<float> ReadMap(ParameterReader& reader, ImageCache& images, int* siz
 
 }  // namespace
 
-GoniometricLight GoniometricLight::Read(ParameterReader& reader, const Transform& render_from_light,
-                                        FileSource& files, ImageCache& images) {
-  GoniometricLight light{
-      LightPlace(render_from_light * SwapYAndZ()), ReadEmission(reader, "I", files), {}, 0, 0};
-  light.map = ReadMap(reader, images, &light.size);
+GoniometricLight GoniometricLight::Read(ParameterReader& reader, const LightContext& context) {
+  GoniometricLight light{LightPlace(context.render_from_light * SwapYAndZ()),
+                         ReadEmission(reader, "I", context.files),
+                         {},
+                         0,
+                         0};
+  light.map = ReadMap(reader, context.images, &light.size);
   double sum = 0;
   for (const float value : light.map) sum += value;
   if (!light.map.empty()) light.mean = static_cast<float>(sum / static_cast<double>(light.map.size()));
@@ -82,20 +85,19 @@ GoniometricLight GoniometricLight::Read(ParameterReader& reader, const Transform
   return light;
 }
 
-std::optional<LightSample> GoniometricLight::Sample(const ReferencePoint& reference,
-                                                    const SampledWavelengths& wavelengths) const {
-  std::optional<LightSample> sample = SamplePoint(place.p, reference);
+std::optional<LightSample> GoniometricLight::Sample(const LightQuery& query) const {
+  std::optional<LightSample> sample = SamplePoint(place.p, query.reference);
   if (!sample) return std::nullopt;
   const Point2 uv = EqualAreaSphereToSquare(place.Outgoing(sample->wi));
   const int x = std::min(static_cast<int>(uv.x * static_cast<float>(size)), size - 1);
   const int y = std::min(static_cast<int>(uv.y * static_cast<float>(size)), size - 1);
   const float factor = map[static_cast<size_t>(y) * static_cast<size_t>(size) + static_cast<size_t>(x)];
   if (factor == 0) return std::nullopt;
-  sample->L *= factor * I.Sample(wavelengths);
+  sample->L *= factor * I.Sample(query.wavelengths);
   return sample;
 }
 
-LightProfile GoniometricLight::Profile() const {
+LightProfile GoniometricLight::Profile(float) const {
   LightBounds bounds;
   bounds.box = {place.p, place.p};
   bounds.cos_theta_o = -1;
@@ -118,16 +120,15 @@ float ProjectionLight::SolidAngleMean(int width_px, int height_px, const Value& 
   return static_cast<float>(sum / (static_cast<double>(width_px) * height_px));
 }
 
-ProjectionLight ProjectionLight::Read(ParameterReader& reader, const Transform& render_from_light,
-                                      ImageCache& images) {
-  const Transform from_light = render_from_light * Scale(1, -1, 1);  // rows of pictures run downwards
+ProjectionLight ProjectionLight::Read(ParameterReader& reader, const LightContext& context) {
+  const Transform from_light = context.render_from_light * Scale(1, -1, 1);  // rows of pictures run downwards
   ProjectionLight light{LightPlace(from_light), Normalize(from_light.ToVector({0, 0, 1})), {}};
   const float fov = reader.Float("fov", 90);
   if (!(fov > 0 && fov < 180)) reader.FailAt("fov", "must be between 0 and 180 degrees");
   const std::optional<float> power = ReadTotal(reader, "power");
   if (!reader.Has("filename")) reader.Fail("a projection light needs a \"filename\"");
   if (reader.failed()) return light;
-  const RgbImage image = RgbImage::Read(reader, images);
+  const RgbImage image = RgbImage::Read(reader, context.images);
   float scale = ReadImageScale(reader, ColorSpace::Srgb());
   if (image.empty()) return light;
   const float aspect = static_cast<float>(image.width()) / static_cast<float>(image.height());
@@ -148,23 +149,23 @@ ProjectionLight ProjectionLight::Read(ParameterReader& reader, const Transform& 
   return light;
 }
 
-std::optional<LightSample> ProjectionLight::Sample(const ReferencePoint& reference,
-                                                   const SampledWavelengths& wavelengths) const {
-  std::optional<LightSample> sample = SamplePoint(place.p, reference);
+std::optional<LightSample> ProjectionLight::Sample(const LightQuery& query) const {
+  std::optional<LightSample> sample = SamplePoint(place.p, query.reference);
   if (!sample) return std::nullopt;
   const Vec3 w = place.Outgoing(sample->wi);
   if (w.z < kNearPlane) return std::nullopt;
   const float x = w.x / (w.z * tan_half_fov), y = w.y / (w.z * tan_half_fov);
   if (std::abs(x) > width || std::abs(y) > height) return std::nullopt;
   const Point2 uv{(x / width + 1) / 2, (y / height + 1) / 2};
-  const SampledSpectrum I = map.SampleNearest(uv, wavelengths);
+  const SampledSpectrum I = map.SampleNearest(uv, query.wavelengths);
   if (!AnyNonZero(I)) return std::nullopt;
   sample->L *= I;
   return sample;
 }
 
-LightProfile ProjectionLight::Profile() const {
-  constexpr float kRimSlack = 1e-3f;  // against rounding in the corners, which only this light's samples find
+LightProfile ProjectionLight::Profile(float) const {
+  // Against rounding in the corners, where only samples of this light find it.
+  constexpr float kRimSlack = 1e-3f;
   LightBounds bounds;
   bounds.box = {place.p, place.p};
   bounds.axis = axis;

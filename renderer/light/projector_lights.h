@@ -1,4 +1,4 @@
-// Points whose intensity over directions is given by a picture.
+// Point lights whose intensity over directions is given by a picture.
 #pragma once
 
 #include <vector>
@@ -16,11 +16,9 @@ struct GoniometricLight {
   int size = 0;
   float mean = 0;  // of the map
 
-  static GoniometricLight Read(ParameterReader& reader, const Transform& render_from_light, FileSource& files,
-                               ImageCache& images);
-  std::optional<LightSample> Sample(const ReferencePoint& reference,
-                                    const SampledWavelengths& wavelengths) const;
-  LightProfile Profile() const;
+  static GoniometricLight Read(ParameterReader& reader, const LightContext& context);
+  std::optional<LightSample> Sample(const LightQuery& query) const;
+  LightProfile Profile(float scene_radius) const;
 };
 
 // A slide projector that looks along +z of its space.
@@ -32,11 +30,9 @@ struct ProjectionLight {
   float width = 1, height = 1;    // half sizes of the picture, the shorter one is 1
   float power = 0, strength = 0;  // for choosing between lights
 
-  static ProjectionLight Read(ParameterReader& reader, const Transform& render_from_light,
-                              ImageCache& images);
-  std::optional<LightSample> Sample(const ReferencePoint& reference,
-                                    const SampledWavelengths& wavelengths) const;
-  LightProfile Profile() const;
+  static ProjectionLight Read(ParameterReader& reader, const LightContext& context);
+  std::optional<LightSample> Sample(const LightQuery& query) const;
+  LightProfile Profile(float scene_radius) const;
 
  private:
   // The mean over the picture of `value(x, y)` times cos^3: solid angle per area of the plane at distance 1.

@@ -10,10 +10,12 @@ namespace {
 constexpr int kMaxDepthMax = 1 << 20;  // scattering events; roulette ends paths long before
 
 void ReadLightSampler(ParameterReader& reader, IntegratorChoice* choice) {
-  static constexpr std::string_view kLightSamplers[] = {"uniform", "power", "bvh", "exhaustive"};
-  choice->light_sampler = reader.Choice("lightsampler", "bvh", kLightSamplers);
-  if (choice->light_sampler == "exhaustive")
-    reader.FailAt("lightsampler", "\"exhaustive\" is not supported yet");
+  const std::string name = reader.String("lightsampler", "bvh");
+  const Kind<LightSamplerKind>* kind = LightSamplers().Find(name);
+  if (kind != nullptr)
+    choice->light_sampler = kind->reader;
+  else
+    reader.FailAt("lightsampler", LightSamplers().Refusal(name));
 }
 
 // The parameters of a kind that we have.

@@ -5,6 +5,7 @@
 
 #include "renderer/description/scene_description.h"
 #include "renderer/integrator/integrator_kinds.h"
+#include "renderer/light/light_choice.h"
 #include "renderer/scene/scene.h"
 
 namespace tessera {
@@ -14,7 +15,7 @@ struct IntegratorChoice {
   std::string name;                               // of the kind
   int max_depth = 5;                              // scattering events
   bool sample_lights = true, sample_bsdf = true;  // of simplepath
-  std::string light_sampler = "bvh";
+  LightSamplerKind light_sampler = LightSamplerKind::kTree;
 };
 
 // Reads the Integrator directive and applies the overrides of the command line. Mapped kinds are replaced,

@@ -12,15 +12,15 @@ struct UnseenLight {
   std::string name;  // for messages
 };
 
-std::vector<UnseenLight> UnseenLights(const SceneDescription& scene, const Geometry& geometry) {
+std::vector<UnseenLight> UnseenLights(const SceneDescription& scene, const World& world) {
   std::vector<UnseenLight> unseen;
-  for (const LightDescription& light : scene.lights) {
-    if (light.entity.kind != "infinite")
-      unseen.push_back({&light.entity.location, "light \"" + light.entity.kind + "\""});
+  for (size_t i = 0; i < scene.lights.size(); ++i) {
+    const Entity& light = scene.lights[i].entity;
+    if (!world.lights.IsHitByRays(static_cast<int>(i)))
+      unseen.push_back({&light.location, "light \"" + light.kind + "\""});
   }
-  for (const Shape& shape : geometry.shapes) {
-    const FloatInput& alpha = shape.surface.alpha;
-    if (shape.surface.area_light < 0 || !alpha.IsConstant() || alpha.constant > 0) continue;
+  for (const Shape& shape : world.geometry.shapes) {
+    if (shape.surface.area_light < 0 || world.lights.IsHitByRays(shape.surface.area_light)) continue;
     const std::optional<Entity>& light = scene.shapes[static_cast<size_t>(shape.description)].area_light;
     if (light) unseen.push_back({&light->location, "the area light of a shape of alpha 0"});
   }
@@ -29,10 +29,10 @@ std::vector<UnseenLight> UnseenLights(const SceneDescription& scene, const Geome
 
 }  // namespace
 
-Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& scene,
-                            const Geometry& geometry, Diagnostics& diagnostics) {
+Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& scene, const World& world,
+                            Diagnostics& diagnostics) {
   if (HasShadowRays(estimator)) return {};
-  for (const UnseenLight& light : UnseenLights(scene, geometry)) {
+  for (const UnseenLight& light : UnseenLights(scene, world)) {
     const std::string what = light.name + " cannot be hit by rays, and this integrator has no shadow rays";
     if (estimator.integrator.kind == IntegratorKind::kMixture) {
       return ErrorAt(*light.location, what + ": \"mixture\" cannot render it (\"path\" can)");

@@ -132,7 +132,7 @@ Result<void> SceneLoader::ReadSettings() {
                              data.estimator.integrator.follows_media};
   if (Result<void> built = BuildWorld(request, &data.world, scene_.diagnostics); !built) return built;
   if (data.estimator.integrator.kind == IntegratorKind::kMixture) data.estimator.lights.emplace(data.world);
-  return CheckLightsFor(data.estimator, scene_, data.world.geometry, scene_.diagnostics);
+  return CheckLightsFor(data.estimator, scene_, data.world, scene_.diagnostics);
 }
 
 Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator) {

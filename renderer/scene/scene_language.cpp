@@ -2,6 +2,7 @@
 
 #include "renderer/description/option_kinds.h"
 #include "renderer/integrator/integrator_kinds.h"
+#include "renderer/light/light.h"
 #include "renderer/scene/film_settings.h"
 #include "renderer/scene/scene_options.h"
 
@@ -9,9 +10,8 @@ namespace tessera {
 
 std::vector<KindList> SceneLanguageKinds() {
   return {
-      FilmKinds(),
-      Integrators().List(),
-      SceneAcceleratorKinds(),
+      FilmKinds(),          Integrators().List(),   LightSourceKinds(),
+      AreaLightKinds(),     LightSamplers().List(), SceneAcceleratorKinds(),
       OptionKinds().List(),
   };
 }

@@ -134,9 +134,11 @@ Result<void> WorldBuilder::Build() {
   world_.textures = textures_.Finish();
   const LightInputs inputs{scene_,         sources,         render_from_world_, request_.light_sampler,
                            request_.files, request_.images, world_.textures};
-  Result<LightTable> lights = LightTable::Build(inputs, world_.geometry, diagnostics_);
+  Result<BuiltLights> lights = LightTable::Build(inputs, world_.geometry, diagnostics_);
   if (!lights) return lights.error();
-  world_.lights = std::move(*lights);
+  for (size_t i = 0; i < world_.geometry.shapes.size(); ++i)
+    world_.geometry.shapes[i].surface.area_light = lights->area_lights[i];
+  world_.lights = std::move(lights->table);
   return {};
 }
 

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "renderer/description/scene_description.h"
@@ -16,7 +15,7 @@ struct WorldRequest {
   const SceneDescription& scene;
   FileSource& files;
   ImageCache& images;
-  std::string_view light_sampler;
+  LightSamplerKind light_sampler = LightSamplerKind::kTree;
   bool with_media = false;  // the integrator follows media
 };
 

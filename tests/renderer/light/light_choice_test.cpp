@@ -4,7 +4,7 @@ namespace tessera {
 namespace {
 
 // A point light, a distant one, an environment, and an emitting mesh of many triangles.
-void BuildMany(LightScene& lights, std::string_view light_sampler) {
+void BuildMany(LightScene& lights, LightSamplerKind light_sampler) {
   std::vector<Point3> points;
   std::vector<uint32_t> indices;
   TestRandom random(1);
@@ -28,11 +28,14 @@ void BuildMany(LightScene& lights, std::string_view light_sampler) {
   ASSERT_EQ(lights.table.size(), 44u);
 }
 
-class LightChoice : public testing::TestWithParam<const char*> {};
+class LightChoice : public testing::TestWithParam<std::string_view> {
+ protected:
+  static LightSamplerKind Sampler() { return LightSamplers().Find(GetParam())->reader; }
+};
 
 TEST_P(LightChoice, FrequenciesAreTheProbabilitiesAndSumToOne) {
   LightScene lights;
-  BuildMany(lights, GetParam());
+  BuildMany(lights, Sampler());
   const ReferencePoint reference = At({0.5f, -1, 0}, {0, 0, 1});
   constexpr int kDraws = 100000;
   std::vector<chi_square::Cell> cells(44);
@@ -57,7 +60,7 @@ TEST_P(LightChoice, FrequenciesAreTheProbabilitiesAndSumToOne) {
 TEST_P(LightChoice, SingleLightIsCertain) {
   LightScene lights;
   lights.Build("LightSource \"infinite\" AreaLightSource \"diffuse\" Shape \"disk\"", {DiskShape(0, 1)},
-               GetParam());
+               Sampler());
   ASSERT_EQ(lights.error, "");
   const auto chosen = lights.table.Choose(At({0, 0, 1}, {0, 0, 1}), 0.7f);
   ASSERT_TRUE(chosen);
@@ -68,7 +71,7 @@ TEST_P(LightChoice, SingleLightIsCertain) {
 
 TEST_P(LightChoice, WithoutLightsThereIsNone) {
   LightScene lights;
-  lights.Build("", {}, GetParam());
+  lights.Build("", {}, Sampler());
   ASSERT_EQ(lights.error, "");
   EXPECT_TRUE(lights.table.empty());
   EXPECT_FALSE(lights.table.Choose(At({0, 0, 1}), 0.5f));
@@ -76,7 +79,7 @@ TEST_P(LightChoice, WithoutLightsThereIsNone) {
 
 TEST_P(LightChoice, ChosenLightsAddUpToAllLight) {
   LightScene lights;
-  BuildMany(lights, GetParam());
+  BuildMany(lights, Sampler());
   const ReferencePoint reference = At({0.5f, -1, 0}, {0, 0, 1});
   const SampledWavelengths wavelengths = FourWavelengths(200);
   double truth = 0;
@@ -100,7 +103,7 @@ TEST_P(LightChoice, ChosenLightsAddUpToAllLight) {
   EXPECT_NEAR(estimate / kDraws * ratio / truth, 1, 0.02);
 }
 
-INSTANTIATE_TEST_SUITE_P(Samplers, LightChoice, testing::Values("uniform", "power", "bvh"),
+INSTANTIATE_TEST_SUITE_P(Samplers, LightChoice, testing::ValuesIn(LightSamplers().Names()),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST(PowerChoice, ProbabilitiesAreSharesOfPower) {
@@ -110,7 +113,7 @@ TEST(PowerChoice, ProbabilitiesAreSharesOfPower) {
     LightSource "spot" "float power" 30
     AreaLightSource "diffuse" "float power" 60 "bool twosided" true
     Shape "disk")",
-               {DiskShape(0, 3)}, "power");
+               {DiskShape(0, 3)}, LightSamplerKind::kPower);
   ASSERT_EQ(lights.error, "");
   const float expected[] = {0.1f, 0.3f, 0.6f};
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(lights.table.ChoosePmf(At({0, 0, 1}), i), expected[i], 1e-3f);

@@ -49,8 +49,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadLight{"LightSource \"projection\"", "lights.pbrt:3:1: a projection light needs a \"filename\""},
         BadLight{"LightSource \"goniometric\" \"string filename\" \"wide.pfm\"",
                  "lights.pbrt:3:27: \"wide.pfm\" is not square, which an equal-area octahedral map must be"},
-        BadLight{"AreaLightSource \"sphere\" Shape \"disk\"",
-                 "lights.pbrt:3:1: unknown area light \"sphere\", expected \"diffuse\""},
+        BadLight{"AreaLightSource \"difuse\" Shape \"disk\"",
+                 "lights.pbrt:3:1: unknown area light \"difuse\" (did you mean \"diffuse\"?)"},
         BadLight{"AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ] \"string filename\" \"black.pfm\" Shape "
                  "\"disk\"",
                  "lights.pbrt:3:27: an area light has either \"L\" or \"filename\""},
@@ -73,12 +73,10 @@ TEST(LightErrorMessages, MissingPictureIsNamed) {
 }
 
 TEST(LightErrorMessages, LightSamplerMustBeKnown) {
-  LightScene exhaustive, unknown;
-  exhaustive.Build("", {}, "exhaustive");
-  EXPECT_NE(exhaustive.error.find("\"exhaustive\" is not supported yet"), std::string::npos)
-      << exhaustive.error;
-  unknown.Build("", {}, "powr");
-  EXPECT_NE(unknown.error.find("did you mean \"power\"?"), std::string::npos) << unknown.error;
+  EXPECT_EQ(LightSamplers().Find("exhaustive"), nullptr);
+  EXPECT_EQ(LightSamplers().Refusal("exhaustive"), "light sampler \"exhaustive\" is not supported yet");
+  EXPECT_EQ(LightSamplers().Find("powr"), nullptr);
+  EXPECT_EQ(LightSamplers().Refusal("powr"), "unknown light sampler \"powr\" (did you mean \"power\"?)");
 }
 
 TEST(LightWarnings, MovingLightsStandStill) {

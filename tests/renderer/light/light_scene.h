@@ -53,7 +53,7 @@ struct LightScene {
 
   // The pictures must be in `files` already.
   void Build(const std::string& text, const std::vector<Shape>& shapes = {},
-             std::string_view light_sampler = "bvh") {
+             LightSamplerKind light_sampler = LightSamplerKind::kTree) {
     Result<SceneDescription> parsed =
         ParseSceneText(files, "lights.pbrt", "Camera \"perspective\"\nWorldBegin\n" + text);
     ASSERT_TRUE(parsed) << parsed.error().message;
@@ -64,11 +64,13 @@ struct LightScene {
     for (const ShapeDescription& shape : scene.shapes) sources.push_back(&shape);
     const Transform identity;
     const LightInputs inputs{scene, sources, identity, light_sampler, files, images, textures};
-    Result<LightTable> built = LightTable::Build(inputs, geometry, diagnostics);
-    if (built)
-      table = *std::move(built);
-    else
+    Result<BuiltLights> built = LightTable::Build(inputs, geometry, diagnostics);
+    if (!built) {
       error = built.error().message;
+      return;
+    }
+    table = std::move(built->table);
+    for (size_t i = 0; i < shapes.size(); ++i) geometry.shapes[i].surface.area_light = built->area_lights[i];
   }
 };
 

@@ -23,7 +23,8 @@ inline std::unique_ptr<World> BuiltWorld(const std::string& text, bool with_medi
   auto world = std::make_unique<World>();
   world->camera = *Camera::Read(scene->camera, scene->camera_from_world, 8, 8);
   Diagnostics diagnostics;
-  const Result<void> built = BuildWorld({*scene, files, images, "bvh", with_media}, world.get(), diagnostics);
+  const Result<void> built =
+      BuildWorld({*scene, files, images, LightSamplerKind::kTree, with_media}, world.get(), diagnostics);
   EXPECT_TRUE(built) << built.error().message;
   world->accelerator = *MakeAccelerator("embree", world->geometry, world->textures);
   return world;

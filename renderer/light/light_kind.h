@@ -1,0 +1,46 @@
+// What a kind of LightSource is: a type, in files of its own, that is an alternative of SourceLight
+// (light_data.h) and that the table of light_builder.cpp names. It has
+//
+//   static Light Read(ParameterReader& reader, const LightContext& context);
+//       The light as the parameters describe it. Errors are remembered by the reader.
+//   std::optional<LightSample> Sample(const LightQuery& query) const;
+//       Light that arrives at a point; nullopt if there is none.
+//   LightProfile Profile(float scene_radius) const;
+//       What the choice between lights depends on.
+//
+// and, if it is at infinity and rays that leave the scene hit it,
+//
+//   SampledSpectrum Radiance(Vec3 d, const SampledWavelengths& wavelengths) const;
+//       Radiance that arrives against unit direction d.
+//   float Pdf(Vec3 wi) const;
+//       The density per solid angle with which Sample gives wi, the same from every point.
+#pragma once
+
+#include "renderer/description/parameter_reader.h"
+#include "renderer/light/light.h"
+#include "renderer/light/light_chooser.h"
+
+namespace tessera {
+
+// Where the light of a directive is, and where its spectra and pictures come from.
+struct LightContext {
+  Transform render_from_light;
+  FileSource& files;
+  ImageCache& images;
+};
+
+// The point that a light is sampled from.
+struct LightQuery {
+  const ReferencePoint& reference;
+  Point2 u;                // in [0, 1)
+  float scene_radius = 0;  // of a sphere around all geometry
+  const SampledWavelengths& wavelengths;
+};
+
+template <typename Light>
+concept HitByRays = requires(const Light& light, Vec3 d, const SampledWavelengths& wavelengths) {
+  light.Radiance(d, wavelengths);
+  light.Pdf(d);
+};
+
+}  // namespace tessera
