@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "coordinator/call_gate.h"
 #include "proto/terms.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
@@ -145,33 +146,35 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
 grpc::ServerUnaryReactor* BlobService::FindMissing(grpc::CallbackServerContext* context,
                                                    const proto::FindMissingRequest* request,
                                                    proto::FindMissingAnswer* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  if (request->digests_size() > kDigestsPerCallMax) {
-    reactor->Finish({grpc::StatusCode::INVALID_ARGUMENT, "message refused: digests are too many"});
-    return reactor;
-  }
-  for (const std::string& bytes : request->digests()) {
-    const auto digest = ReadDigest(bytes, "digest");
-    if (!digest) {
-      reactor->Finish(ToStatus(digest.error()));
-      return reactor;
+  return gate_.Unary(context, RuleFor("Blobs.FindMissing"), [=, this](const UnaryCall& call) {
+    if (request->digests_size() > kDigestsPerCallMax) {
+      return call.Finish(ToStatus(BadInput(
+          fmt::format("message refused: too many digests in one call (limit {})", kDigestsPerCallMax))));
     }
-    if (blobs_.Use(*digest)) continue;
-    answer->add_missing(bytes);
-    answer->add_held(blobs_.Unfinished(*digest));
-  }
-  reactor->Finish(grpc::Status::OK);
-  return reactor;
+    for (const std::string& bytes : request->digests()) {
+      const auto digest = ReadDigest(bytes, "digest");
+      if (!digest) return call.Finish(ToStatus(digest.error()));
+      if (blobs_.Use(*digest)) continue;
+      answer->add_missing(bytes);
+      answer->add_held(blobs_.Unfinished(*digest));
+    }
+    call.Finish(grpc::Status::OK);
+  });
 }
 
-grpc::ServerReadReactor<proto::UploadChunk>* BlobService::Upload(grpc::CallbackServerContext*,
+grpc::ServerReadReactor<proto::UploadChunk>* BlobService::Upload(grpc::CallbackServerContext* context,
                                                                  proto::UploadAnswer*) {
-  return new UploadCall(blobs_, load_);
+  using Reactor = grpc::ServerReadReactor<proto::UploadChunk>;
+  return gate_.Serve<Reactor>(context, RuleFor("Blobs.Upload"),
+                              [this](const Principal&) { return new UploadCall(blobs_, load_); });
 }
 
-grpc::ServerWriteReactor<proto::DownloadChunk>* BlobService::Download(grpc::CallbackServerContext*,
+grpc::ServerWriteReactor<proto::DownloadChunk>* BlobService::Download(grpc::CallbackServerContext* context,
                                                                       const proto::DownloadRequest* request) {
-  return new DownloadCall(blobs_, *request, load_);
+  using Reactor = grpc::ServerWriteReactor<proto::DownloadChunk>;
+  return gate_.Serve<Reactor>(context, RuleFor("Blobs.Download"), [=, this](const Principal&) {
+    return new DownloadCall(blobs_, *request, load_);
+  });
 }
 
 }  // namespace tessera

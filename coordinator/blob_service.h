@@ -8,15 +8,17 @@
 
 namespace tessera {
 
+class CallGate;
+
 struct TransferLoad {
-  std::atomic<int> transfers{0};  // that run now
+  std::atomic<int> transfers{0};  // running now
   std::atomic<uint64_t> bytes_in{0}, bytes_out{0};
 };
 
 class BlobService final : public proto::Blobs::CallbackService {
  public:
-  explicit BlobService(const BlobStore& blobs) : blobs_(blobs) {}
-  // Of blobs, since the start.
+  BlobService(const CallGate& gate, const BlobStore& blobs) : gate_(gate), blobs_(blobs) {}
+  // Bytes of blobs transferred since the start.
   uint64_t bytes_in() const { return load_.bytes_in; }
   uint64_t bytes_out() const { return load_.bytes_out; }
 
@@ -29,6 +31,7 @@ class BlobService final : public proto::Blobs::CallbackService {
                                                            const proto::DownloadRequest* request) override;
 
  private:
+  const CallGate& gate_;
   const BlobStore& blobs_;
   TransferLoad load_;
 };

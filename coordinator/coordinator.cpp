@@ -1,90 +1,122 @@
 #include "coordinator/coordinator.h"
 
-#include <spdlog/spdlog.h>
-
-#include <condition_variable>
-#include <cstdio>
-#include <mutex>
-
 #include "coordinator/ask_core.h"
 #include "coordinator/blob_service.h"
+#include "coordinator/call_gate.h"
 #include "coordinator/core_thread.h"
 #include "coordinator/jobs_service.h"
-#include "coordinator/picture_writer.h"
 #include "coordinator/recovery.h"
 #include "coordinator/server.h"
 #include "coordinator/store/data_dir.h"
+#include "coordinator/store/file_pictures.h"
 #include "coordinator/web_server.h"
 #include "coordinator/work_service.h"
 
 namespace tessera {
-namespace {
 
-void AwaitStop(std::stop_token stop) {
-  std::mutex mutex;
-  std::condition_variable_any never;
-  std::unique_lock lock(mutex);
-  never.wait(lock, stop, [] { return false; });
-  spdlog::info("stopping");
+// In the order in which they are made; each may use those above it.
+struct Coordinator::Parts {
+  Parts(DataDir data_dir, BlobStore blob_store)
+      : directory(std::move(data_dir)), blobs(std::move(blob_store)), pictures(directory.PicturesPath()) {}
+
+  Result<void> Recover(const CoordinatorOptions& options);
+  Result<void> Serve(const CoordinatorOptions& options, AccessPolicy policy);
+  std::optional<FarmView> LookAtAll();
+
+  DataDir directory;
+  BlobStore blobs;
+  FilePictures pictures;
+  BackgroundThread spooling;
+  std::unique_ptr<CoreThread> core;
+  std::unique_ptr<CallGate> gate;
+  std::unique_ptr<WorkService> work;
+  std::unique_ptr<BlobService> blob_service;
+  std::unique_ptr<JobsService> jobs;
+  std::unique_ptr<WebServer> web;
+  std::unique_ptr<CoordinatorServer> server;
+};
+
+Result<void> Coordinator::Parts::Recover(const CoordinatorOptions& options) {
+  auto recovered = tessera::Recover(directory, {options.attempts_max, options.keep_sums_bytes},
+                                    [this](std::function<void()> task) { spooling.Post(std::move(task)); });
+  if (!recovered) return recovered.error();
+  core = std::make_unique<CoreThread>(
+      CoreThread::Parts{std::move(recovered->farm), std::move(recovered->journal),
+                        std::move(recovered->spool), std::make_unique<PictureWriter>(pictures)});
+  blobs.Protect(
+      [this] { return AskCore(*core, [](CoreContext& context) { return context.farm.PackagesInUse(); }); });
+  return {};
 }
 
-// Nothing if no web page was asked for.
-Result<std::unique_ptr<WebServer>> StartWeb(const CoordinatorOptions& options, CoreThread& core,
-                                            const WorkService& work, const BlobService& blobs,
-                                            const BlobStore& store) {
-  if (!options.http) return std::unique_ptr<WebServer>();
-  auto web = WebServer::Start(*options.http, [&]() -> std::optional<FarmView> {
-    auto view = LookAtFarm(core);
-    if (!view) return view;
-    view->traffic = {work.bytes_in(), blobs.bytes_in(), blobs.bytes_out()};
-    view->intake = {work.intake().bytes(), work.intake().waiting()};
-    view->blob_bytes = store.bytes();
-    return view;
-  });
-  if (web) std::fprintf(stderr, "status page at http://%s/\n", (*web)->address().Text().c_str());
-  return web;
+Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, AccessPolicy policy) {
+  gate = std::make_unique<CallGate>(*core, std::move(policy));
+  work = std::make_unique<WorkService>(*gate);
+  blob_service = std::make_unique<BlobService>(*gate, blobs);
+  jobs = std::make_unique<JobsService>(*gate, blobs, pictures);
+  if (options.http) {
+    auto started = WebServer::Start(*options.http, [this] { return LookAtAll(); });
+    if (!started) return started.error();
+    web = std::move(*started);
+  }
+  auto started = CoordinatorServer::Start(options.listen, *work, *blob_service, *jobs);
+  if (!started) return started.error();
+  server = std::move(*started);
+  return {};
 }
 
-}  // namespace
+std::optional<FarmView> Coordinator::Parts::LookAtAll() {
+  auto view = LookAtFarm(*core);
+  if (!view) return view;
+  view->traffic = {work->bytes_in(), blob_service->bytes_in(), blob_service->bytes_out()};
+  view->intake = {work->intake().bytes(), work->intake().waiting()};
+  view->blob_bytes = blobs.bytes();
+  return view;
+}
 
-Result<void> RunCoordinator(const CoordinatorOptions& options, std::stop_token termination) {
+Result<std::unique_ptr<Coordinator>> Coordinator::Start(const CoordinatorOptions& options,
+                                                        AccessPolicy policy) {
   auto directory = DataDir::Open(options.data_dir);
   if (!directory) return directory.error();
   auto blobs = BlobStore::Open(directory->BlobsPath(), options.blob_bytes);
   if (!blobs) return blobs.error();
-  BackgroundThread spooling;
-  const auto run = [&](std::function<void()> task) { spooling.Post(std::move(task)); };
-  auto parts = Recover(*directory, {options.attempts_max, options.keep_sums_bytes}, run);
-  if (!parts) return parts.error();
+  auto parts = std::make_unique<Parts>(std::move(*directory), std::move(*blobs));
+  std::unique_ptr<Coordinator> coordinator(new Coordinator(std::move(parts)));
+  if (auto recovered = coordinator->parts_->Recover(options); !recovered) return recovered.error();
+  if (auto serving = coordinator->parts_->Serve(options, std::move(policy)); !serving) return serving.error();
+  return coordinator;
+}
 
-  PictureWriter writer(*directory);
-  CoreThread* core_of_writer = nullptr;
-  parts->write_picture = [&](FinishedPicture picture) { writer.Write(*core_of_writer, std::move(picture)); };
-  parts->remove_pictures = [&](JobId job) { spooling.Post([&, job] { directory->RemovePictures(job); }); };
-  CoreThread core(std::move(*parts));
-  core_of_writer = &core;
-  blobs->Protect(
-      [&core] { return AskCore(core, [](CoreContext& context) { return context.farm.PackagesInUse(); }); });
-  WorkService work(core);
-  BlobService blob_service(*blobs);
-  JobsService jobs(core, *blobs, *directory);
-  auto web = StartWeb(options, core, work, blob_service, *blobs);
-  if (!web) return web.error();
-  auto server = CoordinatorServer::Start(options.listen, work, blob_service, jobs);
-  if (!server) return server.error();
-  for (const Address& address : (*server)->addresses()) {
-    std::fprintf(stderr, "listening on %s\n", address.Text().c_str());
-  }
-  AwaitStop(std::move(termination));
-  web->reset();
-  // Waiting calls first, then no new ones, then what their answers need.
-  core.Close();
-  (*server)->Shutdown();
-  jobs.Stop();
-  writer.Stop();
-  core.Stop();
-  spooling.Stop();
-  return {};
+Coordinator::Coordinator(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+Coordinator::~Coordinator() {
+  Stop();
+}
+
+const std::vector<Address>& Coordinator::addresses() const {
+  return parts_->server->addresses();
+}
+
+std::optional<Address> Coordinator::http() const {
+  return parts_->web != nullptr ? std::optional(parts_->web->address()) : std::nullopt;
+}
+
+const BlobStore& Coordinator::blobs() const {
+  return parts_->blobs;
+}
+
+const ResultsIntake& Coordinator::intake() const {
+  return parts_->work->intake();
+}
+
+// First the calls that wait, then no new ones, then what their answers need. Start may have stopped half-way.
+void Coordinator::Stop() {
+  Parts& parts = *parts_;
+  if (parts.web != nullptr) parts.web->Stop();
+  if (parts.core != nullptr) parts.core->Close();
+  if (parts.server != nullptr) parts.server->Shutdown();
+  if (parts.jobs != nullptr) parts.jobs->Stop();
+  if (parts.core != nullptr) parts.core->Stop();
+  parts.spooling.Stop();
 }
 
 }  // namespace tessera

@@ -1,14 +1,45 @@
-// The coordinator as a whole: everything between its options and its end.
+// A coordinator: everything between its options and its end.
 #pragma once
 
-#include <stop_token>
+#include <memory>
+#include <optional>
+#include <vector>
 
+#include "coordinator/access.h"
 #include "coordinator/options.h"
+#include "proto/wire/address.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
 
-// Runs until `termination` is requested. An error if it cannot start.
-Result<void> RunCoordinator(const CoordinatorOptions& options, std::stop_token termination);
+class BlobStore;
+class ResultsIntake;
+
+// Serves from Start to Stop. Thread safe.
+class Coordinator {
+ public:
+  // Opens the data directory, recovers what a former process left and listens. An error that says what is
+  // wrong with the directory or which address cannot be listened on.
+  static Result<std::unique_ptr<Coordinator>> Start(const CoordinatorOptions& options,
+                                                    AccessPolicy policy = AdmitEveryone);
+  ~Coordinator();
+  Coordinator(const Coordinator&) = delete;
+  Coordinator& operator=(const Coordinator&) = delete;
+
+  // Where it listens, with the ports that were chosen for port 0.
+  const std::vector<Address>& addresses() const;
+  // Of the status page, if there is one.
+  std::optional<Address> http() const;
+  const BlobStore& blobs() const;
+  const ResultsIntake& intake() const;
+
+  // Answers the calls that wait, takes no new ones and ends all threads. Everything acknowledged is on disk.
+  void Stop();
+
+ private:
+  struct Parts;
+  explicit Coordinator(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
 
 }  // namespace tessera

@@ -10,9 +10,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr Instant kWatchInterval = milliseconds(250);  // people see no more
-constexpr Instant kSyncRetry = milliseconds(1000);     // after a failure of the disk
-constexpr Instant kCompactInterval = seconds(10);      // of the journal
+// People do not notice more frequent updates.
+constexpr Instant kWatchInterval = milliseconds(250);
+constexpr Instant kSyncRetry = milliseconds(1000);  // after a failure of the disk
+constexpr Instant kCompactInterval = seconds(10);   // of the journal
 constexpr Instant kPatienceMin = milliseconds(1);
 
 Instant Now() {
@@ -55,6 +56,7 @@ void CoreThread::Close() {
 }
 
 void CoreThread::Stop() {
+  parts_.pictures->Stop();
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -82,7 +84,7 @@ void CoreThread::Run() {
     if (closing_) {
       for (const auto& [call, answer] : std::exchange(answers_.directives_, {})) answer(nullptr);
     }
-    TellWatchers(now);
+    NotifyWatchers(now);
     const std::lock_guard lock(mutex_);
     if (stopping_ && events_.empty()) return;
   }
@@ -101,7 +103,8 @@ void CoreThread::Deliver(FarmOutput output) {
   for (auto& [frame, node] : std::exchange(output.accepted, {})) parts_.spool->Append(frame, std::move(node));
   for (const Fact& fact : output.facts) {
     parts_.journal->Append(fact);
-    if (std::holds_alternative<JobEnded>(fact)) watchers_due_ = {};  // people hear of an end at once
+    // Watchers learn of an end immediately.
+    if (std::holds_alternative<JobEnded>(fact)) watchers_due_ = {};
   }
   unsynced_.push_back(std::move(output));
   if (!Sync()) {
@@ -120,17 +123,29 @@ void CoreThread::Answer(FarmOutput output) {
   for (const auto& answer : output.directives) {
     if (const auto waiting = answers_.TakeDirective(answer.call)) waiting(&answer.directive);
   }
-  for (FinishedPicture& picture : output.pictures) parts_.write_picture(std::move(picture));
+  for (FinishedPicture& picture : output.pictures) WritePicture(std::move(picture));
   for (auto& [frame, nodes] : output.sums) parts_.spool->Replace(frame, std::move(nodes));
   for (const FrameId frame : output.dropped) parts_.spool->Drop(frame);
   for (const FrameId frame : output.loads) Load(frame);
-  for (const JobId job : output.forgotten) parts_.remove_pictures(job);
+  for (const JobId job : output.forgotten) parts_.pictures->Remove(job);
 }
 
 void CoreThread::Load(FrameId frame) {
   parts_.spool->Load(frame, [this, frame](Result<std::vector<TileNode>> nodes) {
     const auto shared = std::make_shared<Result<std::vector<TileNode>>>(std::move(nodes));
     Post([=](CoreContext& core) { core.farm.SumsLoaded(core.now, frame, std::move(*shared)); });
+  });
+}
+
+void CoreThread::WritePicture(FinishedPicture picture) {
+  const JobId job = picture.job;
+  const uint32_t frame = picture.frame;
+  parts_.pictures->Write(std::move(picture), [this, job, frame](const Result<WrittenPicture>& written) {
+    Post([=](CoreContext& core) {
+      if (!written) return core.farm.PictureDelayed(job, written.error().message);
+      core.farm.counters().picture_s += written->seconds;
+      core.farm.PictureWritten(core.now, job, frame, written->file);
+    });
   });
 }
 
@@ -149,7 +164,7 @@ bool CoreThread::Sync() {
   return synced.has_value();
 }
 
-// Failing does no harm: the journal stays as it was, and is tried again when it has grown further.
+// A failure does no harm: the journal stays as it was and is tried again later.
 void CoreThread::Compact() {
   if (!parts_.journal->IsLarge() || Now() < compact_due_) return;
   compact_due_ = Now() + kCompactInterval;
@@ -157,27 +172,29 @@ void CoreThread::Compact() {
   if (!replaced) spdlog::warn("journal_not_compacted reason=\"{}\"", replaced.error().message);
 }
 
-// The end has come before the disk took the facts: nobody may hear of them, but nobody may wait either.
+// The coordinator ends before the disk took the facts: they must not be acknowledged, but no call may wait
+// either.
 void CoreThread::Abandon() {
   for (const auto& [call, answer] : std::exchange(answers_.results_, {})) answer(nullptr);
   for (const auto& [call, answer] : std::exchange(answers_.directives_, {})) answer(nullptr);
   for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer(false);
 }
 
-void CoreThread::TellWatchers(Instant now) {
+void CoreThread::NotifyWatchers(Instant now) {
   const bool all = now >= watchers_due_ || closing_;
   if (all) watchers_due_ = now + kWatchInterval;
   std::erase_if(answers_.watchers_, [&](PendingAnswers::Watcher& watcher) {
-    if (watcher.told && !all) return false;
+    if (watcher.sent && !all) return false;
     if (closing_) {
       watcher.offer(nullptr, true);
       return true;
     }
     const auto status = parts_.farm->Status(now, watcher.job);
     const bool last = !status || HasEnded(status->state);
-    if (last && !unsynced_.empty()) return false;  // that it has ended might be forgotten
-    if (!last && watcher.told && IsSame(*watcher.told, *status)) return false;
-    watcher.told = status;
+    // A crash could still undo the end.
+    if (last && !unsynced_.empty()) return false;
+    if (!last && watcher.sent && IsSame(*watcher.sent, *status)) return false;
+    watcher.sent = status;
     return !watcher.offer(status ? &*status : nullptr, last) || last;
   });
 }

@@ -1,7 +1,7 @@
-// The one thread that owns the farm. Others post events; it applies all that wait, puts the results among
-// them into the spool and their facts into the journal, syncs once and then gives the answers (group commit).
-// While the disk refuses, nothing is answered: all of it waits, and is tried again. No lock is held
-// meanwhile: the mutex guards the queue alone.
+// The one thread that owns the farm. Others post events. It applies all that wait, appends their results to
+// the spool and their facts to the journal, syncs once and then gives the answers (group commit). While the
+// disk refuses, nothing is answered; the sync is retried. No lock is held meanwhile: the mutex guards the
+// queue alone.
 #pragma once
 
 #include <condition_variable>
@@ -16,28 +16,29 @@
 #include "coordinator/core/instant.h"
 #include "coordinator/core/journal.h"
 #include "coordinator/core/spool.h"
+#include "coordinator/picture_writer.h"
 
 namespace tessera {
 
-// Answers that wait for their time. Belongs to the core thread.
+// Answers that wait for an event. Belongs to the core thread.
 class PendingAnswers {
  public:
-  // Gets the directive, or nothing if the call was cut or the coordinator ends.
+  // Gets the directive, or null if the call was cancelled or the coordinator ends.
   using OnDirective = std::function<void(const WorkerDirective*)>;
-  // Gets the answer, or nothing if the coordinator ends before it could keep what it should.
+  // Gets the answer, or null if the coordinator ends before the results are on stable storage.
   using OnResults = std::function<void(const FarmOutput::Results*)>;
-  // Gets each new status; `last` if there will be no other: the job has ended or (status null) the
-  // coordinator ends. Answers false if nobody watches any more.
+  // Gets each new status; `last` if there will be no other, because the job has ended or (status null) the
+  // coordinator ends. Returns false if nobody is watching any more.
   using OnStatus = std::function<bool(const JobStatus* status, bool last)>;
 
   void AwaitDirective(CallId call, OnDirective answer) { directives_[call] = std::move(answer); }
   void AwaitResults(CallId call, OnResults answer) { results_[call] = std::move(answer); }
-  // Gets true when everything that the event caused is on stable storage; false if the coordinator ends
-  // before.
+  // Gets true when everything that the event caused is on stable storage, false if the coordinator ends
+  // first.
   using OnSync = std::function<void(bool synced)>;
   void AfterSync(OnSync answer) { after_sync_.push_back(std::move(answer)); }
   void Watch(JobId job, OnStatus watcher) { watchers_.push_back({job, std::move(watcher), {}}); }
-  // The waiting answer of a call that is cut; empty if it was given already.
+  // The waiting answer of a call that was cancelled; empty if it was given already.
   OnDirective TakeDirective(CallId call);
 
  private:
@@ -45,7 +46,7 @@ class PendingAnswers {
   struct Watcher {
     JobId job{};
     OnStatus offer;
-    std::optional<JobStatus> told;
+    std::optional<JobStatus> sent;
   };
   std::map<CallId, OnDirective> directives_;
   std::map<CallId, OnResults> results_;
@@ -63,22 +64,20 @@ class CoreThread {
  public:
   using Event = std::function<void(CoreContext&)>;
 
-  // What it owns, and what it has others do, who must not block.
   struct Parts {
     std::unique_ptr<Farm> farm;
     std::unique_ptr<Journal> journal;
     std::unique_ptr<Spool> spool;
-    std::function<void(FinishedPicture)> write_picture;  // a frame that is complete
-    std::function<void(JobId)> remove_pictures;          // of a job that is forgotten
+    std::unique_ptr<PictureWriter> pictures;
   };
   explicit CoreThread(Parts parts);
   ~CoreThread();  // Stop
 
   // Thread safe. Events are applied in order.
   void Post(Event event);
-  // From now on no call waits: workers and watchers are told that the coordinator ends. Thread safe.
+  // From now on no call waits: workers and watchers learn that the coordinator ends. Thread safe.
   void Close();
-  // Applies what was posted, then ends the thread.
+  // Ends the picture writer, applies what was posted, then ends the thread.
   void Stop();
 
  private:
@@ -89,8 +88,9 @@ class CoreThread {
   bool Sync();
   void Compact();
   void Load(FrameId frame);
+  void WritePicture(FinishedPicture picture);
   void Abandon();
-  void TellWatchers(Instant now);
+  void NotifyWatchers(Instant now);
   Instant Patience(Instant now) const;
 
   Parts parts_;
@@ -104,7 +104,7 @@ class CoreThread {
   std::condition_variable posted_;
   std::vector<Event> events_;  // guarded by mutex_
   bool stopping_ = false;      // guarded by mutex_
-  std::thread thread_;         // last: runs as soon as everything else is there
+  std::thread thread_;         // last: it runs as soon as it is constructed
 };
 
 }  // namespace tessera

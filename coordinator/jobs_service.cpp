@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "coordinator/core_thread.h"
+#include "coordinator/call_gate.h"
 #include "coordinator/picture_stream.h"
+#include "coordinator/picture_writer.h"
 #include "coordinator/submission.h"
 #include "coordinator/watch_stream.h"
 #include "proto/wire/channel.h"
@@ -18,252 +19,233 @@ grpc::Status NoJob(JobId job) {
 
 grpc::Status NoWorker(const std::string& which) {
   return {grpc::StatusCode::NOT_FOUND,
-          fmt::format("there is no worker \"{}\"; tessera workers lists them", ReadReason(which))};
+          fmt::format("there is no worker \"{}\"; run `tessera workers` to list them", ReadReason(which))};
 }
 
-// Answered with the job's status once the change is on stable storage.
-void ChangeJob(CoreThread& thread, grpc::ServerUnaryReactor* reactor, JobId job, proto::JobStatus* answer,
+// Writes the new status of a job, or returns why it was not changed.
+grpc::Status Answer(const Result<JobStatus>& changed, proto::JobStatus& answer) {
+  if (!changed) return ToStatus(changed.error());
+  Write(*changed, answer);
+  return grpc::Status::OK;
+}
+
+// Applies `change` to a job and answers with its new status.
+void ChangeJob(const UnaryCall& call, JobId job, proto::JobStatus* answer,
                std::function<Result<JobStatus>(CoreContext&, JobId)> change) {
-  thread.Post([=, change = std::move(change)](CoreContext& core) {
-    if (!core.farm.Status(core.now, job)) {
-      reactor->Finish(NoJob(job));
-      return;
-    }
-    const auto status = change(core, job);
-    core.answers.AfterSync([=](bool synced) {
-      if (status) Write(*status, *answer);
-      reactor->Finish(!status ? ToStatus(status.error()) : synced ? grpc::Status::OK : CoordinatorEnds());
-    });
+  call.Apply([=, change = std::move(change)](CoreContext& core) {
+    if (!core.farm.Status(core.now, job)) return NoJob(job);
+    return Answer(change(core, job), *answer);
   });
 }
 
-// Answered with the workers' status once the change is on stable storage.
-void ChangeWorkers(CoreThread& thread, grpc::ServerUnaryReactor* reactor, const std::string& which,
-                   proto::WorkersAnswer* answer, std::function<void(Farm&, WorkerId)> change) {
-  thread.Post([=, change = std::move(change)](CoreContext& core) {
-    const auto found = core.farm.FindWorkers(core.now, which);
-    for (const WorkerStatus& worker : found) change(core.farm, worker.worker);
+// Applies `change` to the workers named `which` and answers with their new status.
+void ChangeWorkers(const UnaryCall& call, const std::string& which, proto::WorkersAnswer* answer,
+                   std::function<void(Farm&, WorkerId)> change) {
+  call.Apply([=, change = std::move(change)](CoreContext& core) {
+    for (const WorkerStatus& worker : core.farm.FindWorkers(core.now, which))
+      change(core.farm, worker.worker);
     const auto changed = core.farm.FindWorkers(core.now, which);
-    core.answers.AfterSync([=](bool synced) {
-      for (const WorkerStatus& worker : changed) Write(worker, *answer->add_workers());
-      reactor->Finish(changed.empty() ? NoWorker(which) : synced ? grpc::Status::OK : CoordinatorEnds());
-    });
+    for (const WorkerStatus& worker : changed) Write(worker, *answer->add_workers());
+    return changed.empty() ? NoWorker(which) : grpc::Status::OK;
   });
+}
+
+grpc::Status NotFinished(const JobStatus& status, uint32_t frame) {
+  return {
+      grpc::StatusCode::FAILED_PRECONDITION,
+      fmt::format("frame {} of job {} is not finished: the job is {}, {} of {} samples are done", frame,
+                  Number(status.job), JobStateName(status.state), status.samples_done, status.samples_total)};
 }
 
 }  // namespace
 
 grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* context,
                                               const proto::JobSpec* request, proto::SubmitAnswer* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  auto spec = ReadJobSpec(*request);
-  if (!spec) {
-    reactor->Finish(ToStatus(spec.error()));
-    return reactor;
-  }
-  if (const auto checked = CheckSubmission(*spec, blobs_); !checked) {
-    reactor->Finish(ToStatus(checked.error()));
-    return reactor;
-  }
-  const auto shared = std::make_shared<const JobSpec>(std::move(*spec));
-  core_.Post([=](CoreContext& core) {
-    const auto job = core.farm.Submit(core.now, shared);
-    core.answers.AfterSync([=](bool synced) {
-      if (job) answer->set_job(Number(*job));
-      reactor->Finish(!job ? ToStatus(job.error()) : synced ? grpc::Status::OK : CoordinatorEnds());
+  return gate_.Unary(context, RuleFor("Jobs.Submit"), [=, this](const UnaryCall& call) {
+    auto spec = ReadJobSpec(*request);
+    if (!spec) return call.Finish(ToStatus(spec.error()));
+    if (const auto checked = CheckSubmission(*spec, blobs_); !checked)
+      return call.Finish(ToStatus(checked.error()));
+    const auto shared = std::make_shared<const JobSpec>(std::move(*spec));
+    call.Apply([=](CoreContext& core) {
+      const auto job = core.farm.Submit(core.now, shared);
+      if (!job) return ToStatus(job.error());
+      answer->set_job(Number(*job));
+      return grpc::Status::OK;
     });
   });
-  return reactor;
 }
 
 grpc::ServerUnaryReactor* JobsService::List(grpc::CallbackServerContext* context, const proto::ListRequest*,
                                             proto::ListAnswer* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  core_.Post([=](CoreContext& core) {
-    for (const JobStatus& status : core.farm.Jobs(core.now)) Write(status, *answer->add_jobs());
-    reactor->Finish(grpc::Status::OK);
+  return gate_.Unary(context, RuleFor("Jobs.List"), [=](const UnaryCall& call) {
+    call.Ask([=](CoreContext& core) {
+      for (const JobStatus& status : core.farm.Jobs(core.now)) Write(status, *answer->add_jobs());
+      return grpc::Status::OK;
+    });
   });
-  return reactor;
 }
 
 grpc::ServerUnaryReactor* JobsService::Status(grpc::CallbackServerContext* context,
                                               const proto::JobRequest* request, proto::JobStatus* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  core_.Post([=, job = JobId{request->job()}](CoreContext& core) {
-    const auto status = core.farm.Status(core.now, job);
-    if (status) Write(*status, *answer);
-    reactor->Finish(status ? grpc::Status::OK : NoJob(job));
+  return gate_.Unary(context, RuleFor("Jobs.Status"), [=](const UnaryCall& call) {
+    call.Ask([=, job = JobId{request->job()}](CoreContext& core) {
+      const auto status = core.farm.Status(core.now, job);
+      if (status) Write(*status, *answer);
+      return status ? grpc::Status::OK : NoJob(job);
+    });
   });
-  return reactor;
 }
 
-grpc::ServerWriteReactor<proto::JobStatus>* JobsService::Watch(grpc::CallbackServerContext*,
+grpc::ServerWriteReactor<proto::JobStatus>* JobsService::Watch(grpc::CallbackServerContext* context,
                                                                const proto::JobRequest* request) {
-  auto* const stream = new WatchStream;
-  const auto link = stream->link();
-  core_.Post([=, job = JobId{request->job()}](CoreContext& core) {
-    if (!core.farm.Status(core.now, job)) {
-      link->Finish(NoJob(job));
-      return;
-    }
-    core.answers.Watch(job, [link](const JobStatus* status, bool last) { return link->Offer(status, last); });
+  using Reactor = grpc::ServerWriteReactor<proto::JobStatus>;
+  return gate_.Serve<Reactor>(context, RuleFor("Jobs.Watch"), [=, this](const Principal&) {
+    auto* const stream = new WatchStream;
+    const auto link = stream->link();
+    gate_.core().Post([=, job = JobId{request->job()}](CoreContext& core) {
+      if (!core.farm.Status(core.now, job)) return link->Finish(NoJob(job));
+      core.answers.Watch(job,
+                         [link](const JobStatus* status, bool last) { return link->Offer(status, last); });
+    });
+    return stream;
   });
-  return stream;
 }
 
 grpc::ServerUnaryReactor* JobsService::Cancel(grpc::CallbackServerContext* context,
                                               const proto::JobRequest* request, proto::JobStatus* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  ChangeJob(core_, reactor, JobId{request->job()}, answer,
-            [](CoreContext& core, JobId job) { return core.farm.Cancel(core.now, job); });
-  return reactor;
+  return gate_.Unary(context, RuleFor("Jobs.Cancel"), [=](const UnaryCall& call) {
+    ChangeJob(call, JobId{request->job()}, answer,
+              [](CoreContext& core, JobId job) { return core.farm.Cancel(core.now, job); });
+  });
 }
 
 grpc::ServerUnaryReactor* JobsService::Pause(grpc::CallbackServerContext* context,
                                              const proto::JobRequest* request, proto::JobStatus* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  ChangeJob(core_, reactor, JobId{request->job()}, answer,
-            [](CoreContext& core, JobId job) { return core.farm.SetPaused(core.now, job, true); });
-  return reactor;
+  return gate_.Unary(context, RuleFor("Jobs.Pause"), [=](const UnaryCall& call) {
+    ChangeJob(call, JobId{request->job()}, answer,
+              [](CoreContext& core, JobId job) { return core.farm.SetPaused(core.now, job, true); });
+  });
 }
 
 grpc::ServerUnaryReactor* JobsService::Resume(grpc::CallbackServerContext* context,
                                               const proto::JobRequest* request, proto::JobStatus* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  ChangeJob(core_, reactor, JobId{request->job()}, answer,
-            [](CoreContext& core, JobId job) { return core.farm.SetPaused(core.now, job, false); });
-  return reactor;
+  return gate_.Unary(context, RuleFor("Jobs.Resume"), [=](const UnaryCall& call) {
+    ChangeJob(call, JobId{request->job()}, answer,
+              [](CoreContext& core, JobId job) { return core.farm.SetPaused(core.now, job, false); });
+  });
 }
 
 grpc::ServerUnaryReactor* JobsService::SetPriority(grpc::CallbackServerContext* context,
                                                    const proto::PriorityRequest* request,
                                                    proto::JobStatus* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  const auto priority = ReadPriority(request->priority());
-  if (!priority) {
-    reactor->Finish(ToStatus(priority.error()));
-    return reactor;
-  }
-  ChangeJob(core_, reactor, JobId{request->job()}, answer,
-            [priority = *priority](CoreContext& core, JobId job) {
-              return core.farm.SetPriority(core.now, job, priority);
-            });
-  return reactor;
+  return gate_.Unary(context, RuleFor("Jobs.SetPriority"), [=](const UnaryCall& call) {
+    const auto priority = ReadPriority(request->priority());
+    if (!priority) return call.Finish(ToStatus(priority.error()));
+    ChangeJob(call, JobId{request->job()}, answer, [priority = *priority](CoreContext& core, JobId job) {
+      return core.farm.SetPriority(core.now, job, priority);
+    });
+  });
 }
 
 grpc::ServerUnaryReactor* JobsService::Extend(grpc::CallbackServerContext* context,
                                               const proto::ExtendRequest* request, proto::JobStatus* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  const JobId job{request->job()};
-  const uint32_t samples = request->samples_per_pixel();
-  if (samples < 1 || samples > kSamplesPerPixelMax) {
-    reactor->Finish(
-        {grpc::StatusCode::INVALID_ARGUMENT, "message refused: samples_per_pixel are beyond the limit"});
-    return reactor;
-  }
-  const auto extend = [=](CoreContext& core) {
-    if (core.farm.IsMovingSums(job)) {
-      reactor->Finish({grpc::StatusCode::UNAVAILABLE, "a picture of the job is being written; try again"});
-      return;
-    }
-    const auto status = core.farm.Extend(core.now, job, samples);
-    core.answers.AfterSync([=](bool synced) {
-      if (status) Write(*status, *answer);
-      reactor->Finish(!status ? ToStatus(status.error()) : synced ? grpc::Status::OK : CoordinatorEnds());
+  return gate_.Unary(context, RuleFor("Jobs.Extend"), [=, this](const UnaryCall& call) {
+    const JobId job{request->job()};
+    const uint32_t samples = request->samples_per_pixel();
+    if (samples < 1 || samples > kSamplesPerPixelMax)
+      return call.Finish(ToStatus(BadInput("message refused: samples_per_pixel is out of range")));
+    const auto extend = [=](CoreContext& core) {
+      if (core.farm.IsMovingSums(job))
+        return grpc::Status(grpc::StatusCode::UNAVAILABLE,
+                            "a picture of the job is being written; try again");
+      return Answer(core.farm.Extend(core.now, job, samples), *answer);
+    };
+    call.core().Post([=, this](CoreContext& core) {
+      const auto spec = core.farm.Spec(job);
+      if (!spec) return call.Finish(NoJob(job));
+      // Blobs may have been evicted since the job ended. Checking takes too long for the core thread.
+      background_.Post([=, this] {
+        const auto checked = CheckSubmission(*spec, blobs_);
+        if (checked) return call.Apply(extend);
+        call.Finish(ToStatus(Failed(checked.error().message + "; submit the scene again")));
+      });
     });
-  };
-  // Blobs may have gone since the job ended. Looking takes long: not on the core thread.
-  const auto check = [=, this](const JobSpec& spec) {
-    if (const auto checked = CheckSubmission(spec, blobs_); !checked) {
-      reactor->Finish(ToStatus(Failed(checked.error().message + "; submit the scene again")));
-    } else {
-      core_.Post(extend);
-    }
-  };
-  core_.Post([=, this](CoreContext& core) {
-    if (const auto spec = core.farm.Spec(job)) {
-      background_.Post([=] { check(*spec); });
-    } else {
-      reactor->Finish(NoJob(job));
-    }
   });
-  return reactor;
 }
 
 grpc::ServerUnaryReactor* JobsService::Workers(grpc::CallbackServerContext* context,
                                                const proto::WorkersRequest* request,
                                                proto::WorkersAnswer* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  core_.Post([=, which = request->which()](CoreContext& core) {
-    const auto workers = which.empty() ? core.farm.Workers(core.now) : core.farm.FindWorkers(core.now, which);
-    for (const WorkerStatus& status : workers) Write(status, *answer->add_workers());
-    reactor->Finish(grpc::Status::OK);
+  return gate_.Unary(context, RuleFor("Jobs.Workers"), [=](const UnaryCall& call) {
+    call.Ask([=, which = request->which()](CoreContext& core) {
+      const auto workers =
+          which.empty() ? core.farm.Workers(core.now) : core.farm.FindWorkers(core.now, which);
+      for (const WorkerStatus& status : workers) Write(status, *answer->add_workers());
+      return grpc::Status::OK;
+    });
   });
-  return reactor;
 }
 
 grpc::ServerUnaryReactor* JobsService::Frames(grpc::CallbackServerContext* context,
                                               const proto::JobRequest* request, proto::FramesAnswer* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  core_.Post([=, job = JobId{request->job()}](CoreContext& core) {
-    const std::vector<FrameStatus> frames = core.farm.Frames(job);
-    Write(frames, *answer);
-    reactor->Finish(frames.empty() ? NoJob(job) : grpc::Status::OK);
+  return gate_.Unary(context, RuleFor("Jobs.Frames"), [=](const UnaryCall& call) {
+    call.Ask([=, job = JobId{request->job()}](CoreContext& core) {
+      const std::vector<FrameStatus> frames = core.farm.Frames(job);
+      Write(frames, *answer);
+      return frames.empty() ? NoJob(job) : grpc::Status::OK;
+    });
   });
-  return reactor;
 }
 
 grpc::ServerUnaryReactor* JobsService::DrainWorkers(grpc::CallbackServerContext* context,
                                                     const proto::WorkersRequest* request,
                                                     proto::WorkersAnswer* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  ChangeWorkers(core_, reactor, request->which(), answer,
-                [](Farm& farm, WorkerId worker) { farm.Drain(worker); });
-  return reactor;
+  return gate_.Unary(context, RuleFor("Jobs.DrainWorkers"), [=](const UnaryCall& call) {
+    ChangeWorkers(call, request->which(), answer, [](Farm& farm, WorkerId worker) { farm.Drain(worker); });
+  });
 }
 
 grpc::ServerUnaryReactor* JobsService::ReleaseWorkers(grpc::CallbackServerContext* context,
                                                       const proto::WorkersRequest* request,
                                                       proto::WorkersAnswer* answer) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  ChangeWorkers(core_, reactor, request->which(), answer,
-                [](Farm& farm, WorkerId worker) { farm.Release(worker); });
-  return reactor;
+  return gate_.Unary(context, RuleFor("Jobs.ReleaseWorkers"), [=](const UnaryCall& call) {
+    ChangeWorkers(call, request->which(), answer, [](Farm& farm, WorkerId worker) { farm.Release(worker); });
+  });
 }
 
-grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::CallbackServerContext*,
+grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::CallbackServerContext* context,
                                                                          const proto::FetchRequest* request) {
-  auto* const stream = new PictureStream;
-  const JobId job{request->job()};
-  const uint32_t frame = request->frame();
-  core_.Post([=, this, preview = request->preview()](CoreContext& core) {
-    const auto status = core.farm.Status(core.now, job);
-    if (!status || frame >= status->frames_total) {
-      const std::string what = status ? fmt::format("job {} has no frame {}", Number(job), frame) : "";
-      stream->Refuse(status ? grpc::Status(grpc::StatusCode::NOT_FOUND, what) : NoJob(job));
-    } else if (core.farm.FinishedFile(job, frame)) {
-      background_.Post([=, path = directory_.PicturePath(job, frame)] { stream->SendFile(path); });
-    } else if (auto picture = preview ? core.farm.Preview(job, frame) : std::nullopt) {
+  using Reactor = grpc::ServerWriteReactor<proto::PictureChunk>;
+  return gate_.Serve<Reactor>(context, RuleFor("Jobs.FetchPicture"), [=, this](const Principal&) {
+    auto* const stream = new PictureStream;
+    const JobId job{request->job()};
+    const uint32_t frame = request->frame();
+    gate_.core().Post([=, this, preview = request->preview()](CoreContext& core) {
+      const auto status = core.farm.Status(core.now, job);
+      if (!status) return stream->Refuse(NoJob(job));
+      if (frame >= status->frames_total) {
+        return stream->Refuse(
+            {grpc::StatusCode::NOT_FOUND, fmt::format("job {} has no frame {}", Number(job), frame)});
+      }
+      if (core.farm.FinishedFile(job, frame))
+        return background_.Post([=, this] { stream->Send(pictures_.Read(job, frame)); });
+      auto picture = preview ? core.farm.Preview(job, frame) : std::nullopt;
+      if (!picture) return stream->Refuse(NotFinished(*status, frame));
       const auto shared = std::make_shared<const FinishedPicture>(std::move(*picture));
-      background_.Post([=] { stream->SendPicture(*shared); });
-    } else {
-      const char* const state = JobStateName(status->state);
-      stream->Refuse(
-          {grpc::StatusCode::FAILED_PRECONDITION,
-           fmt::format("frame {} of job {} is not finished: the job is {}, {} of {} samples are done", frame,
-                       Number(job), state, status->samples_done, status->samples_total)});
-    }
+      background_.Post([=] { stream->Send(EncodePicture(*shared)); });
+    });
+    return stream;
   });
-  return stream;
 }
 
 grpc::ServerUnaryReactor* JobsService::Health(grpc::CallbackServerContext* context,
                                               const proto::HealthRequest*, proto::HealthAnswer* answer) {
-  answer->set_software_version(kSoftwareVersion);
-  answer->set_protocol(kProtocolVersion);
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  reactor->Finish(grpc::Status::OK);
-  return reactor;
+  return gate_.Unary(context, RuleFor("Jobs.Health"), [=](const UnaryCall& call) {
+    answer->set_software_version(kSoftwareVersion);
+    answer->set_protocol(kProtocolVersion);
+    call.Finish(grpc::Status::OK);
+  });
 }
 
 }  // namespace tessera

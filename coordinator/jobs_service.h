@@ -1,22 +1,23 @@
-// Serves proto/jobs.proto: turns calls into events of the core thread. Thread safe.
+// Serves proto/jobs.proto: each call becomes an event of the core thread. Thread safe.
 #pragma once
 
 #include "coordinator/background_thread.h"
 #include "coordinator/store/blob_store.h"
-#include "coordinator/store/data_dir.h"
+#include "coordinator/store/picture_store.h"
 #include "proto/jobs.grpc.pb.h"
 #include "proto/terms.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
 
-class CoreThread;
+class CallGate;
 
 class JobsService final : public proto::Jobs::CallbackService {
  public:
-  JobsService(CoreThread& core, const BlobStore& blobs, const DataDir& directory)
-      : core_(core), blobs_(blobs), directory_(directory) {}
-  // Ends what runs in the background: call it before the server's end, so that no call is left unanswered.
+  JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures)
+      : gate_(gate), blobs_(blobs), pictures_(pictures) {}
+  // Finishes what runs in the background. Call it before the server is destroyed, so that every call is
+  // answered.
   void Stop() { background_.Stop(); }
 
   grpc::ServerUnaryReactor* Submit(grpc::CallbackServerContext* context, const proto::JobSpec* request,
@@ -55,9 +56,9 @@ class JobsService final : public proto::Jobs::CallbackService {
                                    proto::HealthAnswer* answer) override;
 
  private:
-  CoreThread& core_;
+  const CallGate& gate_;
   const BlobStore& blobs_;
-  const DataDir& directory_;
+  const PictureStore& pictures_;
   BackgroundThread background_;
 };
 

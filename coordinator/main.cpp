@@ -8,6 +8,7 @@
 #include "coordinator/coordinator.h"
 #include "coordinator/options.h"
 #include "proto/shell/log.h"
+#include "proto/shell/pause.h"
 #include "proto/shell/program.h"
 
 namespace tessera {
@@ -31,7 +32,15 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
   StartLog(options.log_level);
   if (options.exit_with_parent && !FollowParent(parent)) return 0;
   spdlog::info("coordinator_started {}", options.Text());
-  if (const auto run = RunCoordinator(options, std::move(termination)); !run) return run.error();
+  const auto coordinator = Coordinator::Start(options);
+  if (!coordinator) return coordinator.error();
+  if (const auto http = (*coordinator)->http())
+    fmt::print(stderr, "status page at http://{}/\n", http->Text());
+  for (const Address& address : (*coordinator)->addresses())
+    fmt::print(stderr, "listening on {}\n", address.Text());
+  AwaitStop(std::move(termination));
+  spdlog::info("coordinator_stopping");
+  (*coordinator)->Stop();
   spdlog::info("coordinator_stopped");
   return 0;
 }

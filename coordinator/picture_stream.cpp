@@ -3,39 +3,17 @@
 #include <algorithm>
 
 #include "proto/terms.h"
-#include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
-#include "renderer/film/picture_file.h"
 #include "renderer/util/digest.h"
-#include "renderer/util/file.h"
 
 namespace tessera {
-namespace {
 
-constexpr uint64_t kPictureBytesMax = uint64_t{32} << 30;  // 65536 x 65536 pixels hardly compress to more
-
-}  // namespace
-
-void PictureStream::SendFile(const std::string& path) {
-  auto bytes = ReadFile(path, kPictureBytesMax);
+void PictureStream::Send(Result<std::string> bytes) {
   if (!bytes) {
     Finish({grpc::StatusCode::FAILED_PRECONDITION, bytes.error().message});
     return;
   }
-  Send(std::move(*bytes));
-}
-
-void PictureStream::SendPicture(const FinishedPicture& picture) {
-  auto bytes = EncodeExr(picture.spec->frames[picture.frame].spec, picture.snapshot.Picture());
-  if (!bytes) {
-    Finish(ToStatus(bytes.error()));
-    return;
-  }
-  Send(std::move(*bytes));
-}
-
-void PictureStream::Send(std::string bytes) {
-  bytes_ = std::move(bytes);
+  bytes_ = std::move(*bytes);
   chunk_.set_size(bytes_.size());
   chunk_.set_digest(WriteDigest(Sha256(bytes_)));
   SendNext();

@@ -3,21 +3,19 @@
 
 #include <string>
 
-#include "coordinator/core/farm.h"
 #include "proto/jobs.grpc.pb.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 
-// Deletes itself when the call is over. Exactly one of Refuse, SendFile and SendPicture is called, once, from
-// any thread; the last two take long.
+// Deletes itself when the call is over. Exactly one of Refuse and Send is called, once, from any thread.
 class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk> {
  public:
   void Refuse(const grpc::Status& status) { Finish(status); }
-  void SendFile(const std::string& path);
-  void SendPicture(const FinishedPicture& picture);
+  // Sends the bytes of a picture, or the reason why there are none.
+  void Send(Result<std::string> bytes);
 
  private:
-  void Send(std::string bytes);
   void SendNext();
   void OnWriteDone(bool ok) override;
   void OnDone() override { delete this; }

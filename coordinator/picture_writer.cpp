@@ -1,48 +1,43 @@
 #include "coordinator/picture_writer.h"
 
-#include "coordinator/core_thread.h"
 #include "renderer/film/picture_file.h"
-#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::chrono::milliseconds kRetry{2000};  // a full disk empties slowly
+// A full disk empties slowly.
+constexpr std::chrono::milliseconds kRetryInterval{2000};
 
-Result<Digest> EncodeAndWrite(const DataDir& directory, const FinishedPicture& finished) {
-  const auto bytes = EncodeExr(finished.spec->frames[finished.frame].spec, finished.snapshot.Picture());
+Result<Digest> EncodeAndStore(const FinishedPicture& picture, PictureStore& store) {
+  const auto bytes = EncodePicture(picture);
   if (!bytes) return bytes.error();
-  if (const auto prepared = directory.PreparePicture(finished.job); !prepared) return prepared.error();
-  const auto written = WriteFileAtomically(directory.PicturePath(finished.job, finished.frame), *bytes);
-  if (!written) return written.error();
+  if (const auto written = store.Write(picture.job, picture.frame, *bytes); !written) return written.error();
   return Sha256(*bytes);
 }
 
 }  // namespace
 
-void PictureWriter::Write(CoreThread& core, FinishedPicture picture) {
-  const auto shared = std::make_shared<const FinishedPicture>(std::move(picture));
-  thread_.Post([this, &core, shared] { WriteNow(core, *shared); });
+Result<std::string> EncodePicture(const FinishedPicture& picture) {
+  return EncodeExr(picture.spec->frames[picture.frame].spec, picture.snapshot.Picture());
 }
 
-void PictureWriter::WriteNow(CoreThread& core, const FinishedPicture& picture) {
-  const JobId job = picture.job;
-  const uint32_t frame = picture.frame;
-  while (true) {
-    const auto begun = std::chrono::steady_clock::now();
-    const auto written = EncodeAndWrite(directory_, picture);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    if (written) {
-      core.Post([=](CoreContext& context) {
-        context.farm.counters().picture_s += seconds;
-        context.farm.PictureWritten(context.now, job, frame, *written);
-      });
-      return;
-    }
-    const std::string reason = written.error().message;
-    core.Post([=](CoreContext& context) { context.farm.PictureDelayed(job, reason); });
-    if (!thread_.Sleep(kRetry)) return;  // the process ends; the next one has the frame in its spool
-  }
+void PictureWriter::Write(FinishedPicture picture, OnWritten report) {
+  const auto shared = std::make_shared<const FinishedPicture>(std::move(picture));
+  thread_.Post([this, shared, report = std::move(report)] { Attempt(shared, report); });
+}
+
+void PictureWriter::Remove(JobId job) {
+  thread_.Post([this, job] { store_.Remove(job); });
+}
+
+void PictureWriter::Attempt(const std::shared_ptr<const FinishedPicture>& picture, const OnWritten& report) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto file = EncodeAndStore(*picture, store_);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (file) return report(WrittenPicture{*file, seconds});
+  report(file.error());
+  // Others go first: a removal may be what makes room.
+  if (thread_.Sleep(kRetryInterval)) thread_.Post([=, this] { Attempt(picture, report); });
 }
 
 }  // namespace tessera

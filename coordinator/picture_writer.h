@@ -1,25 +1,47 @@
-// Writes finished frames into the data directory, on a thread of its own, again and again until the disk
-// takes them.
+// Paints, encodes and stores the pictures of finished frames on a thread of its own, so that the core thread
+// only hands out snapshots.
 #pragma once
+
+#include <functional>
+#include <memory>
 
 #include "coordinator/background_thread.h"
 #include "coordinator/core/farm.h"
-#include "coordinator/store/data_dir.h"
+#include "coordinator/store/picture_store.h"
+#include "renderer/util/digest.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 
-class CoreThread;
+struct WrittenPicture {
+  Digest file;         // of its bytes
+  double seconds = 0;  // painting, encoding and storing took
+};
 
+// The bytes of an EXR file.
+Result<std::string> EncodePicture(const FinishedPicture& picture);
+
+// Thread safe.
 class PictureWriter {
  public:
-  explicit PictureWriter(const DataDir& directory) : directory_(directory) {}
-  // Thread safe; returns at once. The farm is told of the outcome through `core`.
-  void Write(CoreThread& core, FinishedPicture picture);
+  // The store must outlive the writer.
+  explicit PictureWriter(PictureStore& store) : store_(store) {}
+
+  // Called on the writer's thread: with an error after each failed attempt, then once with the written
+  // picture.
+  using OnWritten = std::function<void(Result<WrittenPicture>)>;
+  // Returns immediately. A picture that the store refuses is tried again every few seconds, after everything
+  // else that waits. If Stop comes first, it is given up: the sums of the frame are still in the spool.
+  void Write(FinishedPicture picture, OnWritten report);
+  // Removes the pictures of a job. Returns immediately.
+  void Remove(JobId job);
+  // Attempts once what waits, then ends the thread.
   void Stop() { thread_.Stop(); }
 
  private:
-  void WriteNow(CoreThread& core, const FinishedPicture& picture);
-  const DataDir& directory_;
+  void Attempt(const std::shared_ptr<const FinishedPicture>& picture, const OnWritten& report);
+
+  PictureStore& store_;
   BackgroundThread thread_;
 };
 

@@ -22,8 +22,7 @@ Result<void> RestoreSpool(FileSpool& spool, Farm& farm) {
 
 }  // namespace
 
-Result<CoreThread::Parts> Recover(const DataDir& directory, const RecoveryOptions& options,
-                                  FileSpool::Run run) {
+Result<RecoveredFarm> Recover(const DataDir& directory, const RecoveryOptions& options, FileSpool::Run run) {
   std::vector<Fact> facts;
   uint32_t epoch = 1;
   auto journal = FileJournal::Open(directory.JournalPath(), [&](const Fact& fact) {
@@ -36,11 +35,7 @@ Result<CoreThread::Parts> Recover(const DataDir& directory, const RecoveryOption
   auto farm = std::make_unique<Farm>(SchedulerOptions{epoch, options.attempts_max}, options.keep_sums_bytes);
   for (const Fact& fact : facts) farm->Restore(fact);
   if (const auto restored = RestoreSpool(**spool, *farm); !restored) return restored.error();
-  CoreThread::Parts parts;
-  parts.farm = std::move(farm);
-  parts.journal = std::move(*journal);
-  parts.spool = std::move(*spool);
-  return parts;
+  return RecoveredFarm{std::move(farm), std::move(*journal), std::move(*spool)};
 }
 
 }  // namespace tessera

@@ -1,7 +1,10 @@
 // The farm as a former process left it in the data directory.
 #pragma once
 
-#include "coordinator/core_thread.h"
+#include <memory>
+
+#include "coordinator/core/farm.h"
+#include "coordinator/core/journal.h"
 #include "coordinator/store/data_dir.h"
 #include "coordinator/store/file_spool.h"
 #include "renderer/util/result.h"
@@ -13,9 +16,14 @@ struct RecoveryOptions {
   uint64_t keep_sums_bytes = kKeptBytesMaxDefault;
 };
 
+struct RecoveredFarm {
+  std::unique_ptr<Farm> farm;
+  std::unique_ptr<Journal> journal;
+  std::unique_ptr<Spool> spool;
+};
+
 // Farm, journal and spool of a data directory, old or new. An error that names the file if one is damaged.
-// `run` runs what the spool does in the background.
-Result<CoreThread::Parts> Recover(const DataDir& directory, const RecoveryOptions& options,
-                                  FileSpool::Run run);
+// `run` runs the background tasks of the spool.
+Result<RecoveredFarm> Recover(const DataDir& directory, const RecoveryOptions& options, FileSpool::Run run);
 
 }  // namespace tessera

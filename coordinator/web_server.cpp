@@ -14,15 +14,17 @@
 namespace tessera {
 namespace {
 
-constexpr int kThreads = 4;         // some browsers and a monitoring system
-constexpr size_t kWaitingMax = 32;  // connections taken and not yet served; more wait in the kernel
-constexpr std::chrono::seconds kIoPatience{2};  // for each read and write of a connection
+constexpr int kThreads = 4;  // some browsers and a monitoring system
+// Connections accepted and not yet served; more wait in the kernel.
+constexpr size_t kWaitingMax = 32;
+// For each read and write of a connection.
+constexpr std::chrono::seconds kIoPatience{2};
 constexpr size_t kRequestsPerConnectionMax = 100;
 constexpr time_t kKeepAlive_s = 2;
-constexpr size_t kBodyBytesMax = 1024;  // nobody has anything to send
+constexpr size_t kBodyBytesMax = 1024;  // requests have no body
 
-// Threads that serve connections. When all are busy and enough wait, taking another waits too: the number of
-// open connections is bounded.
+// Threads that serve connections. While all are busy and kWaitingMax connections wait, no more are accepted,
+// which bounds the number of open connections.
 class BoundedPool final : public httplib::TaskQueue {
  public:
   BoundedPool() {
@@ -63,7 +65,7 @@ class BoundedPool final : public httplib::TaskQueue {
   std::vector<std::thread> threads_;
 };
 
-// A port that somebody else has is an error, so no SO_REUSEPORT.
+// A port that another process listens on is an error, so no SO_REUSEPORT.
 void SetSocketOptions(socket_t socket) {
   const int yes = 1;
   ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -75,6 +77,10 @@ WebServer::WebServer(Address address, Look look)
     : address_(std::move(address)), look_(std::move(look)), server_(std::make_unique<httplib::Server>()) {}
 
 WebServer::~WebServer() {
+  Stop();
+}
+
+void WebServer::Stop() {
   server_->stop();
   if (thread_.joinable()) thread_.join();
 }
@@ -87,7 +93,7 @@ void WebServer::SetUp() {
   server_->set_keep_alive_max_count(kRequestsPerConnectionMax);
   server_->set_keep_alive_timeout(kKeepAlive_s);
   server_->set_payload_max_length(kBodyBytesMax);
-  // The page is all there is: a name that slipped through could still load and run nothing.
+  // The page needs nothing else: even a name that escaped its quotes could load and run nothing.
   server_->set_default_headers({{"Content-Security-Policy", "default-src 'none'; style-src 'unsafe-inline'"},
                                 {"X-Content-Type-Options", "nosniff"},
                                 {"Cache-Control", "no-store"}});
@@ -121,7 +127,8 @@ Result<std::unique_ptr<WebServer>> WebServer::Start(const Address& address, Look
   }
   web->address_.port = port;
   web->thread_ = std::thread([&server] { server.listen_after_bind(); });
-  while (!server.is_running()) std::this_thread::yield();  // before that, it would not hear of its stop
+  // A stop before that would have no effect.
+  while (!server.is_running()) std::this_thread::yield();
   return web;
 }
 

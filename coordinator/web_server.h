@@ -1,4 +1,4 @@
-// The read-only web end of a coordinator: `/` for people, `/metrics` for Prometheus.
+// The read-only web server of a coordinator: `/` for people, `/metrics` for Prometheus.
 #pragma once
 
 #include <functional>
@@ -16,15 +16,17 @@ class Server;
 
 namespace tessera {
 
-// Has threads of its own, few of them, and waits for nobody long: whoever reads slowly holds up other
-// readers at worst, never the farm.
+// Has a few threads of its own and short timeouts: a slow reader delays other readers at worst, never the
+// farm.
 class WebServer {
  public:
-  // Asked for each answer, from any thread; nothing if the farm is too busy.
+  // Called for each answer, from any thread; returns nullopt if the farm is too busy.
   using Look = std::function<std::optional<FarmView>()>;
   // An error that names the address if it cannot be listened on.
   static Result<std::unique_ptr<WebServer>> Start(const Address& address, Look look);
   ~WebServer();
+  // Takes no new connections and ends the threads.
+  void Stop();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
   // With the port that was chosen for port 0.

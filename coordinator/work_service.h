@@ -1,4 +1,4 @@
-// Serves proto/work.proto: turns calls into events of the core thread. Thread safe.
+// Serves proto/work.proto: each call becomes an event of the core thread. Thread safe.
 #pragma once
 
 #include <atomic>
@@ -8,12 +8,12 @@
 
 namespace tessera {
 
-class CoreThread;
+class CallGate;
 
 class WorkService final : public proto::Work::CallbackService {
  public:
-  explicit WorkService(CoreThread& core) : core_(core) {}
-  // Of results, since the start.
+  explicit WorkService(const CallGate& gate) : gate_(gate) {}
+  // Bytes of results received since the start.
   uint64_t bytes_in() const { return bytes_in_; }
   const ResultsIntake& intake() const { return intake_; }
 
@@ -27,7 +27,7 @@ class WorkService final : public proto::Work::CallbackService {
                                           proto::FailureAnswer* answer) override;
 
  private:
-  CoreThread& core_;
+  const CallGate& gate_;
   ResultsIntake intake_{kIntakeBytesMax};
   std::atomic<uint64_t> call_next_{1};
   std::atomic<uint64_t> bytes_in_{0};

@@ -20,7 +20,7 @@ constexpr std::string_view kVersion = "tessera-data 4\n";
 Result<void> MakeFolder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (error) return Failed(fmt::format("{}: cannot be made: {}", path, error.message()));
+  if (error) return Failed(fmt::format("{}: cannot be created: {}", path, error.message()));
   return {};
 }
 
@@ -30,15 +30,15 @@ Result<void> CheckVersion(const std::string& path) {
   const auto version = ReadFile(file, 1024);
   if (!version) return version.error();
   if (*version != kVersion) {
-    return Failed(
-        fmt::format("{}: was made by another version of tessera-coordinator (\"{}\"; this one keeps \"{}\"): "
-                    "finish its jobs with that version, or give another --data-dir",
-                    path, version->substr(0, version->find('\n')), kVersion.substr(0, kVersion.size() - 1)));
+    return Failed(fmt::format(
+        "{}: was created by another version of tessera-coordinator (found \"{}\", expected \"{}\"); "
+        "finish its jobs with that version or use another --data-dir",
+        path, version->substr(0, version->find('\n')), kVersion.substr(0, kVersion.size() - 1)));
   }
   return {};
 }
 
-// What was being written when a process ended is at no final name.
+// Files that were being written when a process ended do not have their final names yet.
 void RemoveHalfWritten(const std::string& path) {
   std::vector<std::filesystem::path> half_written;
   std::error_code error;
@@ -63,7 +63,7 @@ Result<DataDir> DataDir::Open(const std::string& path) {
   if (lock < 0) return Failed(fmt::format("{}: cannot be opened: {}", file, std::strerror(errno)));
   DataDir directory(path, lock);
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
-    return Failed(fmt::format("{}: another tessera-coordinator works on this data directory", path));
+    return Failed(fmt::format("{}: another tessera-coordinator is using this data directory", path));
   }
   if (const auto checked = CheckVersion(path); !checked) return checked.error();
   RemoveHalfWritten(path);
@@ -75,19 +75,6 @@ DataDir::DataDir(DataDir&& other) noexcept
 
 DataDir::~DataDir() {
   if (lock_ >= 0) ::close(lock_);  // unlocks
-}
-
-std::string DataDir::PicturePath(JobId job, uint32_t frame) const {
-  return fmt::format("{}/pictures/{}/{}.exr", path_, Number(job), frame);
-}
-
-Result<void> DataDir::PreparePicture(JobId job) const {
-  return MakeFolder(fmt::format("{}/pictures/{}", path_, Number(job)));
-}
-
-void DataDir::RemovePictures(JobId job) const {
-  std::error_code ignored;
-  std::filesystem::remove_all(fmt::format("{}/pictures/{}", path_, Number(job)), ignored);
 }
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// Waiting that ends early when a stop is requested.
+// Waiting that ends when a stop is requested.
 #pragma once
 
 #include <chrono>
@@ -15,6 +15,14 @@ inline bool Pause(std::stop_token stop, std::chrono::milliseconds duration) {
   std::unique_lock lock(mutex);
   never.wait_for(lock, stop, duration, [] { return false; });
   return !stop.stop_requested();
+}
+
+// Waits until a stop is requested.
+inline void AwaitStop(std::stop_token stop) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  never.wait(lock, stop, [] { return false; });
 }
 
 }  // namespace tessera

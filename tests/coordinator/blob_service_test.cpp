@@ -49,13 +49,13 @@ TEST_F(Services, AnUploadThatWasCutShortGoesOnWhereItStopped) {
   };
   EXPECT_EQ(send_rest(2'500'000).error_code(), StatusCode::UNAVAILABLE) << "so much is not there";
   EXPECT_TRUE(send_rest(2'000'000).ok());
-  EXPECT_TRUE(coordinator->blobs.Has(Sha256(bytes)));
+  EXPECT_TRUE(coordinator->blobs().Has(Sha256(bytes)));
 }
 
 TEST_F(Services, BlobsAreDownloadedFromAnyOffset) {
   std::string bytes(3'000'000, '\0');
   for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 7 % 251);
-  ASSERT_TRUE(coordinator->blobs.Write(Sha256(bytes), bytes));
+  ASSERT_TRUE(coordinator->blobs().Write(Sha256(bytes), bytes));
   for (const uint64_t offset : {uint64_t{0}, uint64_t{1'234'567}, uint64_t{3'000'000}}) {
     grpc::ClientContext context;
     proto::DownloadRequest request;

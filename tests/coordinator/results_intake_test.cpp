@@ -101,7 +101,7 @@ class HangingReturn {
 
 TEST_F(Services, ResultsWaitUntilThereIsRoomForThem) {
   const uint64_t job = Submit();
-  const ResultsIntake& intake = coordinator->work->intake();
+  const ResultsIntake& intake = coordinator->intake();
   std::list<HangingReturn> admitted, in_line;
   while ((admitted.size() + 1) * kMessageBytesMax <= kIntakeBytesMax)
     admitted.emplace_back(*work, kMessageBytesMax);
@@ -136,7 +136,7 @@ TEST_F(Services, ResultsThatAreNotWhatWasAnnouncedAreRefused) {
   EXPECT_EQ(refusal(7, 3).error_code(), StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(refusal(7, kMessageBytesMax + 1).error_code(), StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_TRUE(refusal(7, 100).ok());
-  EXPECT_TRUE(Comes([&] { return coordinator->work->intake().bytes() == 0; }));
+  EXPECT_TRUE(Comes([&] { return coordinator->intake().bytes() == 0; }));
 }
 
 }  // namespace

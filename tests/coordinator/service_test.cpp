@@ -168,16 +168,13 @@ TEST_F(Services, JobsSurviveARestart) {
   while (watch->Read(&status)) {
   }
   EXPECT_EQ(watch->Finish().error_code(), StatusCode::UNAVAILABLE) << "who watches is to try again";
-  coordinator = std::make_unique<Coordinator>(folder);
-  Connect();
+  Start();
   EXPECT_EQ(Status(job).name(), "job");
   EXPECT_EQ(Submit(), job) << "the same submission";
 }
 
 TEST_F(Services, TwoCoordinatorsCannotShareASocket) {
-  const Address address = *ParseAddress("unix:" + (folder / "socket"), "test");
-  const auto second =
-      CoordinatorServer::Start({address}, *coordinator->work, *coordinator->blob_service, *coordinator->jobs);
+  const auto second = Coordinator::Start(OptionsOf("other-data"));
   ASSERT_FALSE(second);
   EXPECT_THAT(second.error().message, HasSubstr("cannot listen on unix:"));
   EXPECT_EQ(WorkerCount(), 0) << "the first still serves";

@@ -1,4 +1,4 @@
-// A coordinator's services over real gRPC on a Unix socket, and what clients and workers say to them.
+// A coordinator over real gRPC on a Unix socket, and the calls that clients and workers make.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -8,16 +8,13 @@
 #include <memory>
 #include <string>
 
-#include "coordinator/blob_service.h"
-#include "coordinator/core_thread.h"
-#include "coordinator/jobs_service.h"
-#include "coordinator/picture_writer.h"
-#include "coordinator/recovery.h"
-#include "coordinator/server.h"
-#include "coordinator/work_service.h"
+#include "coordinator/coordinator.h"
+#include "proto/blobs.grpc.pb.h"
+#include "proto/jobs.grpc.pb.h"
 #include "proto/scene_package.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
+#include "proto/work.grpc.pb.h"
 #include "renderer/film/radiance_tile.h"
 #include "tests/coordinator/store/temporary_dir.h"
 
@@ -26,47 +23,20 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kPatience{20'000};
 
-// A coordinator's parts as RunCoordinator joins them.
-struct Coordinator {
-  explicit Coordinator(const TemporaryDir& folder)
-      : directory(*DataDir::Open(folder / "data")),
-        blobs(*BlobStore::Open(directory.BlobsPath())),
-        writer(directory) {
-    auto parts = Recover(directory, {}, [this](auto task) { spooling.Post(std::move(task)); });
-    parts->write_picture = [this](FinishedPicture picture) { writer.Write(*core, std::move(picture)); };
-    parts->remove_pictures = [this](JobId job) { directory.RemovePictures(job); };
-    core = std::make_unique<CoreThread>(std::move(*parts));
-    work = std::make_unique<WorkService>(*core);
-    blob_service = std::make_unique<BlobService>(blobs);
-    jobs = std::make_unique<JobsService>(*core, blobs, directory);
-    const Address address = *ParseAddress("unix:" + (folder / "socket"), "test");
-    server = std::move(*CoordinatorServer::Start({address}, *work, *blob_service, *jobs));
-  }
-  ~Coordinator() {
-    core->Close();
-    server->Shutdown();
-    jobs->Stop();
-    writer.Stop();
-    core->Stop();
-    spooling.Stop();
-  }
-  DataDir directory;
-  BlobStore blobs;
-  PictureWriter writer;
-  BackgroundThread spooling;
-  std::unique_ptr<CoreThread> core;
-  std::unique_ptr<WorkService> work;
-  std::unique_ptr<BlobService> blob_service;
-  std::unique_ptr<JobsService> jobs;
-  std::unique_ptr<CoordinatorServer> server;
-};
-
 class Services : public testing::Test {
  protected:
-  Services() : coordinator(std::make_unique<Coordinator>(folder)) { Connect(); }
+  explicit Services(AccessPolicy policy = AdmitEveryone) { Start(std::move(policy)); }
 
-  void Connect() {
-    channel = OpenChannel(*ParseAddress("unix:" + (folder / "socket"), "test"));
+  CoordinatorOptions OptionsOf(const std::string& data_dir) const {
+    CoordinatorOptions options;
+    options.listen = {*ParseAddress("unix:" + (folder / "socket"), "test")};
+    options.data_dir = folder / data_dir;
+    return options;
+  }
+  // Starts the coordinator and connects to it.
+  void Start(AccessPolicy policy = AdmitEveryone) {
+    coordinator = std::move(*Coordinator::Start(OptionsOf("data"), std::move(policy)));
+    channel = OpenChannel(coordinator->addresses().front());
     jobs = proto::Jobs::NewStub(channel);
     blobs = proto::Blobs::NewStub(channel);
     work = proto::Work::NewStub(channel);
