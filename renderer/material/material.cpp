@@ -1,164 +1,64 @@
 #include "renderer/material/material.h"
 
-#include <bit>
-#include <limits>
-
-#include "renderer/material/material_builder.h"
-#include "renderer/material/material_kinds.h"
-#include "renderer/material/relief.h"
-#include "renderer/material/texture_use.h"
-#include "renderer/util/hash.h"
+#include "renderer/util/dispatch.h"
 
 namespace tessera {
-namespace {
-
-// Where a material is evaluated.
-struct MaterialContext {
-  const TextureTable& textures;
-  const TextureContext& texture_context;
-  SampledWavelengths& wavelengths;
-
-  float operator()(const FloatInput& input) const { return textures.Evaluate(input, texture_context); }
-  SampledSpectrum operator()(const SpectrumInput& input) const {
-    return textures.Evaluate(input, texture_context, wavelengths);
-  }
-  MicrofacetDistribution operator()(const RoughnessInput& input) const {
-    return input.Evaluate(textures, texture_context);
-  }
-};
-
-SampledSpectrum Clamp(SampledSpectrum v, float low, float high) {
-  return Min(Max(v, SampledSpectrum(low)), SampledSpectrum(high));
-}
-
-Bxdf MakeBxdf(const DiffuseMaterial& m, const MaterialContext& at) {
-  return DiffuseBxdf(Clamp(at(m.reflectance), 0, 1));
-}
-
-Bxdf MakeBxdf(const DiffuseTransmissionMaterial& m, const MaterialContext& at) {
-  return DiffuseTransmissionBxdf(Clamp(at(m.reflectance) * m.scale, 0, 1),
-                                 Clamp(at(m.transmittance) * m.scale, 0, 1));
-}
-
-Bxdf MakeBxdf(const ConductorMaterial& m, const MaterialContext& at) {
-  const MicrofacetDistribution facets = at(m.roughness);
-  if (!m.has_reflectance) return ConductorBxdf(facets, at(m.eta), at(m.k));
-  // The k that reflects this much at normal incidence where eta is 1.
-  const SampledSpectrum r = Clamp(at(m.eta), 0, 0.9999f);
-  return ConductorBxdf(facets, SampledSpectrum(1.0f), 2.0f * Sqrt(r) / SafeSqrt(1.0f - r));
-}
-
-Bxdf MakeBxdf(const DielectricMaterial& m, const MaterialContext& at) {
-  return DielectricBxdf(at(m.roughness), m.eta.Evaluate(at.wavelengths));
-}
-
-Bxdf MakeBxdf(const ThinDielectricMaterial& m, const MaterialContext& at) {
-  return ThinDielectricBxdf(m.eta.Evaluate(at.wavelengths));
-}
-
-Bxdf MakeBxdf(const CoatedDiffuseMaterial& m, const MaterialContext& at) {
-  using Table = CoatedDiffuseMaterial::Table;
-  const float eta = m.eta.Evaluate(at.wavelengths);
-  const DielectricBxdf coat(at(m.roughness), eta);
-  const SampledSpectrum reflectance = Clamp(at(m.reflectance), 0, 1);
-  const float alpha = coat.facets().alpha_x();
-  const bool in_table =
-      m.table_kind != Table::kNone && (m.table_kind != Table::kAlpha || alpha <= CoatTable::kAlphaRowMax);
-  if (in_table) {
-    const float parameter = m.table_kind == Table::kAlpha ? alpha : eta;
-    return CoatedDiffuseBxdf(coat, m.table->At(parameter), reflectance,
-                             CoatedDiffuseBxdf::BaseHits(m.depth_max));
-  }
-  CoatLayer layer;
-  layer.thickness = std::max(std::numeric_limits<float>::min(), at(m.thickness));
-  layer.albedo = Clamp(at(m.albedo), 0, 1);
-  layer.g = std::clamp(at(m.g), -1.0f, 1.0f);
-  layer.depth_max = m.depth_max;
-  layer.sample_count = m.sample_count;
-  return LayeredDiffuseBxdf(coat, reflectance, layer);
-}
-
-Bxdf MakeBxdf(const Material& material, const MaterialContext& at) {
-  switch (material.kind.index()) {
-    case 1: return MakeBxdf(*std::get_if<1>(&material.kind), at);
-    case 2: return MakeBxdf(*std::get_if<2>(&material.kind), at);
-    case 3: return MakeBxdf(*std::get_if<3>(&material.kind), at);
-    case 4: return MakeBxdf(*std::get_if<4>(&material.kind), at);
-    case 5: return MakeBxdf(*std::get_if<5>(&material.kind), at);
-    case 6: return MakeBxdf(*std::get_if<6>(&material.kind), at);
-    default: return Bxdf();  // an interface; a mix never comes here
-  }
-}
-
-// In [0, 1), from the place, the direction and the names of the materials: the same in every process.
-float MixSample(const MixMaterial& mix, const SurfaceInteraction& interaction) {
-  const auto pair = [](float a, float b) {
-    return uint64_t{std::bit_cast<uint32_t>(a)} << 32 | std::bit_cast<uint32_t>(b);
-  };
-  const Vec3 p = interaction.p, wo = interaction.wo;
-  const uint64_t hash = Hash(mix.names_hash, pair(p.x, p.y), pair(p.z, wo.x), pair(wo.y, wo.z));
-  return UniformFloat(static_cast<uint32_t>(hash >> 32));
-}
-
-int ChooseFrom(const MixMaterial& mix, const TextureTable& textures, const TextureContext& context,
-               const SurfaceInteraction& interaction) {
-  const float amount = textures.Evaluate(mix.amount, context);
-  if (amount <= 0) return mix.first;
-  if (amount >= 1) return mix.second;
-  return amount < MixSample(mix, interaction) ? mix.first : mix.second;
-}
-
-}  // namespace
-
-MaterialTable::MaterialTable() = default;
-MaterialTable::~MaterialTable() = default;
-MaterialTable::MaterialTable(MaterialTable&&) noexcept = default;
-MaterialTable& MaterialTable::operator=(MaterialTable&&) noexcept = default;
 
 Result<MaterialTable> MaterialTable::Build(const SceneDescription& scene, TextureBuilder& textures) {
   MaterialTable table;
-  MaterialBuilder builder(scene, textures);
+  CoatTableCache coats;
   for (size_t i = 0; i < scene.materials.size(); ++i) {
-    Result<Material> material = builder.Build(static_cast<int>(i));
-    if (!material) return material.error();
-    table.materials_.push_back(*std::move(material));
+    const Entity& entity = scene.materials[i].entity;
+    const std::string name = entity.kind.empty() ? "interface" : entity.kind;
+    const auto* kind = MaterialKinds().Find(name);
+    if (kind == nullptr) return ErrorAt(entity.location, MaterialKinds().Refusal(name));
+    ParameterReader parameters(entity);
+    MaterialReader reader{parameters, textures, coats, scene, static_cast<int>(i)};
+    Material material = kind->reader(reader);
+    if (const Result<void> finished = parameters.Finish(); !finished) return finished.error();
+    table.materials_.push_back(std::move(material));
   }
-  table.MarkNeeds();
+  table.SetTraits();
   return table;
 }
 
-// A mix needs what those it chooses from need. One that is built later is taken to need it.
-void MaterialTable::MarkNeeds() {
-  needs_footprint_.assign(materials_.size(), 1);
-  const auto needs = [&](const Material& material) {
-    const MixMaterial* mix = std::get_if<MixMaterial>(&material.kind);
-    const bool chosen = mix != nullptr && (needs_footprint_[mix->first] || needs_footprint_[mix->second]);
-    return chosen || ReadsTextures(material);
-  };
-  for (size_t i = 0; i < materials_.size(); ++i) needs_footprint_[i] = needs(materials_[i]);
+MaterialTable::Traits MaterialTable::TraitsOf(const Material& material) const {
+  return Dispatch(material,
+                  Overloads{
+                      [](const SurfaceMaterial& surface) {
+                        const bool reads =
+                            Dispatch(surface.kind, [](const auto& kind) { return kind.ReadsTextures(); });
+                        return Traits{std::holds_alternative<InterfaceMaterial>(surface.kind),
+                                      reads || surface.relief.ReadsTextures()};
+                      },
+                      // A mix needs what the materials it chooses from need.
+                      [&](const MixMaterial& mix) {
+                        return Traits{false, mix.ReadsTextures() || traits_[mix.first].needs_footprint ||
+                                                 traits_[mix.second].needs_footprint};
+                      },
+                  });
 }
 
-bool MaterialTable::IsInterface(int material) const {
-  return std::holds_alternative<InterfaceMaterial>(materials_[material].kind);
+void MaterialTable::SetTraits() {
+  // A mix without a name may choose from materials that come later in the table: they count as needing it.
+  traits_.assign(materials_.size(), {false, true});
+  for (size_t i = 0; i < materials_.size(); ++i) traits_[i] = TraitsOf(materials_[i]);
 }
 
 Bsdf MaterialTable::Evaluate(int material, const TextureTable& textures, const TextureContext& context,
                              SurfaceInteraction& interaction, SampledWavelengths& wavelengths) const {
-  const Material* chosen = &materials_[material];
-  while (const MixMaterial* mix = std::get_if<MixMaterial>(&chosen->kind)) {
-    chosen = &materials_[ChooseFrom(*mix, textures, context, interaction)];
+  const SurfaceMaterial* surface = nullptr;
+  while (surface == nullptr) {
+    Dispatch(materials_[material],
+             Overloads{
+                 [&](const SurfaceMaterial& chosen) { surface = &chosen; },
+                 [&](const MixMaterial& mix) { material = mix.Choose(textures, context, interaction); },
+             });
   }
-  if (chosen->normal_map) {
-    ApplyNormalMap(*chosen->normal_map, interaction);
-  } else if (chosen->displacement) {
-    ApplyBumpMap(*chosen->displacement, textures, context, interaction);
-  }
-  const Bxdf bxdf = MakeBxdf(*chosen, {textures, context, wavelengths});
+  surface->relief.Apply(textures, context, interaction);
+  const MaterialContext at{textures, context, wavelengths};
+  const Bxdf bxdf = Dispatch(surface->kind, [&](const auto& kind) { return kind.MakeBxdf(at); });
   return Bsdf(interaction.shading.n, interaction.shading.dpdu, bxdf);
-}
-
-size_t MaterialTable::size() const {
-  return materials_.size();
 }
 
 }  // namespace tessera

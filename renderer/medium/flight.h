@@ -12,9 +12,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "renderer/math/random_stream.h"
 #include "renderer/math/ray.h"
 #include "renderer/medium/majorant.h"
-#include "renderer/util/hash.h"
 
 namespace tessera {
 
@@ -40,20 +40,12 @@ class FlightRandom {
       ++count_;
       return first_;
     }
-    if (count_ == 1) seed_ = Seed();
+    if (count_ == 1) seed_ = ExtendHash(Hash(ray_.o, ray_.d), std::bit_cast<uint32_t>(first_));
     ++count_;
-    return UniformFloat(static_cast<uint32_t>(Hash(seed_, count_) >> 32));
+    return UniformFloatFromHash(Hash(seed_, count_));
   }
 
  private:
-  uint64_t Seed() const {
-    const auto bits = [](float a, float b) {
-      return uint64_t{std::bit_cast<uint32_t>(a)} << 32 | std::bit_cast<uint32_t>(b);
-    };
-    return Hash(bits(ray_.o.x, ray_.o.y), bits(ray_.o.z, ray_.d.x), bits(ray_.d.y, ray_.d.z),
-                std::bit_cast<uint32_t>(first_));
-  }
-
   const Ray& ray_;
   float first_;
   uint64_t seed_ = 0;

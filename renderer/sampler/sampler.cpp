@@ -56,9 +56,9 @@ Point2 Sampler::Stratified2D() {
 }
 
 void Sampler::StartZSobol() {
-  state_ = ((SpreadBits(static_cast<uint32_t>(x_)) | SpreadBits(static_cast<uint32_t>(y_)) << 1)
-            << settings_.log2_samples) |
-           index_;
+  morton_index_ = ((SpreadBits(static_cast<uint32_t>(x_)) | SpreadBits(static_cast<uint32_t>(y_)) << 1)
+                   << settings_.log2_samples) |
+                  index_;
 }
 
 // The Morton place with its base-4 digits permuted, each by a hash of the digits above it and the dimension;
@@ -69,12 +69,12 @@ uint64_t Sampler::ZSobolIndex() const {
   uint64_t index = 0;
   for (int digit = settings_.base4_digits - 1; digit >= (odd ? 1 : 0); --digit) {
     const int shift = 2 * digit - (odd ? 1 : 0);
-    const uint64_t above = state_ >> (shift + 2);
+    const uint64_t above = morton_index_ >> (shift + 2);
     const int order = static_cast<int>(((MixBits(above ^ salt) >> 32) * 24) >> 32);
-    const uint64_t value = (kDigitOrders.order[order] >> (2 * ((state_ >> shift) & 3))) & 3;
+    const uint64_t value = (kDigitOrders.order[order] >> (2 * ((morton_index_ >> shift) & 3))) & 3;
     index |= value << shift;
   }
-  if (odd) index |= (state_ & 1) ^ (MixBits((state_ >> 1) ^ salt) >> 63);
+  if (odd) index |= (morton_index_ & 1) ^ (MixBits((morton_index_ >> 1) ^ salt) >> 63);
   return index;
 }
 

@@ -12,10 +12,10 @@
 
 #include <cstdint>
 
+#include "renderer/math/random_stream.h"
 #include "renderer/math/vec.h"
 #include "renderer/sampler/sampler_settings.h"
 #include "renderer/sampler/sobol.h"
-#include "renderer/util/hash.h"
 
 namespace tessera {
 
@@ -34,7 +34,7 @@ class Sampler {
       pixel_seed_ = Hash(settings_.seed, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
     }
     switch (settings_.kind) {
-      case SamplerKind::kIndependent: state_ = Hash(pixel_seed_, index); break;
+      case SamplerKind::kIndependent: independent_ = RandomStream(Hash(pixel_seed_, index)); break;
       case SamplerKind::kZSobol: StartZSobol(); break;
       default: break;
     }
@@ -43,7 +43,7 @@ class Sampler {
   // The next dimension, in [0, 1).
   float Get1D() {
     switch (settings_.kind) {
-      case SamplerKind::kIndependent: return Next();
+      case SamplerKind::kIndependent: return independent_.Next();
       case SamplerKind::kSobol: return Sobol(dimension_++);
       case SamplerKind::kPaddedSobol: {
         const uint64_t seed = DimensionSeed(dimension_++);
@@ -58,11 +58,7 @@ class Sampler {
   // The next two dimensions together, in [0, 1)^2.
   Point2 Get2D() {
     switch (settings_.kind) {
-      case SamplerKind::kIndependent: {
-        const float a = Next();
-        const float b = Next();
-        return {a, b};
-      }
+      case SamplerKind::kIndependent: return independent_.Next2();
       case SamplerKind::kSobol: {
         const float a = Sobol(dimension_++);
         const float b = Sobol(dimension_++);
@@ -82,10 +78,6 @@ class Sampler {
   }
 
  private:
-  float Next() {
-    state_ += 0x9e3779b97f4a7c15u;
-    return UniformFloat(static_cast<uint32_t>(MixBits(state_) >> 32));
-  }
   uint64_t DimensionSeed(int dimension) const {
     return MixBits(pixel_seed_ ^ (static_cast<uint64_t>(dimension) + 1) * 0x9e3779b97f4a7c15u);
   }
@@ -111,7 +103,8 @@ class Sampler {
   uint32_t index_ = 0;
   int dimension_ = 0;
   uint64_t pixel_seed_ = 0;
-  uint64_t state_ = 0;  // independent: the counter; zsobol: the place on the Morton curve
+  RandomStream independent_;   // of kIndependent
+  uint64_t morton_index_ = 0;  // of kZSobol: the sample's place on the Morton curve
 };
 
 inline float Sampler::Sobol(int dimension) const {

@@ -17,12 +17,17 @@ inline uint64_t MixBits(uint64_t v) {
   return v;
 }
 
+// The hash of all that `hash` is of, followed by more integers: ExtendHash(Hash(a), b) == Hash(a, b).
+template <typename... T>
+inline uint64_t ExtendHash(uint64_t hash, T... more) {
+  ((hash = MixBits(hash ^ (static_cast<uint64_t>(more) + 0x9e3779b97f4a7c15u))), ...);
+  return hash;
+}
+
 // A hash of several integers; the order matters.
 template <typename... T>
 inline uint64_t Hash(uint64_t first, T... rest) {
-  uint64_t h = MixBits(first + 0x9e3779b97f4a7c15u);
-  ((h = MixBits(h ^ (static_cast<uint64_t>(rest) + 0x9e3779b97f4a7c15u))), ...);
-  return h;
+  return ExtendHash(0, first, rest...);
 }
 
 constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;  // the largest float below 1
@@ -30,6 +35,10 @@ constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;  // the largest float below 1
 // Uniform in [0, 1) from the upper 24 bits: every value is a multiple of 2^-24, so never rounds up to 1.
 inline float UniformFloat(uint32_t bits) {
   return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
+// The same from the upper 24 bits of a hash.
+inline float UniformFloatFromHash(uint64_t hash) {
+  return UniformFloat(static_cast<uint32_t>(hash >> 32));
 }
 
 }  // namespace tessera

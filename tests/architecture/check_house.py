@@ -21,7 +21,7 @@ FORBIDDEN = [
     (r"^coordinator/", r"#include [<\"]embree|rtcore", "the coordinator knows no ray tracing"),
     (r"^(renderer|proto/[^w]\w*\.|client/(?!coordinator/)|worker/core)", r"#include <grpc", "gRPC stays in proto/wire and the programs' shells"),
     (r"^renderer/", r"#include \"(proto|coordinator|worker|client)/", "the renderer does not depend on the farm"),
-    (r"^renderer/(integrator|light|material|texture|shape|sampler|filter|camera|accelerator|math|color)/",
+    (r"^renderer/(integrator|light|bxdf|material|texture|shape|sampler|filter|camera|accelerator|math|color)/",
      r"\b(system_clock|high_resolution_clock)\b", "no wall clock in the renderer"),
     (r"^(proto|coordinator|worker|renderer|client)/", r"(?<![\w:.>])(std::)?s?rand\(|random_shuffle", "no rand(): numbers come from the sampler"),
     (r"^(proto|coordinator|worker|renderer|client)/", r"\bunordered_(map|set)\b.*\bfor\b", "unordered iteration reaches a result"),

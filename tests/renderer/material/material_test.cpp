@@ -8,7 +8,7 @@
 
 #include "renderer/pbrt/parser.h"
 #include "tests/chi_square.h"
-#include "tests/renderer/material/bxdf_examples.h"
+#include "tests/renderer/bxdf/bxdf_examples.h"
 
 namespace tessera {
 namespace {

@@ -60,6 +60,11 @@ TEST(Hash, DependsOnEveryValueAndTheirOrder) {
   EXPECT_NE(Hash(1, 0), Hash(1));
 }
 
+TEST(Hash, ExtendedHashIsThatOfAllTheIntegers) {
+  EXPECT_EQ(ExtendHash(Hash(1, 2), 3, 4), Hash(1, 2, 3, 4));
+  EXPECT_EQ(ExtendHash(0, 1, 2), Hash(1, 2));
+}
+
 TEST(Hash, UniformFloatsLieBelowOne) {
   EXPECT_EQ(UniformFloat(0), 0);
   EXPECT_EQ(UniformFloat(0xffffffffu), kOneMinusEpsilon);

@@ -1,6 +1,6 @@
-#include "renderer/material/coated_diffuse_bxdf.h"
+#include "renderer/bxdf/coated_diffuse_bxdf.h"
 
-#include "renderer/material/fresnel.h"
+#include "renderer/bxdf/fresnel.h"
 #include "renderer/math/sampling.h"
 
 namespace tessera {

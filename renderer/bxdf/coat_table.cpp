@@ -1,9 +1,9 @@
-#include "renderer/material/coat_table.h"
+#include "renderer/bxdf/coat_table.h"
 
 #include <algorithm>
 
-#include "renderer/material/dielectric_bxdf.h"
-#include "renderer/material/fresnel.h"
+#include "renderer/bxdf/dielectric_bxdf.h"
+#include "renderer/bxdf/fresnel.h"
 #include "renderer/math/sampling.h"
 
 namespace tessera {

@@ -1,8 +1,8 @@
-#include "renderer/material/dielectric_bxdf.h"
+#include "renderer/bxdf/dielectric_bxdf.h"
 
 #include <cmath>
 
-#include "renderer/material/fresnel.h"
+#include "renderer/bxdf/fresnel.h"
 
 namespace tessera {
 namespace {

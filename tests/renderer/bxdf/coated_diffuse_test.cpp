@@ -1,11 +1,11 @@
 // The closed form of a coated Lambertian base against the random walk that defines it.
-#include "renderer/material/coated_diffuse_bxdf.h"
+#include "renderer/bxdf/coated_diffuse_bxdf.h"
 
 #include <gtest/gtest.h>
 
 #include "renderer/util/hash.h"
 #include "tests/chi_square.h"
-#include "tests/renderer/material/bxdf_examples.h"
+#include "tests/renderer/bxdf/bxdf_examples.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "renderer/material/fresnel.h"
+#include "renderer/bxdf/fresnel.h"
 
 #include <gtest/gtest.h>
 

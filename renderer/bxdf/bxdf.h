@@ -5,14 +5,14 @@
 #include <type_traits>
 #include <variant>
 
-#include "renderer/material/bxdf_sample.h"
-#include "renderer/material/coated_diffuse_bxdf.h"
-#include "renderer/material/conductor_bxdf.h"
-#include "renderer/material/dielectric_bxdf.h"
-#include "renderer/material/diffuse_bxdf.h"
-#include "renderer/material/diffuse_transmission_bxdf.h"
-#include "renderer/material/layered_diffuse_bxdf.h"
-#include "renderer/material/thin_dielectric_bxdf.h"
+#include "renderer/bxdf/bxdf_sample.h"
+#include "renderer/bxdf/coated_diffuse_bxdf.h"
+#include "renderer/bxdf/conductor_bxdf.h"
+#include "renderer/bxdf/dielectric_bxdf.h"
+#include "renderer/bxdf/diffuse_bxdf.h"
+#include "renderer/bxdf/diffuse_transmission_bxdf.h"
+#include "renderer/bxdf/layered_diffuse_bxdf.h"
+#include "renderer/bxdf/thin_dielectric_bxdf.h"
 #include "renderer/util/dispatch.h"
 
 namespace tessera {

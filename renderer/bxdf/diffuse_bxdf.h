@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "renderer/material/bxdf_sample.h"
+#include "renderer/bxdf/bxdf_sample.h"
 #include "renderer/math/sampling.h"
 
 namespace tessera {

@@ -5,8 +5,8 @@
 
 #include <optional>
 
-#include "renderer/material/bxdf_sample.h"
-#include "renderer/material/dielectric_bxdf.h"
+#include "renderer/bxdf/bxdf_sample.h"
+#include "renderer/bxdf/dielectric_bxdf.h"
 
 namespace tessera {
 

@@ -1,9 +1,9 @@
-#include "renderer/material/microfacet.h"
+#include "renderer/bxdf/microfacet.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/chi_square.h"
-#include "tests/renderer/material/bxdf_examples.h"
+#include "tests/renderer/bxdf/bxdf_examples.h"
 
 namespace tessera {
 namespace {

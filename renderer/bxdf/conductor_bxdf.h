@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "renderer/material/bxdf_sample.h"
-#include "renderer/material/fresnel.h"
-#include "renderer/material/microfacet.h"
+#include "renderer/bxdf/bxdf_sample.h"
+#include "renderer/bxdf/fresnel.h"
+#include "renderer/bxdf/microfacet.h"
 
 namespace tessera {
 

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "renderer/material/bxdf_sample.h"
-#include "renderer/material/fresnel.h"
+#include "renderer/bxdf/bxdf_sample.h"
+#include "renderer/bxdf/fresnel.h"
 
 namespace tessera {
 

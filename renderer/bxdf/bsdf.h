@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "renderer/material/bxdf.h"
+#include "renderer/bxdf/bxdf.h"
 #include "renderer/math/vec.h"
 
 namespace tessera {

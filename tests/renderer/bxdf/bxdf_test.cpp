@@ -1,11 +1,11 @@
 // What holds of every kind: samples follow the density, light can be turned round, energy is not made.
-#include "renderer/material/bxdf.h"
+#include "renderer/bxdf/bxdf.h"
 
 #include <gtest/gtest.h>
 
-#include "renderer/material/bsdf.h"
+#include "renderer/bxdf/bsdf.h"
 #include "tests/chi_square.h"
-#include "tests/renderer/material/bxdf_examples.h"
+#include "tests/renderer/bxdf/bxdf_examples.h"
 
 namespace tessera {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "renderer/material/bxdf_sample.h"
-#include "renderer/material/microfacet.h"
+#include "renderer/bxdf/bxdf_sample.h"
+#include "renderer/bxdf/microfacet.h"
 
 namespace tessera {
 

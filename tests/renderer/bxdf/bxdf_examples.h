@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "renderer/material/bxdf.h"
+#include "renderer/bxdf/bxdf.h"
 
 namespace tessera {
 

@@ -12,9 +12,9 @@
 
 #include <optional>
 
-#include "renderer/material/bxdf_sample.h"
-#include "renderer/material/coat_table.h"
-#include "renderer/material/dielectric_bxdf.h"
+#include "renderer/bxdf/bxdf_sample.h"
+#include "renderer/bxdf/coat_table.h"
+#include "renderer/bxdf/dielectric_bxdf.h"
 
 namespace tessera {
 

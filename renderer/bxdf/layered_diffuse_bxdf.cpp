@@ -1,59 +1,20 @@
-#include "renderer/material/layered_diffuse_bxdf.h"
+#include "renderer/bxdf/layered_diffuse_bxdf.h"
 
-#include <bit>
 #include <cmath>
 #include <limits>
 
-#include "renderer/material/fresnel.h"
+#include "renderer/bxdf/fresnel.h"
+#include "renderer/math/henyey_greenstein.h"
+#include "renderer/math/random_stream.h"
 #include "renderer/math/sampling.h"
-#include "renderer/util/hash.h"
 
 namespace tessera {
 namespace {
 
 constexpr int kRouletteDepth = 3;       // walks are never ended by chance up to this event
 constexpr float kRouletteBeta = 0.25f;  // nor while they carry at least this much
-constexpr float kCosineProbabilityMin =
-    0.1f;  // of sampling the base: keeps f / pdf bounded where the coat dominates
-
-uint64_t HashDirections(Vec3 a, Vec3 b) {
-  const auto pair = [](float x, float y) {
-    return uint64_t{std::bit_cast<uint32_t>(x)} << 32 | std::bit_cast<uint32_t>(y);
-  };
-  return Hash(pair(a.x, a.y), pair(a.z, b.x), pair(b.y, b.z));
-}
-
-// The random numbers of one walk: a hash of a counter.
-class WalkRandom {
- public:
-  explicit WalkRandom(uint64_t seed) : state_(seed) {}
-  float Next() {
-    state_ += 0x9e3779b97f4a7c15u;
-    return UniformFloat(static_cast<uint32_t>(MixBits(state_) >> 32));
-  }
-  Point2 Next2() {
-    const float x = Next();
-    const float y = Next();
-    return {x, y};
-  }
-
- private:
-  uint64_t state_;
-};
-
-// Henyey and Greenstein 1941. Both directions point away from the point: cos_theta = -1 is straight on.
-float HenyeyGreenstein(float cos_theta, float g) {
-  const float denominator = 1 + g * g + 2 * g * cos_theta;
-  return kInv4Pi * (1 - g * g) / (denominator * SafeSqrt(denominator));
-}
-
-Vec3 SampleHenyeyGreenstein(Vec3 wo, float g, Point2 u) {
-  float cos_theta = 1 - 2 * u.x;
-  if (std::abs(g) > 1e-3f) cos_theta = -1 / (2 * g) * (1 + g * g - Sqr((1 - g * g) / (1 + g - 2 * g * u.x)));
-  const float sin_theta = SafeSqrt(1 - cos_theta * cos_theta);
-  const float phi = 2 * kPi * u.y;
-  return Frame::FromZ(wo).FromLocal({sin_theta * std::cos(phi), sin_theta * std::sin(phi), cos_theta});
-}
+// Of sampling the base: keeps f / pdf bounded where the coat dominates.
+constexpr float kCosineProbabilityMin = 0.1f;
 
 float Transmittance(float distance, Vec3 w) {
   if (std::abs(distance) <= std::numeric_limits<float>::min()) return 1;
@@ -124,10 +85,11 @@ class LayerWalk {
       return false;
     }
     z_ = z;
-    const float phase_exit = HenyeyGreenstein(Dot(w_, exit_direction_), layer_.g);
+    const float phase_exit = HenyeyGreenstein(-Dot(w_, exit_direction_), layer_.g);
     AddExit(beta_ * layer_.albedo * phase_exit, phase_exit);
-    const Vec3 next = SampleHenyeyGreenstein(-w_, layer_.g, random_.Next2());
-    const float pdf = HenyeyGreenstein(-Dot(w_, next), layer_.g);
+    const Point2 u = random_.Next2();
+    const Vec3 next = DirectionAround(-w_, SampleHenyeyGreensteinReturn(layer_.g, u.x), u.y);
+    const float pdf = HenyeyGreenstein(Dot(w_, next), layer_.g);
     alive_ = pdf > 0 && next.z != 0;
     beta_ *= layer_.albedo;
     w_ = next;
@@ -174,7 +136,7 @@ class LayerWalk {
   const SampledSpectrum reflectance_;
   const CoatLayer& layer_;
   const Vec3 wi_;
-  WalkRandom random_;
+  RandomStream random_;
   SampledSpectrum f_, beta_, exit_value_;
   Vec3 w_, exit_direction_;
   float z_ = 0, exit_pdf_ = 0;
@@ -197,7 +159,7 @@ BsdfEvaluation LayeredDiffuseBxdf::EvaluateAbove(Vec3 wo, Vec3 wi) const {
   const float coat_probability = CoatProbability(wo);
   const BsdfEvaluation coat = coat_.Evaluate(wo, wi, TransportMode::kRadiance, Lobes::kReflection);
   SampledSpectrum walks;
-  const uint64_t seed = HashDirections(wo, wi);
+  const uint64_t seed = Hash(wo, wi);
   for (int i = 0; i < layer_.sample_count; ++i) walks += EstimateWalk(wo, wi, Hash(seed, i));
   return {coat.f + walks / static_cast<float>(layer_.sample_count),
           coat_probability * coat.pdf + (1 - coat_probability) * CosineHemispherePdf(wi.z)};
