@@ -1,5 +1,5 @@
-// A small bounding volume hierarchy that finds *all* boxes along a ray, for densities over every light that a
-// direction meets. Immutable, deterministic, no allocation when used.
+// A small bounding volume hierarchy that finds *all* boxes along a ray, for densities over every light in a
+// direction. Immutable and deterministic; a query allocates nothing.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ class EmitterTree {
   EmitterTree() = default;
   explicit EmitterTree(std::span<const Bounds3> boxes);
 
-  // Calls visit(index of the box) for every box that the ray may meet, and perhaps for a few more, always in
+  // Calls visit(index of the box) for every box that the ray may hit, and perhaps for a few more, always in
   // the same order.
   template <typename Visit>
   void ForEachAlong(const Ray& ray, const Visit& visit) const {
@@ -43,11 +43,12 @@ class EmitterTree {
 
   struct Node {
     Bounds3 box;
-    uint32_t first = 0;  // leaf: in order_; else the second child, the first follows its parent
+    // Leaf: index into order_; otherwise the second child, as the first follows its parent.
+    uint32_t first = 0;
     uint32_t count = 0;  // of boxes; 0: not a leaf
   };
 
-  // True where a NaN (a ray in the plane of a side) leaves it open.
+  // Returns true if a NaN (a ray in the plane of a side) leaves it undecided.
   static bool MayMeet(const Bounds3& box, const Ray& ray, Vec3 inverse) {
     float near = 0, far = ray.t_max;
     for (int i = 0; i < 3; ++i) {

@@ -1,5 +1,5 @@
 // Directions towards the lights as one distribution over solid angle: choose a light, choose a point on it.
-// Its density at a direction sums over every light that the direction meets, seen or hidden behind others
+// Its density in a direction sums over every light in that direction, visible or hidden behind others
 // (P. Shirley, "Ray Tracing: The Rest of Your Life", mixture of densities over hittables).
 #pragma once
 
@@ -11,8 +11,8 @@
 
 namespace tessera {
 
-// Immutable, shared by all threads. Knows the lights that rays can hit: emitting surfaces and lights at
-// infinity. What LightTable::Choose never takes is not sampled here either.
+// Immutable, shared by all threads. Covers the lights that rays can hit: emitting surfaces and lights at
+// infinity. Lights that LightTable::Choose never chooses are not sampled here either.
 class LightDirections {
  public:
   // `world` must outlive this and not move; its accelerator is not used.
@@ -23,16 +23,16 @@ class LightDirections {
 
   struct Drawn {
     Vec3 wi;  // unit
-    float chosen_pdf =
-        0;  // per solid angle, of having chosen this light and this point: at most the whole Pdf
+    // Per solid angle, of having chosen this light and this point: at most Pdf.
+    float chosen_pdf = 0;
   };
-  // Nothing if the chosen point does not emit towards the reference point. u_choice in [0, 1).
+  // Returns nullopt if the chosen point does not emit towards the reference point. u_choice in [0, 1).
   std::optional<Drawn> Sample(const ReferencePoint& reference, float u_choice, Point2 u,
                               const SampledWavelengths& wavelengths) const;
 
-  // The density per solid angle with which Sample gives ray.d, which is of unit length. `ray` starts at the
-  // reference point, off its surface: the ray that is going to be traced. It integrates to less than 1 where
-  // Sample may give nothing.
+  // The density per solid angle with which Sample returns ray.d, which is of unit length. `ray` is the one
+  // that will be traced: it starts at the reference point, offset from its surface. Integrates to less than 1
+  // where Sample may return nullopt.
   float Pdf(const ReferencePoint& reference, const Ray& ray, const SampledWavelengths& wavelengths) const;
 
  private:

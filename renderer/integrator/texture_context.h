@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-// The place alone, for materials that look at no texture.
+// The position alone, for materials without textures.
 inline TextureContext PlaceOf(const SurfaceInteraction& interaction) {
   TextureContext context;
   context.p = interaction.p;
@@ -16,7 +16,7 @@ inline TextureContext PlaceOf(const SurfaceInteraction& interaction) {
   return context;
 }
 
-// `scale` shrinks the footprint for pixels that take many samples.
+// `scale` shrinks the footprint of pixels with many samples.
 TextureContext MakeTextureContext(const SurfaceInteraction& interaction, const Camera& camera, float scale);
 
 }  // namespace tessera

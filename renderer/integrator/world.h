@@ -1,4 +1,4 @@
-// Everything a path can meet.
+// Everything that a path interacts with.
 #pragma once
 
 #include <memory>
@@ -21,10 +21,10 @@ struct World {
   TextureTable textures;
   MaterialTable materials;
   LightTable lights;
-  MediumTable media;            // empty if rays meet none, or the integrator does not follow them
+  MediumTable media;            // empty if no ray can be in one, or the integrator does not follow them
   int camera_medium = -1;       // index into media; -1: vacuum
   bool has_interfaces = false;  // whether any surface is `interface`
-  std::unique_ptr<Accelerator> accelerator;  // null if the scene was only checked
+  std::unique_ptr<Accelerator> accelerator;  // null if the scene is only checked
 };
 
 }  // namespace tessera

@@ -29,7 +29,7 @@ AreaEmitter ReadEmitter(ParameterReader& reader, const Shape& shape, FileSource&
     emitter.L = ReadEmission(reader, "L", files);
     return emitter;
   }
-  if (reader.Has("L")) reader.FailAt("L", "an area light has either \"L\" or \"filename\"");
+  if (reader.Has("L")) reader.FailAt("L", "an area light takes \"L\" or \"filename\", not both");
   emitter.image = RgbImage::Read(reader, images);
   emitter.image_scale = ReadImageScale(reader, ColorSpace::Srgb());
   emitter.L = Spectrum::Table(ColorSpace::Srgb().illuminant(), emitter.image_scale);
@@ -66,7 +66,8 @@ Result<void> AreaLights::Add(const Entity& entity, const Shape& shape, FileSourc
   if (reader.failed()) return reader.Finish();
   const std::optional<float> power = ReadTotal(reader, "power");
   const float unit_exitance = MeanLuminance(emitter) * kPi * (emitter.two_sided ? 2.0f : 1.0f);
-  if (power && !(unit_exitance > 0)) reader.FailAt("power", "a black picture emits no power");
+  if (power && !(unit_exitance > 0))
+    reader.FailAt("power", "\"power\" cannot be reached: the image is black");
   if (const Result<void> finished = reader.Finish(); !finished) return finished.error();
   const uint32_t count = shape.PrimitiveCount();
   for (uint32_t i = 0; i < count; ++i) {

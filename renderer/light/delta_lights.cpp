@@ -89,7 +89,7 @@ SpotLight SpotLight::Read(ParameterReader& reader, const LightContext& context) 
                   std::cos(Radians(angle))};
   if (const auto power = ReadTotal(reader, "power")) {
     if (!(light.UnitPower() > 0))
-      reader.FailAt("power", "a cone of no angle emits no power");
+      reader.FailAt("power", "\"power\" requires a cone angle above 0");
     else
       light.I = light.I.Scaled(*power / light.UnitPower());
   }

@@ -1,4 +1,4 @@
-// The spectra of lights: their normalisation and how strong they are.
+// The spectra of lights: how they are normalised, and their strength.
 #pragma once
 
 #include <string_view>
@@ -10,16 +10,16 @@
 
 namespace tessera {
 
-// The factor that gives `spectrum` luminance 1: the magnitude of a `spectrum` or `blackbody` is lost, the
-// colour of an RGB triple is kept because only its white is measured. 0 for a black one.
+// The factor that gives `spectrum` luminance 1. It removes the magnitude of a `spectrum` or `blackbody`; an
+// RGB triple keeps its own, as only its white is measured. 0 for a black spectrum.
 float UnitLuminanceScale(const Spectrum& spectrum);
 
 // The spectrum parameter `name`, or the white of the default colour space, with luminance 1 times parameter
 // `scale`.
 Spectrum ReadEmission(ParameterReader& reader, std::string_view name, FileSource& files);
-// Parameter `scale` for pictures, whose colours are multiplied by the white of their colour space.
+// Parameter `scale` for images, whose colours are multiplied by the white of their colour space.
 float ReadImageScale(ParameterReader& reader, const ColorSpace& color_space);
-// A parameter that asks for a total (`power`, `illuminance`); values up to 0 mean that it is off.
+// A parameter that sets a total (`power`, `illuminance`). Returns nullopt if it is absent or not positive.
 std::optional<float> ReadTotal(ParameterReader& reader, std::string_view name);
 
 // The magnitude of a spectrum for choosing between lights: its mean, weighted by the sum of the three

@@ -22,12 +22,12 @@ RgbImage RgbImage::Read(ParameterReader& reader, ImageCache& images) {
   }
   const std::optional<std::array<int, 3>> channels = (*image)->RgbChannels();
   if (!channels) {
-    reader.FailAt("filename", "\"" + name + "\" has no R, G and B channels, which a light's picture needs");
+    reader.FailAt("filename", "\"" + name + "\" must have channels R, G and B");
     return {};
   }
   for (const int channel : *channels) {
     if (IsFinite(**image, channel)) continue;
-    reader.FailAt("filename", "\"" + name + "\" has infinite or not-a-number values and cannot be a light");
+    reader.FailAt("filename", "\"" + name + "\" contains infinite or NaN values, which a light cannot emit");
     return {};
   }
   RgbImage result;

@@ -1,4 +1,4 @@
-// Pictures that lights emit.
+// Images that lights emit.
 #pragma once
 
 #include <memory>
@@ -11,21 +11,20 @@
 
 namespace tessera {
 
-// A picture with channels R, G and B, all finite.
+// An image with channels R, G and B, all finite.
 class RgbImage {
  public:
   RgbImage() = default;
-  // Reads the picture that parameter `filename` names. Errors are remembered by the reader; the image is then
-  // empty.
+  // Reads the image that parameter `filename` names. The reader remembers errors; the image is then empty.
   static RgbImage Read(ParameterReader& reader, ImageCache& images);
 
   bool empty() const { return !image_; }
   int width() const { return image_->width; }
   int height() const { return image_->height; }
   const ColorSpace& color_space() const { return ColorSpace::Srgb(); }
-  // Negative values are 0.
+  // Negative values count as 0.
   Rgb At(int x, int y) const;
-  // Bilinear interpolation; the edge goes on outside. uv is (0, 0) at the first value of the top row.
+  // Bilinear interpolation; edge values continue outside. uv is (0, 0) at the first value of the top row.
   Rgb Bilinear(Point2 uv) const;
   Rgb Mean() const;
 
@@ -37,7 +36,7 @@ class RgbImage {
 // Whether every value of the channel is finite.
 bool IsFinite(const Image& image, int channel);
 
-// A picture as emitted spectra, one a texel, made once: a lookup is one cache line.
+// An image as emitted spectra, one per texel, computed once: a lookup reads one cache line.
 class EmissionMap {
  public:
   EmissionMap() = default;

@@ -64,9 +64,9 @@ ImageInfiniteLight ImageInfiniteLight::Read(ParameterReader& reader, const Light
   const RgbImage image = RgbImage::Read(reader, context.images);
   if (image.empty()) return light;
   if (image.width() != image.height()) {
-    reader.FailAt(
-        "filename",
-        "the picture is not square: environment maps are equal-area octahedral (imgtool makeequiarea)");
+    reader.FailAt("filename",
+                  "the image is not square; environment maps must be equal-area octahedral (pbrt's imgtool "
+                  "makeequiarea converts them)");
     return light;
   }
   if (illuminance) {
@@ -74,7 +74,7 @@ ImageInfiniteLight ImageInfiniteLight::Read(ParameterReader& reader, const Light
     if (unit > 0)
       scale *= *illuminance / unit;
     else
-      reader.FailAt("illuminance", "the upper half of the picture is black");
+      reader.FailAt("illuminance", "\"illuminance\" cannot be reached: the upper half of the image is black");
   }
   light.map = EmissionMap(image, scale);
   float mean = 0;

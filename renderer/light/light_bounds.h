@@ -15,20 +15,20 @@ struct LightBounds {
   Bounds3 box;
   Vec3 axis{0, 0, 1};
   float cos_theta_o = 1, cos_theta_e = 1;
-  // The irradiance that the lights would give at distance 1 on their axis, all at one place.
+  // The irradiance at distance 1 on the axis if all lights were at one point.
   float strength = 0;
   bool two_sided = false;
-  // If all emitters face the same way (theta_o = 0, one-sided): no point p with Dot(axis, p) below this sees
-  // any.
+  // If all emitters face the same way (theta_o = 0, one-sided): no light reaches points p with Dot(axis, p)
+  // below this.
   float plane_min = -std::numeric_limits<float>::infinity();
 };
 
-// The least cone we know to make that holds both.
+// A narrow cone that contains both.
 NormalCone Union(const NormalCone& a, const NormalCone& b);
 LightBounds Union(const LightBounds& a, const LightBounds& b);
 
-// What it costs to keep these lights as one node of a tree, without the factor for the split axis: strength
-// times the measure of their directions times the square of their size.
+// The cost of these lights as one node of a tree, without the factor for the split axis: strength times the
+// measure of their directions times the square of their size.
 float ClusterCost(const LightBounds& bounds);
 
 }  // namespace tessera

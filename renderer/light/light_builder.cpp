@@ -19,7 +19,7 @@ SourceLight ReadInfinite(ParameterReader& reader, const LightContext& context) {
   if (reader.Has("portal")) reader.FailAt("portal", "portals of infinite lights are not supported yet");
   const bool has_picture = !reader.String("filename", "").empty();
   if (!has_picture) return ConstantInfiniteLight::Read(reader, context);
-  if (reader.Has("L")) reader.FailAt("L", "an infinite light has either \"L\" or \"filename\"");
+  if (reader.Has("L")) reader.FailAt("L", "an infinite light takes \"L\" or \"filename\", not both");
   return ImageInfiniteLight::Read(reader, context);
 }
 
@@ -58,7 +58,7 @@ Result<SourceLight> LightBuilder::ReadSource(const LightDescription& description
   const Entity& entity = description.entity;
   if (description.world_from_light.IsAnimated()) {
     diagnostics_.Warn(entity.location,
-                      "lights do not move: its transform at the start of the shutter is used");
+                      "animated lights are not supported: the transform at the start of the shutter is used");
   }
   const Kind<SourceReader>* kind = kSourceTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kSourceTable.Refusal(entity.kind));

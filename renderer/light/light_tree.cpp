@@ -56,14 +56,14 @@ Float4 LightTreeNode::Importance(Point3 p, Normal3 n) const {
   const Float4 distance_squared = dx * dx + dy * dy + dz * dz;
   const Float4 inverse_distance = SafeDiv(Float4(1.0f), Sqrt(distance_squared));
 
-  // Angle b: half of what the bounding sphere covers as seen from p; everything from inside.
+  // Angle b: half the angle that the bounding sphere subtends at p; pi from inside.
   const __m128 inside = _mm_cmple_ps(distance_squared.v, radius_squared.v);
   const Float4 sin2_b = Select(inside, Float4(0.0f), SafeDiv(radius_squared, distance_squared));
   const Float4 sin_b = Sqrt(sin2_b);
   const Float4 cos_b = Select(inside, Float4(-1.0f), SafeSqrt(Float4(1.0f) - sin2_b));
 
-  // Angle w: between the axis and the way to p. theta' = max(0, w - theta_o - b) is the least angle to a
-  // normal.
+  // Angle w: between the axis and the direction to p. theta' = max(0, w - theta_o - b) is the smallest angle
+  // to a normal.
   Float4 cos_w = (axis_x * dx + axis_y * dy + axis_z * dz) * inverse_distance;
   cos_w = Select(two_sided.v, Abs(cos_w), cos_w);
   const Float4 sin_w = SinOf(cos_w);
@@ -71,7 +71,7 @@ Float4 LightTreeNode::Importance(Point3 p, Normal3 n) const {
   const Float4 sin_x = SinClampedDifference(cos_w, sin_w, cos_theta_o, sin_theta_o);
   const Float4 cos_emitted = CosClampedDifference(cos_x, sin_x, cos_b, sin_b);
 
-  // Inside the sphere the estimate stops rising where that of a flat emitter would.
+  // Inside the sphere the estimate is bounded as that of a flat emitter would be.
   const Float4 bounded_distance_squared = Max(distance_squared, radius_squared * 0.5f);
   Float4 importance = SafeDiv(strength * cos_emitted, bounded_distance_squared);
   if (!IsZero(n)) {

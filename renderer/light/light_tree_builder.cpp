@@ -7,7 +7,8 @@
 namespace tessera {
 namespace {
 
-constexpr int kBucketCount = 12;  // split places tried along each axis, plus one
+// One more than the split positions tried along each axis.
+constexpr int kBucketCount = 12;
 
 struct Item {
   LightBounds bounds;
@@ -22,7 +23,7 @@ struct BinaryNode {
 };
 
 // Finds the bounds of many lights without their cones growing at each step: axes are averaged first, then the
-// cone about the mean is opened until it holds them all. Show each light to AddPlace, then each to AddCone.
+// cone about the mean is opened until it contains them all. Add every light by AddPlace, then by AddCone.
 class BoundsSum {
  public:
   bool empty() const { return count_ == 0; }
@@ -32,7 +33,7 @@ class BoundsSum {
 
  private:
   Vec3 MeanAxis() const;
-  // Whether light is emitted along -axis as along axis, so that the sign of an axis means nothing.
+  // Whether the axis is to be reversed: a two-sided emitter emits along -axis as along axis.
   bool IsFlipped(const LightBounds& b, Vec3 towards) const { return b.two_sided && Dot(b.axis, towards) < 0; }
 
   LightBounds sum_;
@@ -130,14 +131,14 @@ void TryAxis(std::span<const Item> items, const Bounds3& centers, float stretch,
   }
   LightBounds below;
   for (int i = 0; i + 1 < kBucketCount; ++i) {
-    if (buckets[i].empty()) continue;  // no other split than the one before
+    if (buckets[i].empty()) continue;  // the same split as before
     below = Union(below, buckets[i].Result());
     const float cost = (ClusterCost(below) + cost_above[i + 1]) * stretch;
     if (best.axis < 0 || cost < best.cost) best = {axis, i, cost};
   }
 }
 
-// How many of `items`, reordered, go to the left.
+// Reorders `items` and returns the number that go to the left.
 size_t SplitItems(std::span<Item> items) {
   if (items.size() == 2) return 1;
   Bounds3 centers, box;
@@ -148,7 +149,7 @@ size_t SplitItems(std::span<Item> items) {
   Split best;
   for (int axis = 0; axis < 3; ++axis) {
     if (!(centers.max[axis] > centers.min[axis])) continue;
-    // Long thin clusters are cut across first.
+    // Prefers to split long thin clusters across their length.
     const float stretch = MaxComponent(box.Diagonal()) / box.Diagonal()[axis];
     TryAxis(items, centers, stretch, axis, best);
   }
@@ -175,7 +176,7 @@ int Builder::BuildBinary(std::span<Item> items) {
   return static_cast<int>(binary_.size() - 1);
 }
 
-// Opens the costliest node below `binary` until there are four or only leaves are left.
+// Replaces the costliest node below `binary` by its children until there are four or only leaves are left.
 std::vector<int> Builder::FoldedChildren(int binary) const {
   if (binary_[binary].left < 0) return {binary};
   std::vector<int> children = {binary_[binary].left, binary_[binary].right};

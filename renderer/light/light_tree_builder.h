@@ -1,4 +1,5 @@
-// Builds light trees: two children a node by a surface area and orientation heuristic, then folded to four.
+// Builds light trees: binary ones by a surface area and orientation heuristic, then collapsed to four
+// children per node.
 #pragma once
 
 #include <cstdint>

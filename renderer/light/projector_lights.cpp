@@ -31,7 +31,7 @@ std::vector<int> IntensityChannels(ParameterReader& reader, const Image& image, 
 std::vector<float> ReadMap(ParameterReader& reader, ImageCache& images, int* size) {
   const std::string name = reader.String("filename", "");
   if (name.empty()) {
-    reader.Fail("a goniometric light needs a \"filename\"");
+    reader.Fail("a goniometric light requires \"filename\"");
     return {};
   }
   const Result<std::shared_ptr<const Image>> read = images.Get(name, std::nullopt);
@@ -41,13 +41,14 @@ std::vector<float> ReadMap(ParameterReader& reader, ImageCache& images, int* siz
   }
   const Image& image = **read;
   if (image.width != image.height) {
-    reader.FailAt("filename", "\"" + name + "\" is not square, which an equal-area octahedral map must be");
+    reader.FailAt("filename",
+                  "\"" + name + "\" is not square; goniometric maps must be equal-area octahedral");
     return {};
   }
   const std::vector<int> channels = IntensityChannels(reader, image, name);
   for (const int channel : channels) {
     if (IsFinite(image, channel)) continue;
-    reader.FailAt("filename", "\"" + name + "\" has infinite or not-a-number values and cannot be a light");
+    reader.FailAt("filename", "\"" + name + "\" contains infinite or NaN values, which a light cannot emit");
     return {};
   }
   if (channels.empty()) return {};
@@ -80,7 +81,7 @@ GoniometricLight GoniometricLight::Read(ParameterReader& reader, const LightCont
     if (light.mean > 0)
       light.I = light.I.Scaled(*power * kInv4Pi / light.mean);
     else
-      reader.FailAt("power", "a black picture emits no power");
+      reader.FailAt("power", "\"power\" cannot be reached: the image is black");
   }
   return light;
 }
@@ -126,7 +127,7 @@ ProjectionLight ProjectionLight::Read(ParameterReader& reader, const LightContex
   const float fov = reader.Float("fov", 90);
   if (!(fov > 0 && fov < 180)) reader.FailAt("fov", "must be between 0 and 180 degrees");
   const std::optional<float> power = ReadTotal(reader, "power");
-  if (!reader.Has("filename")) reader.Fail("a projection light needs a \"filename\"");
+  if (!reader.Has("filename")) reader.Fail("a projection light requires \"filename\"");
   if (reader.failed()) return light;
   const RgbImage image = RgbImage::Read(reader, context.images);
   float scale = ReadImageScale(reader, ColorSpace::Srgb());
@@ -140,7 +141,7 @@ ProjectionLight ProjectionLight::Read(ParameterReader& reader, const LightContex
   });
   const float unit_power = light.PlaneArea() * luminance;
   if (power && unit_power > 0) scale *= *power / unit_power;
-  if (power && !(unit_power > 0)) reader.FailAt("power", "a black picture emits no power");
+  if (power && !(unit_power > 0)) reader.FailAt("power", "\"power\" cannot be reached: the image is black");
   light.map = EmissionMap(image, scale);
   const float white = Strength(Spectrum::Table(image.color_space().illuminant(), scale));
   light.power = white * unit_power;

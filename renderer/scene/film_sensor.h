@@ -13,10 +13,10 @@ namespace tessera {
 class FilmSensor {
  public:
   // `imaging_ratio` = exposure time x ISO / 100. `white_balance` in kelvin, 0 for none. `component_max`
-  // bounds a sample's largest sensor component. The colour space lives for the whole program.
+  // bounds a sample's largest sensor component. The colour space must outlive the program's sensors.
   FilmSensor(const ColorSpace& color_space, float imaging_ratio, float white_balance, float component_max);
 
-  // The output RGB of one sample of radiance, divided by the densities of its wavelengths here.
+  // The output RGB of one sample of radiance. Divides by the densities of its wavelengths.
   Rgb ToRgb(SampledSpectrum radiance, const SampledWavelengths& wavelengths) const {
     const SampledSpectrum weighted = SafeDiv(radiance, wavelengths.pdf);
     Vec3 xyz{Average(SampleTable(*x_, wavelengths) * weighted),

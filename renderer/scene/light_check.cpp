@@ -33,11 +33,11 @@ Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& 
                             Diagnostics& diagnostics) {
   if (HasShadowRays(estimator)) return {};
   for (const UnseenLight& light : UnseenLights(scene, world)) {
-    const std::string what = light.name + " cannot be hit by rays, and this integrator has no shadow rays";
+    const std::string what = "no ray can hit " + light.name + ", and this integrator traces no shadow rays";
     if (estimator.integrator.kind == IntegratorKind::kMixture) {
-      return ErrorAt(*light.location, what + ": \"mixture\" cannot render it (\"path\" can)");
+      return ErrorAt(*light.location, what + "; use \"path\"");
     }
-    diagnostics.Warn(*light.location, what + ": it stays dark");
+    diagnostics.Warn(*light.location, what + ": it has no effect");
   }
   return {};
 }

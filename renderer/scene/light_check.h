@@ -10,8 +10,8 @@
 
 namespace tessera {
 
-// Lights that no ray can hit (points, directions, emitters of alpha 0) need shadow rays. `mixture`, which has
-// none, refuses them by name and place; other estimators that would miss them get a warning for each.
+// Lights that no ray can hit (points, directions, emitters of alpha 0) need shadow rays. Of the integrators
+// without shadow rays, `mixture` refuses such lights; the others give a warning for each.
 Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& scene, const World& world,
                             Diagnostics& diagnostics);
 

@@ -1,4 +1,4 @@
-// The inside of a Scene, for the files that build it and render from it.
+// The contents of a Scene, for the files that build it and render from it.
 #pragma once
 
 #include <string>

@@ -11,7 +11,7 @@
 namespace tessera {
 namespace {
 
-constexpr double kOutliers = 0.001;  // share of values that `trimmed` leaves out
+constexpr double kOutliers = 0.001;  // share of values that `trimmed` omits
 
 // Of channels R, G, B, in this order.
 std::vector<size_t> ChannelPlaces(const std::vector<std::string>& channels) {
@@ -95,7 +95,7 @@ Result<References> References::Load(const std::string& paths) {
     Result<LoadedPicture> picture = LoadExr(path);
     if (!picture) return picture.error();
     if (!references.pictures.empty() && references.pictures[0].values.size() != picture->values.size()) {
-      return BadInput(path + ": not of the size of " + paths.substr(0, comma));
+      return BadInput(path + ": size differs from that of " + paths.substr(0, comma));
     }
     references.pictures.push_back(std::move(*picture));
   }

@@ -1,5 +1,5 @@
-// For measuring programs: a whole frame rendered on threads of this process, with what it took, and how far
-// it is from a reference.
+// For benchmarks: renders a whole frame on threads of this process, measures the time, and compares the
+// picture with references.
 #pragma once
 
 #include <string>
@@ -10,15 +10,17 @@
 
 namespace tessera {
 
-double CpuSeconds();   // of this process, all threads
-double WallSeconds();  // since some moment
+// CPU time of this process, all threads.
+double CpuSeconds();
+// Time since an arbitrary moment.
+double WallSeconds();
 
 struct FrameRun {
   FramePicture picture;
   RenderStatistics rays;
   double cpu_seconds = 0, wall_seconds = 0;
 };
-// Every pixel of the frame, on `threads` threads.
+// Renders every pixel of the frame on `threads` threads.
 FrameRun RenderWhole(const Scene& scene, int threads);
 
 // References of one picture: one, or two that are independent of each other.
@@ -35,8 +37,8 @@ struct RelativeError {
   double trimmed = 0;    // the largest 0.1 % of values left out: fireflies
   double reference = 0;  // of the references' mean, by their difference; 0 if there is only one
 };
-// With two references r and s the square is (a - r) (a - s), whose mean is free of the references' noise.
-// With one, that noise is in the result.
+// With two references r and s the square is (a - r) (a - s), whose mean does not contain the noise of the
+// references. With one it does.
 RelativeError RelativeErrorOf(const FramePicture& picture, const References& references);
 
 }  // namespace tessera

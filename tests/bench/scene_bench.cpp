@@ -1,11 +1,12 @@
-// Renders a list of scenes on this machine and prints, for each, load seconds, camera paths and rays per CPU
-// second, relMSE against a reference and relMSE x CPU seconds: the figure that counts, since it does not
-// depend on the number of samples. Usage:
+// Renders scenes on this machine and prints for each: load seconds, camera paths and rays per CPU second,
+// relMSE against a reference, and relMSE x CPU seconds, the figure to compare, as it does not depend on the
+// number of samples. Usage:
 //   scene_bench [--spp N] [--seeds K] [--threads T] [--csv FILE] SCENE=REFERENCE.exr ...
-// The picture has the size of its reference. relMSE is the mean of (a - b)^2 / (b^2 + 0.01) over R, G and B,
-// the worst 0.1 % of values left out. One reference's own noise is divided out as 1 + spp / reference spp
-// (--reference-spp, default 512); two independent ones (SCENE=R.exr,S.exr) need no such guess. A SCENE alone
-// is only timed. --json prints one line per run with all that was measured; --write keeps the picture.
+// The picture has the size of its reference. relMSE is the mean of (a - b)^2 / (b^2 + 0.01) over R, G and B
+// without the largest 0.1 % of values. The noise of a single reference is divided out as 1 + spp / reference
+// spp
+// (--reference-spp); two independent references (SCENE=R.exr,S.exr) need no such estimate. A SCENE without a
+// reference is only timed.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -23,7 +24,7 @@ struct BenchOptions {
   int seeds = 1;
   uint64_t first_seed = 0;
   int threads = 2;
-  int width = 0, height = 0;  // 0: as the reference, else as the scene says
+  int width = 0, height = 0;  // 0: those of the reference if there is one, otherwise those of the scene
   int max_depth = -1;
   double reference_spp = 512;
   bool json = false;
@@ -185,20 +186,22 @@ int Run(const BenchOptions& options) {
 
 int main(int argc, char** argv) {
   tessera::BenchOptions options;
-  CLI::App app("Speed and noise of the renderer, per scene");
-  app.add_option("--spp", options.spp, "samples per pixel");
-  app.add_option("--seeds", options.seeds, "renders per scene, averaged")->check(CLI::Range(1, 1000));
-  app.add_option("--first-seed", options.first_seed, "seed of the first of them");
-  app.add_option("--threads", options.threads, "render threads")->check(CLI::Range(1, 1024));
-  app.add_option("--reference-spp", options.reference_spp, "samples per pixel of the references");
-  app.add_option("--accelerator", options.accelerator, "as tessera render --accelerator");
-  app.add_option("--integrator", options.integrator, "as tessera render --integrator");
-  app.add_option("--max-depth", options.max_depth, "as tessera render --max-depth");
-  app.add_option("--width", options.width, "of the picture; needs --height");
-  app.add_option("--height", options.height, "of the picture");
-  app.add_flag("--json", options.json, "one line for each run instead of a table");
-  app.add_option("--write", options.write, "keep the last picture as this EXR");
-  app.add_option("--csv", options.csv, "also write the table here");
+  CLI::App app("Measure speed and noise of the renderer, per scene");
+  app.add_option("--spp", options.spp, "Samples per pixel");
+  app.add_option("--seeds", options.seeds, "Renders per scene, which are averaged")
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--first-seed", options.first_seed, "Seed of the first render");
+  app.add_option("--threads", options.threads, "Number of render threads")->check(CLI::Range(1, 1024));
+  app.add_option("--reference-spp", options.reference_spp,
+                 "Samples per pixel of a single reference [default: 512]");
+  app.add_option("--accelerator", options.accelerator, "See tessera render --accelerator");
+  app.add_option("--integrator", options.integrator, "See tessera render --integrator");
+  app.add_option("--max-depth", options.max_depth, "See tessera render --max-depth");
+  app.add_option("--width", options.width, "Width of the picture; requires --height");
+  app.add_option("--height", options.height, "Height of the picture; requires --width");
+  app.add_flag("--json", options.json, "Print one JSON line per run instead of a table");
+  app.add_option("--write", options.write, "Write the last picture to this EXR file");
+  app.add_option("--csv", options.csv, "Also write the table to this CSV file");
   app.add_option("scenes", options.scenes, "SCENE or SCENE=REFERENCE.exr[,REFERENCE.exr] ...")->required();
   CLI11_PARSE(app, argc, argv);
   return tessera::Run(options);

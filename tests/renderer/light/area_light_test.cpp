@@ -66,7 +66,7 @@ TEST(AreaLight, EmitsToOneSideUnlessTwoSided) {
   }
 }
 
-TEST(AreaLight, PowerIsEmittedByEachPrimitive) {
+TEST(AreaLight, EachPrimitiveEmitsThePower) {
   LightScene lights;
   const std::vector<Point3> corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {3, 0, 0}, {0, 3, 0}};
   lights.Build(R"(
@@ -89,7 +89,7 @@ TEST(AreaLight, PowerIsEmittedByEachPrimitive) {
   }
 }
 
-TEST(AreaLight, PictureIsOverTheTextureCoordinates) {
+TEST(AreaLight, ImageIsMappedByTextureCoordinates) {
   LightScene lights;
   // Left dark, right bright; the bottom row twice as bright. v runs upwards.
   lights.files.files["screen.pfm"] = Pfm({{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {2, 2, 2}}, 2);
@@ -110,7 +110,7 @@ TEST(AreaLight, PictureIsOverTheTextureCoordinates) {
   EXPECT_NEAR(radiance({0.5f, 0.1f}), 3, 0.03f);  // bilinear
 }
 
-TEST(AreaLight, AlphaLetsThatShareOut) {
+TEST(AreaLight, EmitsTheShareOfItsAlpha) {
   LightScene lights;
   Shape veiled = DiskShape(0, 1), hidden = DiskShape(0, 1), whole = DiskShape(0, 1);
   veiled.surface.alpha.constant = 0.25f;
@@ -127,7 +127,7 @@ TEST(AreaLight, AlphaLetsThatShareOut) {
   }
 }
 
-TEST(AreaLight, DensityOfSamplesIsThatOfHits) {
+TEST(AreaLight, PdfOfAHitIsThatOfTheSample) {
   LightScene lights;
   lights.Build("AreaLightSource \"diffuse\" \"bool twosided\" true Shape \"trianglemesh\"",
                {MeshShape({{-1, 0, 2}, {1.5f, 2, 3}, {2, -1, 1}}, {0, 2, 1})});
@@ -144,7 +144,7 @@ TEST(AreaLight, DensityOfSamplesIsThatOfHits) {
   }
 }
 
-TEST(AreaLight, OnInterfacesIsIgnoredWithAWarning) {
+TEST(AreaLight, OnAnInterfaceIsIgnoredWithAWarning) {
   LightScene lights;
   Shape shape = DiskShape(0, 1);
   shape.surface.is_interface = true;

@@ -3,7 +3,7 @@
 namespace tessera {
 namespace {
 
-TEST(PointLight, FallsWithTheSquareOfDistance) {
+TEST(PointLight, RadianceFallsWithTheSquareOfTheDistance) {
   LightScene lights;
   lights.Build("LightSource \"point\" \"point3 from\" [ 1 0 0 ]");
   ASSERT_EQ(lights.error, "");
@@ -19,7 +19,7 @@ TEST(PointLight, FallsWithTheSquareOfDistance) {
   EXPECT_FALSE(lights.table.Sample(0, At({1, 0, 0}), {}, FourWavelengths(0)));
 }
 
-TEST(PointLight, MagnitudeOfSpectraIsNormalisedAwayButThatOfRgbIsKept) {
+TEST(PointLight, NormalisationRemovesTheMagnitudeOfSpectraButNotOfRgb) {
   LightScene lights;
   lights.Build(R"(
     LightSource "point" "spectrum I" [ 300 7 900 7 ]
@@ -51,7 +51,7 @@ float PowerThroughSphere(const LightTable& table, int light) {
   return static_cast<float>(sum / (kSide * kSide)) * 4 * kPi * ratio;
 }
 
-TEST(PowerOfLights, IsWhatTheSceneAsksFor) {
+TEST(PowerOfLights, IsTheValueOfThePowerParameter) {
   LightScene lights;
   lights.files.files["map.pfm"] = Pfm({{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {0, 0, 0}}, 2);
   lights.Build(R"(
@@ -62,7 +62,8 @@ TEST(PowerOfLights, IsWhatTheSceneAsksFor) {
     LightSource "projection" "float power" [ 20 ] "string filename" [ "map.pfm" ] "float fov" [ 100 ])");
   ASSERT_EQ(lights.error, "");
   for (int i = 0; i < 5; ++i) {
-    const float tolerance = i == 4 ? 0.6f : 0.1f;  // a projection's power is by the mean over few pixels
+    // The power of a projection is computed from few pixels.
+    const float tolerance = i == 4 ? 0.6f : 0.1f;
     EXPECT_NEAR(PowerThroughSphere(lights.table, i), 20, tolerance) << i;
   }
 }
@@ -87,7 +88,7 @@ TEST(SpotLight, FadesSmoothlyFromTheInnerToTheOuterCone) {
   EXPECT_NEAR(at_angle(35), t * t * (3 - 2 * t), 1e-3f);
 }
 
-TEST(DistantLight, GivesItsIlluminanceFromItsDirection) {
+TEST(DistantLight, HasItsIlluminanceFromItsDirection) {
   LightScene lights;
   lights.Build(R"(
     LightSource "distant" "point3 from" [ 0 0 5 ] "point3 to" [ 0 0 0 ] "float illuminance" [ 7 ]
@@ -103,7 +104,7 @@ TEST(DistantLight, GivesItsIlluminanceFromItsDirection) {
   EXPECT_TRUE(lights.table.infinite_lights().empty());
 }
 
-TEST(ProjectionLight, ShowsThePictureUprightToOneWhoLooksAlong) {
+TEST(ProjectionLight, ImageIsUprightSeenFromTheLight) {
   LightScene lights;
   lights.files.files["slide.pfm"] =
       Pfm({{1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, 2);  // top left is bright

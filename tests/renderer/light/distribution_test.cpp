@@ -33,7 +33,7 @@ TEST(Distribution1D, DensityIsProportionalToTheWeights) {
 TEST(Distribution1D, SamplesLieInTheirCellAndNeverInAnEmptyOne) {
   std::vector<float> weights = RandomWeights(1000, 2);
   weights.front() = weights.back() = 0;
-  weights[500] = 1e9f;  // all others share what rounding leaves
+  weights[500] = 1e9f;  // only rounding errors are left for the others
   const Distribution1D distribution(weights);
   for (int i = 0; i < 100000; ++i) {
     const float u = static_cast<float>(i) / 100000;
@@ -45,7 +45,7 @@ TEST(Distribution1D, SamplesLieInTheirCellAndNeverInAnEmptyOne) {
   EXPECT_GT(weights[distribution.Sample(0x1.fffffep-1f).cell], 0);
 }
 
-TEST(Distribution1D, AllCellsEmptyMeansUniform) {
+TEST(Distribution1D, IsUniformIfAllCellsAreEmpty) {
   const Distribution1D distribution(std::vector<float>(8, 0.0f));
   EXPECT_FLOAT_EQ(distribution.Pdf(0.1f), 1);
   EXPECT_NEAR(distribution.Sample(0.7f).x, 0.7f, 1e-6f);
@@ -62,7 +62,7 @@ TEST(Distribution1D, InvertUndoesSample) {
   EXPECT_EQ(distribution.Pdf(1.1f), 0);
 }
 
-TEST(Distribution1D, NeighbouringNumbersGiveRisingSamples) {
+TEST(Distribution1D, SamplesIncreaseWithTheNumber) {
   const Distribution1D distribution(RandomWeights(777, 5));
   float before = 0;
   for (int i = 0; i < 50000; ++i) {

@@ -8,7 +8,7 @@
 namespace tessera {
 namespace {
 
-TEST(EqualArea, RoundTripFromTheSphere) {
+TEST(EqualArea, MappingToTheSquareAndBackReturnsTheDirection) {
   TestRandom random(1);
   for (int i = 0; i < 100000; ++i) {
     const Vec3 d = SampleUniformSphere(random.Next2<Point2>());
@@ -36,7 +36,8 @@ double SolidAngle(Vec3 a, Vec3 b, Vec3 c) {
 }
 
 TEST(EqualArea, EqualAreasAreEqualSolidAngles) {
-  constexpr int kCells = 16, kParts = 8;  // cells are cut finer, because their edges are curved
+  // Cells are subdivided because their edges are curved.
+  constexpr int kCells = 16, kParts = 8;
   const auto corner = [](int x, int y) {
     return EqualAreaSquareToSphere(
         {static_cast<float>(x) / (kCells * kParts), static_cast<float>(y) / (kCells * kParts)});
@@ -45,7 +46,7 @@ TEST(EqualArea, EqualAreasAreEqualSolidAngles) {
   for (int y = 0; y < kCells * kParts; ++y) {
     for (int x = 0; x < kCells * kParts; ++x) {
       const Vec3 a = corner(x, y), b = corner(x + 1, y), c = corner(x + 1, y + 1), d = corner(x, y + 1);
-      // Both ways to cut it: their mean takes curved edges into account to first order.
+      // Both diagonals: the mean corrects for curved edges to first order.
       areas[static_cast<size_t>(y / kParts * kCells + x / kParts)] +=
           (SolidAngle(a, b, c) + SolidAngle(a, c, d) + SolidAngle(a, b, d) + SolidAngle(b, c, d)) / 2;
     }
@@ -53,7 +54,7 @@ TEST(EqualArea, EqualAreasAreEqualSolidAngles) {
   for (const double area : areas) EXPECT_NEAR(area * kCells * kCells / (4 * kPi), 1, 0.01);
 }
 
-TEST(EqualArea, UniformSquareGivesUniformSphere) {
+TEST(EqualArea, UniformPointsMapToUniformDirections) {
   TestRandom random(2);
   const ChiSquareResult r = ChiSquareSphere<Vec3>(
       [&]() -> std::optional<Vec3> { return EqualAreaSquareToSphere(random.Next2<Point2>()); },
@@ -61,7 +62,7 @@ TEST(EqualArea, UniformSquareGivesUniformSphere) {
   EXPECT_TRUE(r.Passes()) << r.text;
 }
 
-TEST(EqualArea, IsOrientedAsEnvironmentMapsAre) {
+TEST(EqualArea, HasTheOrientationOfEnvironmentMaps) {
   const auto expect = [](Point2 p, Vec3 d) { EXPECT_LT(Distance(EqualAreaSquareToSphere(p), d), 1e-6f); };
   expect({0.5f, 0.5f}, {0, 0, 1});
   expect({0, 0}, {0, 0, -1});

@@ -25,7 +25,7 @@ void BuildSky(LightScene& lights, const std::string& parameters = "") {
   ASSERT_EQ(lights.error, "");
 }
 
-TEST(ConstantInfiniteLight, IlluminanceIsThatOfAPlane) {
+TEST(ConstantInfiniteLight, IlluminanceIsMeasuredOnAPlane) {
   LightScene lights;
   lights.Build(R"(
     LightSource "infinite" "rgb L" [ 2 2 2 ]
@@ -41,7 +41,7 @@ TEST(ConstantInfiniteLight, IlluminanceIsThatOfAPlane) {
   EXPECT_EQ(lights.table.infinite_lights().size(), 2u);
 }
 
-TEST(ConstantInfiniteLight, IsLeftToRaysThatMiss) {
+TEST(ConstantInfiniteLight, IsFoundByEscapingRaysOnly) {
   LightScene lights;
   lights.Build(R"(LightSource "infinite" LightSource "point")");
   ASSERT_EQ(lights.error, "");
@@ -66,7 +66,7 @@ TEST(ImageInfiniteLight, SamplesFollowTheirDensity) {
     if (!s) return std::nullopt;
     return s->wi;
   };
-  // Counted by texel, where the density is constant: the direction is taken back to the map.
+  // Counted per texel, where the density is constant, by mapping the direction back.
   const Transform light_from_render = Rotate(40, {1, 2, 3}).Inverse();
   constexpr int kDraws = 200000;
   std::vector<chi_square::Cell> cells(kSize * kSize);
@@ -100,13 +100,13 @@ TEST(ImageInfiniteLight, SamplesCarryTheRadianceAndDensityOfTheirDirection) {
     ASSERT_GT(Length(s->p), 2);
     const SampledSpectrum radiance = lights.table.InfiniteRadiance(0, s->wi, wavelengths);
     const float pdf = lights.table.InfiniteLightPdf(0, s->wi);
-    // Rounding takes a few directions across the edge of a texel.
+    // Rounding moves a few directions across the edge of a texel.
     if (std::abs(radiance[0] / s->L[0] - 1) > 1e-4f || std::abs(pdf / s->pdf - 1) > 1e-4f) ++different;
   }
   EXPECT_LE(different, 5);
 }
 
-TEST(ImageInfiniteLight, WithDirectionsFromElsewhereItGivesTheWholeRadiance) {
+TEST(ImageInfiniteLight, LightAndDirectionSamplingTogetherFindTheWholeRadiance) {
   LightScene lights;
   BuildSky(lights, "\"float scale\" [ 3 ]");
   const SampledWavelengths wavelengths = FourWavelengths(200);
@@ -146,7 +146,8 @@ TEST(ImageInfiniteLight, IlluminanceIsMeasuredAsPbrtDoes) {
   const float luminance = Luminance([&](const SampledWavelengths& wavelengths) {
     return lights.table.InfiniteRadiance(0, {0, 0, 1}, wavelengths);
   });
-  EXPECT_NEAR(luminance / (10 / (kPi / 2)), 1, 0.03f);  // pbrt takes half of the true pi, over few texels
+  // pbrt measures half of the true pi; the image has few texels.
+  EXPECT_NEAR(luminance / (10 / (kPi / 2)), 1, 0.03f);
 }
 
 TEST(ImageInfiniteLight, OfOneColourIsSampledUniformly) {

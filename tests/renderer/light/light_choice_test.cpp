@@ -33,7 +33,7 @@ class LightChoice : public testing::TestWithParam<std::string_view> {
   static LightSamplerKind Sampler() { return LightSamplers().Find(GetParam())->reader; }
 };
 
-TEST_P(LightChoice, FrequenciesAreTheProbabilitiesAndSumToOne) {
+TEST_P(LightChoice, FrequenciesMatchTheProbabilitiesWhichSumToOne) {
   LightScene lights;
   BuildMany(lights, Sampler());
   const ReferencePoint reference = At({0.5f, -1, 0}, {0, 0, 1});
@@ -57,7 +57,7 @@ TEST_P(LightChoice, FrequenciesAreTheProbabilitiesAndSumToOne) {
   EXPECT_GT(chi_square::PooledPValue(cells, text), 1e-4) << text;
 }
 
-TEST_P(LightChoice, SingleLightIsCertain) {
+TEST_P(LightChoice, SingleLightIsChosenWithCertainty) {
   LightScene lights;
   lights.Build("LightSource \"infinite\" AreaLightSource \"diffuse\" Shape \"disk\"", {DiskShape(0, 1)},
                Sampler());
@@ -69,7 +69,7 @@ TEST_P(LightChoice, SingleLightIsCertain) {
   EXPECT_EQ(lights.table.ChoosePmf(At({0, 0, 1}, {0, 0, 1}), 1), 1);
 }
 
-TEST_P(LightChoice, WithoutLightsThereIsNone) {
+TEST_P(LightChoice, NoLightIsChosenFromNone) {
   LightScene lights;
   lights.Build("", {}, Sampler());
   ASSERT_EQ(lights.error, "");
@@ -77,7 +77,7 @@ TEST_P(LightChoice, WithoutLightsThereIsNone) {
   EXPECT_FALSE(lights.table.Choose(At({0, 0, 1}), 0.5f));
 }
 
-TEST_P(LightChoice, ChosenLightsAddUpToAllLight) {
+TEST_P(LightChoice, EstimateFromChosenLightsIsUnbiased) {
   LightScene lights;
   BuildMany(lights, Sampler());
   const ReferencePoint reference = At({0.5f, -1, 0}, {0, 0, 1});
@@ -97,7 +97,7 @@ TEST_P(LightChoice, ChosenLightsAddUpToAllLight) {
     estimate +=
         static_cast<double>(sample->L[0]) * std::max(0.0f, sample->wi.z) / (sample->pdf * chosen->pmf);
   }
-  // All lights have the same white: one wavelength tells the luminance.
+  // All lights have the same white, so one wavelength determines the luminance.
   const auto point = lights.table.Sample(0, reference, {}, wavelengths);
   const double ratio = static_cast<double>(SampleLuminance(lights.table, 0, reference, {})) / point->L[0];
   EXPECT_NEAR(estimate / kDraws * ratio / truth, 1, 0.02);
@@ -106,7 +106,7 @@ TEST_P(LightChoice, ChosenLightsAddUpToAllLight) {
 INSTANTIATE_TEST_SUITE_P(Samplers, LightChoice, testing::ValuesIn(LightSamplers().Names()),
                          [](const auto& info) { return std::string(info.param); });
 
-TEST(PowerChoice, ProbabilitiesAreSharesOfPower) {
+TEST(PowerChoice, ProbabilitiesAreProportionalToPower) {
   LightScene lights;
   lights.Build(R"(
     LightSource "point" "float power" 10
@@ -119,7 +119,7 @@ TEST(PowerChoice, ProbabilitiesAreSharesOfPower) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(lights.table.ChoosePmf(At({0, 0, 1}), i), expected[i], 1e-3f);
 }
 
-TEST(TreeChoice, TakesTheNearLightMoreOften) {
+TEST(TreeChoice, PrefersTheNearLight) {
   LightScene lights;
   lights.Build(R"(
     LightSource "point" "point3 from" [ 0 0 1 ]

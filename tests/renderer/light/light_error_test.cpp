@@ -14,7 +14,7 @@ void PrintTo(const BadLight& bad, std::ostream* out) {
 
 class LightErrors : public testing::TestWithParam<BadLight> {};
 
-TEST_P(LightErrors, AreNamedWithTheirPlace) {
+TEST_P(LightErrors, NameTheirLocation) {
   LightScene lights;
   const float infinity = std::numeric_limits<float>::infinity();
   lights.files.files["wide.pfm"] = Pfm({{1, 1, 1}, {1, 1, 1}}, 2);
@@ -34,57 +34,58 @@ INSTANTIATE_TEST_SUITE_P(
         BadLight{"LightSource \"infinite\" \"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]",
                  "lights.pbrt:3:24: portals of infinite lights are not supported yet"},
         BadLight{"LightSource \"infinite\" \"rgb L\" [ 1 1 1 ] \"string filename\" \"black.pfm\"",
-                 "lights.pbrt:3:24: an infinite light has either \"L\" or \"filename\""},
+                 "lights.pbrt:3:24: an infinite light takes \"L\" or \"filename\", not both"},
         BadLight{"LightSource \"infinite\" \"string filename\" \"wide.pfm\"",
-                 "lights.pbrt:3:24: the picture is not square: environment maps are equal-area octahedral "
-                 "(imgtool "
-                 "makeequiarea)"},
+                 "lights.pbrt:3:24: the image is not square; environment maps must be equal-area octahedral "
+                 "(pbrt's imgtool makeequiarea converts them)"},
         BadLight{
             "LightSource \"infinite\" \"string filename\" \"infinite.pfm\"",
-            "lights.pbrt:3:24: \"infinite.pfm\" has infinite or not-a-number values and cannot be a light"},
+            "lights.pbrt:3:24: \"infinite.pfm\" contains infinite or NaN values, which a light cannot emit"},
         BadLight{"LightSource \"infinite\" \"string filename\" \"black.pfm\" \"float illuminance\" 1",
-                 "lights.pbrt:3:54: the upper half of the picture is black"},
+                 "lights.pbrt:3:54: \"illuminance\" cannot be reached: the upper half of the image is black"},
         BadLight{"LightSource \"spot\" \"point3 from\" [ 1 2 3 ] \"point3 to\" [ 1 2 3 ]",
                  "lights.pbrt:3:44: \"from\" and \"to\" must be different points"},
-        BadLight{"LightSource \"projection\"", "lights.pbrt:3:1: a projection light needs a \"filename\""},
-        BadLight{"LightSource \"goniometric\" \"string filename\" \"wide.pfm\"",
-                 "lights.pbrt:3:27: \"wide.pfm\" is not square, which an equal-area octahedral map must be"},
+        BadLight{"LightSource \"projection\"", "lights.pbrt:3:1: a projection light requires \"filename\""},
+        BadLight{
+            "LightSource \"goniometric\" \"string filename\" \"wide.pfm\"",
+            "lights.pbrt:3:27: \"wide.pfm\" is not square; goniometric maps must be equal-area octahedral"},
         BadLight{"AreaLightSource \"difuse\" Shape \"disk\"",
                  "lights.pbrt:3:1: unknown area light \"difuse\" (did you mean \"diffuse\"?)"},
         BadLight{"AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ] \"string filename\" \"black.pfm\" Shape "
                  "\"disk\"",
-                 "lights.pbrt:3:27: an area light has either \"L\" or \"filename\""},
+                 "lights.pbrt:3:27: an area light takes \"L\" or \"filename\", not both"},
         BadLight{
             "AreaLightSource \"diffuse\" \"string filename\" \"black.pfm\" \"float power\" 5 Shape \"disk\"",
-            "lights.pbrt:3:57: a black picture emits no power"}));
+            "lights.pbrt:3:57: \"power\" cannot be reached: the image is black"}));
 
-TEST(LightErrorMessages, UnreadParameterIsSuggestedAName) {
+TEST(LightErrorMessages, UnknownParameterGetsASuggestion) {
   LightScene lights;
   lights.Build("LightSource \"point\" \"float powr\" 5");
   EXPECT_EQ(lights.error.find("lights.pbrt:3:21: "), 0u) << lights.error;
   EXPECT_NE(lights.error.find("power"), std::string::npos) << lights.error;
 }
 
-TEST(LightErrorMessages, MissingPictureIsNamed) {
+TEST(LightErrorMessages, NameAMissingImage) {
   LightScene lights;
   lights.Build("LightSource \"infinite\" \"string filename\" \"nowhere.exr\"");
   EXPECT_EQ(lights.error.find("lights.pbrt:3:24: "), 0u) << lights.error;
   EXPECT_NE(lights.error.find("nowhere.exr"), std::string::npos) << lights.error;
 }
 
-TEST(LightErrorMessages, LightSamplerMustBeKnown) {
+TEST(LightErrorMessages, UnknownLightSamplerIsRefused) {
   EXPECT_EQ(LightSamplers().Find("exhaustive"), nullptr);
   EXPECT_EQ(LightSamplers().Refusal("exhaustive"), "light sampler \"exhaustive\" is not supported yet");
   EXPECT_EQ(LightSamplers().Find("powr"), nullptr);
   EXPECT_EQ(LightSamplers().Refusal("powr"), "unknown light sampler \"powr\" (did you mean \"power\"?)");
 }
 
-TEST(LightWarnings, MovingLightsStandStill) {
+TEST(LightWarnings, MovingLightStaysWhereItStarts) {
   LightScene lights;
   lights.Build("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All\nLightSource \"point\"");
   EXPECT_EQ(lights.error, "");
   ASSERT_EQ(lights.diagnostics.warnings().size(), 1u);
-  EXPECT_EQ(lights.diagnostics.WarningTexts()[0].find("lights.pbrt:4:1: lights do not move"), 0u)
+  EXPECT_EQ(lights.diagnostics.WarningTexts()[0].find("lights.pbrt:4:1: animated lights are not supported"),
+            0u)
       << lights.diagnostics.WarningTexts()[0];
   EXPECT_NEAR(SampleLuminance(lights.table, 0, At({0, 0, 2}), {}), 0.25f, 1e-4f);
 }

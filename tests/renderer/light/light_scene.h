@@ -26,7 +26,7 @@ class MemoryFiles : public FileSource {
   std::map<std::string, std::string> files;
 };
 
-// A portable float map of `width` pixels a row; pixels from top left.
+// A portable float map of `width` pixels per row; pixels start at the top left.
 inline std::string Pfm(const std::vector<Vec3>& pixels, int width) {
   const int height = static_cast<int>(pixels.size()) / width;
   std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1\n";
@@ -40,7 +40,7 @@ inline std::string Pfm(const std::vector<Vec3>& pixels, int width) {
   return bytes;
 }
 
-// A scene of lights; each Shape directive of the text stands for the entry of `shapes` at its place.
+// A scene of lights. The i-th Shape directive of the text stands for shapes[i].
 struct LightScene {
   MemoryFiles files;
   ImageCache images{files};
@@ -110,7 +110,7 @@ inline Shape MeshShape(std::vector<Point3> points, std::vector<uint32_t> indices
   return shape;
 }
 
-// Wavelengths 360 + first, ... + 3 nm, for looking at spectra one nm at a time.
+// Four consecutive wavelengths from 360 + first nm, to look up spectra nm by nm.
 inline SampledWavelengths FourWavelengths(int first) {
   alignas(16) int index[4];
   float lambda[4];
@@ -149,7 +149,7 @@ inline float SampleLuminance(const LightTable& table, int light, const Reference
 // The irradiance that `light` gives, unoccluded: the mean over `count` stratified samples.
 inline float Irradiance(const LightTable& table, int light, const ReferencePoint& reference,
                         int count_per_side) {
-  // The spectrum of a light is the same for all its samples, so that one wavelength tells the ratio.
+  // All samples of a light have the same spectrum, so one wavelength determines the ratio.
   const SampledWavelengths green = FourWavelengths(555 - kLambdaMin);
   TestRandom random(7);
   double sum = 0;

@@ -67,7 +67,7 @@ TEST(LightTree, ProbabilitiesSumToOneOrNothingArrives) {
     const Normal3 n = SampleUniformSphere(random.Next2<Point2>());
     double total = 0;
     for (int light = 0; light < 500; ++light) total += static_cast<double>(tree.Pmf(p, n, light));
-    // A branch whose parts turn out to give nothing loses its share.
+    // The share of a branch is lost if none of its lights contributes.
     EXPECT_LT(total, 1 + 1e-4);
     EXPECT_GT(total, 0.9);
   }
@@ -86,7 +86,7 @@ TEST(LightTree, ProbabilitiesOfLightsSeenFromAllSidesSumToOne) {
   }
 }
 
-TEST(LightTree, ChosenProbabilityIsPmf) {
+TEST(LightTree, ChooseReturnsThePmf) {
   const LightTree tree = TreeOf(BoundsOf(RandomTriangles(1000, 5), false));
   TestRandom random(6);
   int chosen_count = 0;
@@ -103,7 +103,7 @@ TEST(LightTree, ChosenProbabilityIsPmf) {
   EXPECT_GT(chosen_count, 4000);
 }
 
-TEST(LightTree, FrequenciesAreTheProbabilities) {
+TEST(LightTree, FrequenciesMatchTheProbabilities) {
   const LightTree tree = TreeOf(BoundsOf(RandomTriangles(60, 7), true));
   TestRandom random(8);
   const Point3 p{1, 2, -1};
@@ -126,7 +126,7 @@ TEST(LightTree, FrequenciesAreTheProbabilities) {
 
 class LightTreeSides : public testing::TestWithParam<bool> {};
 
-TEST_P(LightTreeSides, WhatLightsAPointCanBeChosen) {
+TEST_P(LightTreeSides, EveryLightThatReachesAPointCanBeChosen) {
   const std::vector<Triangle> triangles = RandomTriangles(400, 9);
   const bool two_sided = GetParam();
   const LightTree tree = TreeOf(BoundsOf(triangles, two_sided));
@@ -149,7 +149,7 @@ TEST_P(LightTreeSides, WhatLightsAPointCanBeChosen) {
 INSTANTIATE_TEST_SUITE_P(OneAndTwo, LightTreeSides, testing::Bool());
 
 TEST(LightTree, ImportanceFollowsIrradianceOfSmallLights) {
-  // Two lights of equal strength, one twice as far: a quarter of the light.
+  // Two lights of equal strength, one twice as far: it contributes a quarter.
   std::vector<LightBounds> bounds(2);
   bounds[0].box = {{0, 0, 1}, {0, 0, 1}};
   bounds[1].box = {{0, 0, 2}, {0, 0, 2}};
@@ -185,7 +185,7 @@ TEST(LightTree, CoincidentLightsAreAllReachable) {
   EXPECT_NEAR(total, 1, 1e-4);
 }
 
-TEST(LightTree, LightsOfNoStrengthAreLeftOut) {
+TEST(LightTree, OmitsLightsWithoutStrength) {
   std::vector<LightBounds> bounds = BoundsOf(RandomTriangles(3, 11), true);
   bounds[1].strength = 0;
   const LightTree tree = TreeOf(bounds);
@@ -195,7 +195,7 @@ TEST(LightTree, LightsOfNoStrengthAreLeftOut) {
   EXPECT_FALSE(LightTree().Choose({}, {}, 0.5f));
 }
 
-TEST(NormalCones, UnionHoldsBoth) {
+TEST(NormalCones, UnionContainsBoth) {
   TestRandom random(12);
   for (int i = 0; i < 2000; ++i) {
     const NormalCone a{SampleUniformSphere(random.Next2<Point2>()), 2 * random.Next() - 1};

@@ -1,4 +1,4 @@
-// Small scenes on which estimators must agree: each has something that one of them could get wrong.
+// Small scenes on which estimators must agree. Each has something that one of them could get wrong.
 #pragma once
 
 #include <cstring>
@@ -17,7 +17,7 @@ inline std::string BrightTexelMap() {
   return file;
 }
 
-// What all scenes begin with: 8 x 8 pixels that look along +z.
+// The start of all scenes: 8 x 8 pixels, looking along +z.
 inline std::string SceneHead(const std::string& integrator, int max_depth) {
   return R"(
 Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "bool savefp16" false
@@ -39,8 +39,8 @@ AreaLightSource "diffuse" "rgb L" [ 6 5 4 ] "bool twosided" true
 Shape "trianglemesh" "point3 P" [ -1 1.8 2  1 1.8 2  1 1.8 4  -1 1.8 4 ] "integer indices" [ 0 1 2 0 2 3 ]
 )";
 
-// Lights behind lights: a sphere in a cylinder (met twice) under a disk, and a curved patch; an `interface`
-// in the way, and a lamp that covers a part of the others with its dark back.
+// Lights behind lights: a sphere in a cylinder (hit twice) under a disk, and a curved patch; an `interface`
+// in front of them, and a lamp whose dark back covers a part of the others.
 constexpr const char* kHiddenLights = R"(
 Material "diffuse" "rgb reflectance" [ 0.5 0.6 0.7 ]
 Shape "bilinearmesh" "point3 P" [ -4 -1 0  4 -1 0  -4 -1 8  4 -1 8 ]
@@ -74,7 +74,7 @@ AttributeBegin
 AttributeEnd
 )";
 
-// Mirrors, glass, rough metal and a glazed floor around a small sphere that shines.
+// Glass, rough metal and a glazed floor under a small emitting sphere.
 constexpr const char* kGlossyThings = R"(
 Material "coateddiffuse" "rgb reflectance" [ 0.6 0.5 0.3 ] "float roughness" 0
 Shape "bilinearmesh" "point3 P" [ -4 -1 0  4 -1 0  -4 -1 8  4 -1 8 ]
@@ -95,7 +95,7 @@ AttributeBegin
 AttributeEnd
 )";
 
-// A sky that is sampled in part, an even one that never is, and a lamp before them.
+// A sky that is sampled in part, a constant one that never is, and a lamp in front of them.
 constexpr const char* kSkies = R"(
 LightSource "infinite" "string filename" "sky.pfm"
 LightSource "infinite" "rgb L" [ 0.1 0.1 0.2 ]
@@ -132,7 +132,7 @@ AttributeBegin
 AttributeEnd
 )";
 
-// A ball of coloured smoke, glass with a coloured inside, thin fog that glows, all around a lamp.
+// A ball of coloured smoke, glass with an absorbing interior and thin emissive fog around a lamp.
 constexpr const char* kSmoke = R"(
 MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [ 0.02 0.02 0.04 ] "rgb sigma_s" [ 0.05 0.06 0.08 ]
   "rgb Le" [ 0.2 0.1 0.1 ] "float g" 0.3

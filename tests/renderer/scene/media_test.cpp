@@ -59,8 +59,8 @@ Pixels Render(const std::string& text, uint32_t samples, const RenderOptions& op
   return pixels;
 }
 
-// A sample draws its wavelengths before all else: where both pictures have the same spectrum but for a factor
-// they have the same colour noise, and nothing else if nothing else was left to chance.
+// A sample draws its wavelengths first. Where the spectra of both pictures differ by a factor alone, the
+// pictures have the same colour noise, and no other noise if nothing else is random.
 void ExpectEverywhere(const Pixels& pixels, const Pixels& original, double factor, double tolerance) {
   for (size_t i = 0; i < pixels.values.size(); ++i) {
     ASSERT_NEAR(pixels.values[i] / original.values[i], factor, tolerance * factor) << i;
@@ -88,7 +88,7 @@ std::string Medium(const std::string& name, double sigma_a, double sigma_s, cons
          even("sigma_s", sigma_s) + " " + more + "\n";
 }
 
-// A sphere around (0, 0, 4) in what surrounds it.
+// A sphere around (0, 0, 4) in the surrounding medium.
 std::string Ball(const std::string& material, const std::string& inside, double radius = 1) {
   return "AttributeBegin\nTranslate 0 0 4\nMediumInterface \"" + inside + "\" \"\"\nMaterial " + material +
          "\nShape \"sphere\" \"float radius\" " + std::to_string(radius) + "\nAttributeEnd\n";
@@ -98,15 +98,15 @@ constexpr const char* kEvenLight = "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]
 constexpr const char* kDistantLight =
     "LightSource \"distant\" \"point3 from\" [ 0 0 -1 ] \"point3 to\" [ 0 0 1 ] \"rgb L\" [ 2 2 2 ]\n";
 
-// Beer and Lambert: through the middle of the ball, 2 long, with nothing left to chance.
+// Beer-Lambert law through the middle of the ball, over a length of 2; nothing is random.
 TEST(Media, AbsorptionAlongACameraRayIsTheClosedFormWithoutNoise) {
   const std::string head = Narrow(kVolPath) + "WorldBegin\n" + kEvenLight;
   const std::string ball = Medium("m", 0.7, 0) + Ball("\"interface\"", "m");
   ExpectEverywhere(Render(head + ball, 4), Render(head, 4), std::exp(-0.7 * 2), 1e-3);
 }
 
-// From beside the camera through the ball, and into a larger one around the lit plane.
-TEST(Media, SampledLightIsAttenuatedByAllMediaOnItsWay) {
+// Light from beside the camera passes through the ball into a larger one around the lit plane.
+TEST(Media, SampledLightIsAttenuatedByAllMediaAlongTheShadowRay) {
   const std::string head = Narrow(kVolPath) + "WorldBegin\n" + kDistantLight, plane = R"(
 Material "diffuse" "rgb reflectance" [ 0.6 0.6 0.6 ]
 MediumInterface "n" "n"
@@ -121,12 +121,12 @@ Translate 0 0 8
 Shape "sphere" "float radius" 2
 AttributeEnd
 )";
-  // To the plane and back: 2 in the one, 2 in the other.
+  // To the plane and back: a length of 2 in each.
   const double factor = std::exp(-2 * (0.2 * 2 + 0.5 * 2));
   ExpectEverywhere(Render(head + media + balls + plane, 4), Render(head + media + plane, 4), factor, 1e-3);
 }
 
-TEST(Media, TheCameraMayStandInAMedium) {
+TEST(Media, CameraCanBeInsideAMedium) {
   const std::string wall = R"(
 AttributeBegin
 ReverseOrientation
@@ -148,14 +148,14 @@ TEST(Media, EmissionOfAnAbsorbingBallIsTheClosedFormWithoutNoise) {
                    1e-3);
 }
 
-TEST(Media, AGlowingMediumIsALightSource) {
+TEST(Media, EmissiveMediumCountsAsALightSource) {
   const std::string ball = Medium("m", 0.4, 0, "\"rgb Le\" [ 3 3 3 ]") + Ball("\"interface\"", "m");
   const auto scene = Load(Narrow(kVolPath) + "WorldBegin\n" + ball);
   ASSERT_TRUE(scene);
   EXPECT_TRUE((*scene)->summary().warnings.empty());
 }
 
-// In uniform light a medium that absorbs nothing cannot be seen. Each path finds exactly that light.
+// In uniform light a medium that absorbs nothing is invisible: each path finds exactly that light.
 TEST(Media, ScatteringAloneIsInvisibleInAWhiteFurnace) {
   const std::string head = Wide(kVolPath) + "WorldBegin\n" + kEvenLight;
   const Pixels furnace = Render(head, 16);
@@ -165,9 +165,9 @@ TEST(Media, ScatteringAloneIsInvisibleInAWhiteFurnace) {
   }
 }
 
-// In an oven of one temperature everything glows alike: what a medium absorbs it sends out. All of the
-// transport has its part: chromatic scattering weighs wavelengths against each other, the wall is found by
-// light sampling and by rays, glass refracts, and disperses.
+// In an oven of uniform temperature everything has the same radiance: a medium emits what it absorbs. This
+// covers all of the transport: chromatic scattering weights wavelengths against each other, light sampling
+// and rays find the wall, glass refracts and disperses.
 constexpr const char* kOven = R"(
 AttributeBegin
 ReverseOrientation
@@ -178,15 +178,15 @@ AttributeEnd
 )";
 
 struct OvenContent {
-  const char *sigma_a, *radiance;  // within a medium of index n a black body shines n^2 times as bright
+  const char *sigma_a, *radiance;  // in a medium of index n the radiance of a black body is n^2 times as high
   std::string bodies;
   double tolerance = 0.012;
 };
 
-TEST(Media, NothingIsSeenInAnIsothermalOven) {
+TEST(Media, IsothermalOvenHasUniformRadiance) {
   const std::string head = Wide(kVolPath) + "WorldBegin\n" + kOven;
   const std::string glass = "\"dielectric\" \"float eta\" 1.5";
-  // Wavelengths weigh against each other in the fog; on glass that disperses one remains.
+  // Wavelengths are weighted against each other in the fog; one remains after dispersive glass.
   const std::string prism_in_fog =
       Ball("\"interface\"", "m", 3.5) + Ball("\"dielectric\" \"spectrum eta\" \"glass-F11\"", "", 1.5);
   const Pixels oven = Render(head, 256);
@@ -206,9 +206,9 @@ TEST(Media, NothingIsSeenInAnIsothermalOven) {
   }
 }
 
-// Untrusted scenes hold such numbers: nothing may overflow into a ray that cannot be traced, or a pixel that
-// is NaN.
-TEST(Media, ExtremeCoefficientsWithoutEndRenderWithoutHarm) {
+// Untrusted scenes contain such numbers. They must not lead to a ray that cannot be traced or a pixel that is
+// NaN.
+TEST(Media, UnboundedMediaOfExtremeCoefficientsGiveFinitePixels) {
   for (const char* value : {"0", "1e-30", "1e-12", "1e10", "1e19"}) {
     for (const char* g : {"-1", "1"}) {
       const std::string v = value;
@@ -224,8 +224,8 @@ TEST(Media, ExtremeCoefficientsWithoutEndRenderWithoutHarm) {
   }
 }
 
-// Light along +z into a slab from z = 1 to 2, seen against it: the integral of the singly scattered light
-// over depth s, sigma_s p(-1) E exp(-2 sigma_t s).
+// Light along +z into a slab from z = 1 to 2, seen from where it comes: the integral of singly scattered
+// light over depth s, sigma_s p(-1) E exp(-2 sigma_t s).
 TEST(Media, SingleScatteringOfASlabIsTheClosedForm) {
   const double sigma_s = 0.8, sigma_t = 1.1, g = 0.3;
   std::string head = Narrow(kVolPath);
@@ -243,8 +243,8 @@ Shape "bilinearmesh" "point3 P" [ -40 -40 1  40 -40 1  -40 40 1  40 40 1 ]
   ExpectMean(picture, Render(head + "WorldBegin\n" + kEvenLight, 2048), expected, 0.015);
 }
 
-// A surface in one medium on both sides is no boundary: rays keep the medium they are in.
-TEST(Media, ASurfaceWithTheSameMediumOnBothSidesChangesNothing) {
+// A surface with the same medium on both sides is not a boundary: rays keep their medium.
+TEST(Media, SurfaceWithTheSameMediumOnBothSidesChangesNothing) {
   const std::string body = R"(
 AttributeBegin
 MediumInterface "n" "n"
@@ -273,7 +273,7 @@ Shape "sphere"
 AttributeEnd
 )";
 
-TEST(Media, AUnitIsAPureFunctionOfSceneAndUnit) {
+TEST(Media, UnitRenderedTwiceHasTheSameBits) {
   const std::string text = Wide(kVolPath) + "WorldBegin\n" + kRoom;
   const auto first = Load(text), second = Load(text);
   ASSERT_TRUE(first && second);
@@ -286,7 +286,7 @@ std::string Without(std::string text, const std::string& part) {
   return text.replace(text.find(part), part.size(), "");
 }
 
-TEST(Media, WithoutMediaVolpathAndPathGiveTheSameBits) {
+TEST(Media, VolpathAndPathGiveTheSameBitsWithoutMedia) {
   RenderOptions path;
   path.integrator = "path";
   // Defined, but no ray can be in it.
@@ -303,7 +303,7 @@ TEST(Media, PathIgnoresMedia) {
   EXPECT_NE(ignored, Sums(text, 16));
 }
 
-TEST(Media, KindsThatAreNotSupportedAreRefusedByVolpathAlone) {
+TEST(Media, UnsupportedKindsAreRefusedByVolpathAlone) {
   const std::string text = Wide(kVolPath) + "WorldBegin\n" + kEvenLight +
                            "MakeNamedMedium \"m\" \"string type\" \"cloud\"\n" + Ball("\"interface\"", "m");
   const auto refused = Load(text);

@@ -1,4 +1,4 @@
-// The directions that the mixture draws follow the density that it divides by.
+// The mixture draws directions with the density that it divides by.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kTests = 9;  // chi-square tests in this file
 
-// A world and a place in it.
+// A world and a point on a surface of it.
 struct Place {
   std::unique_ptr<World> built;
   const World& world;
@@ -25,7 +25,7 @@ struct Place {
   explicit Place(const char* text) : built(BuiltWorld(text)), world(*built) {}
 };
 
-// The surface that the ray from the camera along d meets.
+// The point that the ray from the camera along d hits.
 std::unique_ptr<Place> PlaceAlong(const char* text, Vec3 d) {
   auto place = std::make_unique<Place>(text);
   const World& world = place->world;
@@ -48,7 +48,7 @@ ChiSquareResult TestMixtureAt(const Place& place, uint64_t seed) {
     if (!drawn || drawn->is_specular) return std::nullopt;
     return drawn->ray.d;
   };
-  // What the surface absorbs is not drawn.
+  // Absorbed directions are not drawn.
   const auto pdf = [&](Vec3 w) {
     if (!AnyNonZero(place.bsdf.Evaluate(place.interaction.wo, w).f)) return 0.0f;
     return MixturePdf(lights, place.interaction, place.bsdf, w, place.wavelengths);
@@ -63,8 +63,8 @@ TEST(Mixture, DirectionsFollowTheDensityUnderALampOfTriangles) {
   EXPECT_GT(result.pdf_total, 0.9);
 }
 
-// The mean over all samples of 1 / density, counted where they fall into a cell, is the solid angle of the
-// cell. A chi-square test that needs no quadrature: the density of a cylinder has poles at its silhouettes.
+// The mean of 1 / density over all samples, counting those in a cell, is the solid angle of the cell. This
+// chi-square test needs no quadrature, and the density of a cylinder has poles at its silhouettes.
 ChiSquareResult TestReciprocalsAt(const Place& place, uint64_t seed) {
   constexpr int kCellsZ = 9, kCellsPhi = 12, kSamples = 300000;
   constexpr double kZMin = 0.1;  // cosine: 1 / density is unbounded at the horizon
@@ -141,7 +141,7 @@ TEST(Mixture, DirectionsFollowTheDensityInAMedium) {
 }
 
 // Every weight is f |cos| over the density that MixturePdf gives for the drawn direction.
-TEST(Mixture, WeightsDivideByTheDensityOfTheDrawnDirection) {
+TEST(Mixture, WeightIsTheBsdfOverTheDensityOfTheDrawnDirection) {
   for (const char* text : {kDiffuseBox, kHiddenLights, kSkies, kInsideALamp}) {
     const auto place = PlaceAlong(text, {0.2f, -0.5f, 1});
     const LightDirections lights(place->world);
@@ -164,7 +164,7 @@ TEST(Mixture, WeightsDivideByTheDensityOfTheDrawnDirection) {
   }
 }
 
-TEST(Mixture, LightsThatAreNeverSampledLeaveAllDirectionsToTheSurface) {
+TEST(Mixture, DrawsFromTheBsdfAloneIfNoLightIsSampled) {
   const auto place = PlaceAlong(R"(
 LightSource "infinite" "rgb L" [ 1 1 1 ]
 Material "diffuse"
