@@ -142,8 +142,7 @@ Result<std::string> ParseArguments(CLI::App& app, std::vector<std::string> argum
   try {
     app.parse(std::move(arguments));
   } catch (const CLI::CallForHelp&) {
-    const auto chosen = app.get_subcommands();
-    return chosen.empty() ? app.help() : chosen.front()->help();
+    return app.help();  // of the command, if one was given
   } catch (const CLI::CallForVersion&) {
     return fmt::format("{} {}\n", app.get_name(), kSoftwareVersion);
   } catch (const CLI::ParseError& e) {

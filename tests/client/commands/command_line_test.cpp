@@ -182,6 +182,7 @@ TEST(CommandLine, RefusesBadWordsAndNamesWhatIsExpected) {
 
 TEST(CommandLine, AnswersHelpAndVersion) {
   EXPECT_THAT(Parse("--help")->answer, HasSubstr("Pause a job"));
+  EXPECT_THAT(Parse("render --help")->answer, HasSubstr("Usage: tessera render [OPTIONS] SCENE"));
   EXPECT_THAT(Parse("render --help")->answer, HasSubstr("--spp"));
   EXPECT_THAT(Parse("render --help")->answer, testing::Not(HasSubstr("--camera")));
   EXPECT_THAT(Parse("--version")->answer, HasSubstr("tessera "));
