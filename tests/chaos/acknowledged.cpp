@@ -24,9 +24,9 @@ bool ReadLine(const std::string& line, Acknowledgement* read) {
   return true;
 }
 
-// Whether every sample of the range is in one of the others.
+// Whether every sample of the range is in another range.
 bool IsCovered(SampleRange range, const std::vector<SampleRange>& others) {
-  uint64_t covered = 0;  // dyadic ranges contain each other or are apart
+  uint64_t covered = 0;  // dyadic ranges are nested or disjoint
   for (const SampleRange& other : others) {
     if (other.Contains(range)) return true;
     const bool is_inside_another = std::any_of(others.begin(), others.end(), [&](const SampleRange& third) {

@@ -1,4 +1,5 @@
-// What the farm acknowledged, from the workers' own logs: the witness that nothing was acknowledged twice.
+// The results that the farm acknowledged, as the workers logged them. Shows that nothing was acknowledged
+// twice.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 
 namespace tessera {
 
-// A result that a worker was told is merged, for a unit that adds samples.
+// A result that the coordinator acknowledged to a worker as merged.
 struct Acknowledgement {
   uint64_t job = 0;
   uint32_t frame = 0, tile = 0;
@@ -19,13 +20,13 @@ struct Acknowledgement {
   std::string time;  // of the worker's log
 };
 
-// Those that a worker's log (--log-level debug) tells of. A line that is cut off is none.
+// Reads the acknowledgements in a worker's log (--log-level debug). Ignores a truncated line.
 std::vector<Acknowledgement> ReadAcknowledgements(const std::string& log);
 
-// Those whose samples are all in others: in whatever order they came, one of them brought nothing that had
-// not been acknowledged, so the farm had lost what it said it had. `all` in any order: the times are those at
-// which workers wrote, and one that was stopped writes late. Results whose acknowledgement a worker's death
-// kept out of its log are not seen.
+// Returns the results whose samples are all in other results. In whatever order they were merged, one of them
+// added only samples that had been acknowledged before, so the farm had lost an acknowledged result. `all`
+// may be in any order: the times are those of the workers' log lines, and a stopped worker writes late.
+// Acknowledgements that a worker did not log before it was killed are missing.
 std::vector<Acknowledgement> RenderedAgain(std::vector<Acknowledgement> all);
 
 }  // namespace tessera

@@ -8,7 +8,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::chrono::seconds kEndPatience{15};  // 10 are promised; the machine may be loaded
+constexpr std::chrono::seconds kEndPatience{15};  // 10 s are promised; the machine may be loaded
 
 }  // namespace
 
@@ -21,12 +21,12 @@ ChaosFarm::ChaosFarm(std::string folder, std::string data_dir, int workers)
 void ChaosFarm::StartCoordinator() {
   coordinator_.process.emplace(folder_, "tessera-coordinator",
                                std::vector<std::string>{"--listen", address_, "--data-dir", data_dir_});
-  const std::string words = "listening on ";
-  if (!coordinator_.process->AwaitErrors(words)) {
+  const std::string phrase = "listening on ";
+  if (!coordinator_.process->AwaitErrors(phrase)) {
     throw std::runtime_error("the coordinator does not listen: " + coordinator_.process->Errors());
   }
   const std::string log = coordinator_.process->Errors();
-  const size_t begin = log.find(words) + words.size();
+  const size_t begin = log.find(phrase) + phrase.size();
   address_ = log.substr(begin, log.find('\n', begin) - begin);
 }
 
@@ -38,10 +38,10 @@ void ChaosFarm::StartWorker(size_t i) {
                                folder_ + "/cache-" + name, "--name", name, "--log-level", "debug"});
 }
 
-// Takes leave of a process that was killed or has ended.
-void ChaosFarm::Bury(Member& member, const std::string& name) {
+// Waits for a process that was killed or has ended.
+void ChaosFarm::Reap(Member& member, const std::string& name) {
   const auto code = member.process->Wait(kEndPatience);
-  // A process that has not come to its main yet does not catch signals.
+  // A process that has not reached its main function yet does not catch signals.
   const bool is_newborn = member.is_draining && code == -SIGTERM && member.process->Errors().empty();
   if (!code) {
     failures_.push_back(name + " does not end: " + member.process->Errors());
@@ -56,7 +56,7 @@ void ChaosFarm::Bury(Member& member, const std::string& name) {
 void ChaosFarm::KillWorker(int i, Clock::duration away) {
   Member& member = workers_[static_cast<size_t>(i)];
   member.process->Signal(SIGKILL);
-  Bury(member, "worker " + std::to_string(i));
+  Reap(member, "worker " + std::to_string(i));
   member.back_at = Clock::now() + away;
 }
 
@@ -76,7 +76,7 @@ void ChaosFarm::DrainWorker(int i, Clock::duration away) {
 
 void ChaosFarm::KillCoordinator(Clock::duration away) {
   coordinator_.process->Signal(SIGKILL);
-  Bury(coordinator_, "the coordinator");
+  Reap(coordinator_, "the coordinator");
   coordinator_.back_at = Clock::now() + away;
 }
 
@@ -94,7 +94,7 @@ void ChaosFarm::Return(Member& member, size_t i) {
     member.is_stopped = false;
     return;
   }
-  if (member.process) Bury(member, is_coordinator ? "the coordinator" : "worker " + std::to_string(i));
+  if (member.process) Reap(member, is_coordinator ? "the coordinator" : "worker " + std::to_string(i));
   if (is_coordinator) {
     StartCoordinator();
   } else {
@@ -125,10 +125,10 @@ void ChaosFarm::End() {
     member.process->Signal(SIGTERM);
     member.is_draining = true;
   }
-  for (size_t i = 0; i < workers_.size(); ++i) Bury(workers_[i], "worker " + std::to_string(i));
+  for (size_t i = 0; i < workers_.size(); ++i) Reap(workers_[i], "worker " + std::to_string(i));
   coordinator_.process->Signal(SIGTERM);
   coordinator_.is_draining = true;
-  Bury(coordinator_, "the coordinator");
+  Reap(coordinator_, "the coordinator");
 }
 
 std::vector<std::string> ChaosFarm::WorkerLogs() const {

@@ -1,4 +1,4 @@
-// A farm of real processes that can be hurt: each can be killed, stopped for a while and started again.
+// A farm of real processes, each of which can be killed, stopped for a while and started again.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@ namespace tessera {
 
 using Clock = std::chrono::steady_clock;
 
-// Everything lives in one folder; the processes end with this object.
+// All files are in one folder. The processes end with this object.
 class ChaosFarm {
  public:
   // `data_dir` of the coordinator may lie on another file system.
@@ -21,7 +21,7 @@ class ChaosFarm {
   const std::string& address() const { return address_; }
   int workers() const { return static_cast<int>(workers_.size()); }
 
-  // ---- Faults. A process that is away comes back by Tick, when its time has come.
+  // ---- Faults. Tick restarts or continues a process when its time has come.
   void KillWorker(int i, Clock::duration away);
   void StopWorker(int i, Clock::duration pause);
   void DrainWorker(int i, Clock::duration away);
@@ -29,38 +29,38 @@ class ChaosFarm {
   void StopCoordinator(Clock::duration pause);
   bool IsHurt(int worker) const { return workers_[static_cast<size_t>(worker)].back_at.has_value(); }
   bool IsCoordinatorHurt() const { return coordinator_.back_at.has_value(); }
-  // Starts again and continues what is due. What ended by itself is remembered as a failure, and started
-  // again.
+  // Restarts and continues the processes that are due. A process that ended by itself is recorded as a
+  // failure and restarted.
   void Tick();
-  // All come back at once.
+  // Restarts and continues all processes.
   void Heal();
-  // Asks all to end; a message for each that does not, within the time that is promised, or not well.
+  // Terminates all processes. Returns a message for each that does not end in time or with exit code 0.
   void End();
 
-  // Whether so much went wrong that there is no use in going on.
+  // Whether there are so many failures that the run should be aborted.
   bool IsHopeless() const { return failures_.size() >= 5; }
-  // What went wrong with the processes themselves.
+  // Failures of the processes themselves.
   const std::vector<std::string>& failures() const { return failures_; }
-  // What all workers there ever were have logged.
+  // The logs of all workers, also of those that have ended.
   std::vector<std::string> WorkerLogs() const;
 
  private:
   struct Member {
     std::optional<Process> process;
-    std::optional<Clock::time_point> back_at;  // when it is started or continued
+    std::optional<Clock::time_point> back_at;  // when it is restarted or continued
     bool is_stopped = false;
     bool is_draining = false;
   };
   void StartCoordinator();
   void StartWorker(size_t i);
-  void Bury(Member& member, const std::string& name);
+  void Reap(Member& member, const std::string& name);
   void Return(Member& member, size_t i);
 
   std::string folder_, data_dir_;
   std::string address_ = "127.0.0.1:0";
   Member coordinator_;
   std::vector<Member> workers_;
-  std::vector<std::string> logs_;  // of workers that have gone
+  std::vector<std::string> logs_;  // of workers that have ended
   std::vector<std::string> failures_;
 };
 

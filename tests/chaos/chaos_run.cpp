@@ -28,11 +28,11 @@ using std::chrono::duration_cast;
 
 constexpr size_t kCustomers = 2;
 constexpr std::chrono::milliseconds kTick{20};
-constexpr const char* kSmallDiskOptions = "size=24m";  // some pictures and spools of the jobs
+constexpr const char* kSmallDiskOptions = "size=24m";  // less than the pictures and spools of all jobs
 
-// From now on mounts of this process are its own and its children's, and end with them. Who may not mount
-// becomes root in a namespace, where the system allows it. Not possible once there are threads.
-bool MountsAreOurs() {
+// Makes the mounts of this process private to it and its children. Without permission to mount, becomes root
+// in a namespace if the system allows it. Must be called before any thread is started.
+bool MakeMountsPrivate() {
   const uid_t user = ::getuid();
   const gid_t group = ::getgid();
   if (::unshare(CLONE_NEWNS) != 0) {
@@ -44,18 +44,18 @@ bool MountsAreOurs() {
   return ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0;
 }
 
-// A folder of its own under /tmp, removed with all it holds.
+// A folder under /tmp that is removed with its contents.
 class ChaosFolder {
  public:
   explicit ChaosFolder(bool small_disk) {
     std::string path = "/tmp/tessera-chaos-XXXXXX";
-    if (::mkdtemp(path.data()) == nullptr) throw std::runtime_error("no folder in /tmp");
+    if (::mkdtemp(path.data()) == nullptr) throw std::runtime_error("cannot create a folder in /tmp");
     path_ = path;
     fs::create_directories(path_ + "/tmp");
     fs::create_directories(data());
     if (!small_disk) return;
     is_mounted_ =
-        MountsAreOurs() && ::mount("tessera-chaos", data().c_str(), "tmpfs", 0, kSmallDiskOptions) == 0;
+        MakeMountsPrivate() && ::mount("tessera-chaos", data().c_str(), "tmpfs", 0, kSmallDiskOptions) == 0;
     if (!is_mounted_) mount_error_ = std::strerror(errno);
   }
   ~ChaosFolder() {
@@ -74,7 +74,7 @@ class ChaosFolder {
   bool is_mounted_ = false;
 };
 
-// Takes all the room of a file system, for a while.
+// Uses up all space of a file system for a while.
 class DiskFiller {
  public:
   explicit DiskFiller(std::string folder) : path_(std::move(folder) + "/filler") {}
@@ -83,7 +83,7 @@ class DiskFiller {
     until_ = Clock::now() + duration;
     const int file = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     const std::string block(size_t{1} << 16, 'x');
-    for (size_t size = block.size(); size > 0;) {  // smaller blocks for the last room
+    for (size_t size = block.size(); size > 0;) {  // smaller blocks for the remaining space
       if (::write(file, block.data(), size) <= 0) size /= 2;
     }
     ::close(file);
@@ -102,7 +102,7 @@ class DiskFiller {
   Clock::time_point until_;
 };
 
-// Draws faults and does them.
+// Draws faults and injects them.
 class Adversary {
  public:
   Adversary(const ChaosOptions& options, ChaosFarm& farm, DiskFiller& filler, ChaosReport& report)
@@ -146,7 +146,7 @@ class Adversary {
       farm_.KillWorker(worker, Between(0, 2000));
       ++report_.worker_kills;
     } else if (kind < 9) {
-      const bool is_given_up = Below(8) == 0;  // longer than the coordinator waits
+      const bool is_given_up = Below(8) == 0;  // longer than the coordinator waits for a worker
       farm_.StopWorker(worker, is_given_up ? Between(11'000, 13'000) : Between(50, 3000));
       ++report_.worker_stops;
     } else {
@@ -166,7 +166,7 @@ class Adversary {
   std::mt19937_64 random_;
 };
 
-// Files that somebody forgot.
+// Temporary files and processes that were not removed.
 void LookForTemporaryFiles(const std::string& folder, std::vector<std::string>& problems) {
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
@@ -182,7 +182,7 @@ void LookForProcesses(std::vector<std::string>& problems) {
   }
 }
 
-// Everything that a job's package holds is in the store, and nothing else.
+// The store contains the files of the jobs and nothing else.
 void LookForBlobs(const ChaosFolder& folder, const std::vector<ChaosJob>& jobs,
                   std::vector<std::string>& problems) {
   std::string expected;
@@ -194,7 +194,8 @@ void LookForBlobs(const ChaosFolder& folder, const std::vector<ChaosJob>& jobs,
   for (const auto& entry : fs::recursive_directory_iterator(folder.data() + "/blobs")) {
     if (!entry.is_regular_file()) continue;
     const std::string name = entry.path().filename().string();
-    if (expected.find(name) == std::string::npos) problems.push_back("blob " + name + " is no job's");
+    if (expected.find(name) == std::string::npos)
+      problems.push_back("blob " + name + " does not belong to any job");
   }
 }
 
@@ -218,9 +219,9 @@ void Run(const ChaosOptions& options, const ChaosFolder& folder, ChaosReport& re
   ChaosFarm farm(folder.path(), folder.data(), options.workers);
   Customers customers(folder.path(), farm.address(), jobs);
   std::atomic<size_t> working = kCustomers;
-  std::vector<std::thread> crew;
+  std::vector<std::thread> threads;
   for (size_t i = 0; i < kCustomers; ++i) {
-    crew.emplace_back([&, i] {
+    threads.emplace_back([&, i] {
       customers.Work(i);
       --working;
     });
@@ -246,7 +247,7 @@ void Run(const ChaosOptions& options, const ChaosFolder& folder, ChaosReport& re
     farm.Tick();
   }
   if (farm.IsHopeless()) customers.GiveUp();
-  for (std::thread& thread : crew) thread.join();
+  for (std::thread& thread : threads) thread.join();
   farm.End();
   report.pictures = customers.pictures();
   report.problems = customers.problems();
@@ -274,7 +275,7 @@ ChaosReport RunChaos(const ChaosOptions& options) {
   ChaosReport report;
   const ChaosFolder folder(options.small_disk);
   if (!folder.mount_error().empty()) {
-    report.skipped = "no small file system can be mounted: " + folder.mount_error();
+    report.skipped = "cannot mount a small file system: " + folder.mount_error();
     return report;
   }
   Run(options, folder, report);

@@ -1,4 +1,4 @@
-// One run of chaos: what is done, and what came of it.
+// One run of chaos: its options and its report.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,10 @@ struct ChaosOptions {
 };
 
 struct ChaosReport {
-  std::string skipped;  // why nothing was done, or empty
+  std::string skipped;  // the reason if the run was skipped, or empty
   int worker_kills = 0, worker_stops = 0, worker_drains = 0;
   int coordinator_kills = 0, coordinator_stops = 0, disk_fills = 0;
-  int pictures = 0;  // compared with the undisturbed ones
+  int pictures = 0;  // compared with undisturbed renders
   size_t acknowledged = 0, rendered_again = 0;
   std::vector<std::string> problems;
 
@@ -28,8 +28,8 @@ struct ChaosReport {
   std::string Text() const;
 };
 
-// Faults go on until the time is over and their numbers are reached; then everything comes back, and the jobs
-// that are open must end.
+// Injects faults until the time is over and the requested numbers of faults are reached. Then all processes
+// come back, and the open jobs must finish.
 ChaosReport RunChaos(const ChaosOptions& options);
 
 }  // namespace tessera

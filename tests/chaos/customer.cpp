@@ -14,10 +14,10 @@
 namespace tessera {
 namespace {
 
-constexpr std::chrono::minutes kJobPatience{10};  // of a farm that is being hurt
-// A full disk refuses a scene's files, and says so: people make room and try again.
-constexpr const char* kNoRoom = "No space left on device";
-constexpr std::chrono::milliseconds kNoRoomPause{200};
+constexpr std::chrono::minutes kJobPatience{10};  // of a farm with faults
+// With a full disk the farm refuses the files of a scene. A user frees space and tries again.
+constexpr const char* kDiskFull = "No space left on device";
+constexpr std::chrono::milliseconds kDiskFullPause{200};
 constexpr uint64_t kPictureBytesMax = uint64_t{1} << 30;
 constexpr int kFrames = 3;
 
@@ -86,7 +86,7 @@ bool Customers::Do(const ChaosJob& job, size_t customer) {
     const std::string path = is_sequence ? fmt::format("{}.{}.exr", output, i + 1) : output + ".exr";
     ++pictures_;
     if (Bytes(path) != job.pictures[i]) {
-      Complain(fmt::format("frame {} of job {} ({}) differs from the undisturbed picture", i, id, job.scene));
+      Report(fmt::format("frame {} of job {} ({}) differs from the undisturbed picture", i, id, job.scene));
     }
     std::filesystem::remove(path);
   }
@@ -105,17 +105,17 @@ bool Customers::Ask(std::vector<std::string> arguments, std::string* answer) {
     *answer = process.Output();
     if (code == 0) return true;
     const std::string errors = process.Errors();
-    if (code == 1 && errors.find(kNoRoom) != std::string::npos && !gave_up_) {
-      std::this_thread::sleep_for(kNoRoomPause);
+    if (code == 1 && errors.find(kDiskFull) != std::string::npos && !gave_up_) {
+      std::this_thread::sleep_for(kDiskFullPause);
       continue;
     }
-    Complain(fmt::format("tessera {} {} {}: {}", arguments[0], arguments[1],
-                         code ? fmt::format("ended with {}", *code) : "took too long", errors));
+    Report(fmt::format("tessera {} {} {}: {}", arguments[0], arguments[1],
+                       code ? fmt::format("ended with {}", *code) : "took too long", errors));
     return false;
   }
 }
 
-void Customers::Complain(const std::string& problem) {
+void Customers::Report(const std::string& problem) {
   const std::lock_guard lock(mutex_);
   problems_.push_back(problem);
 }

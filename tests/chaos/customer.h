@@ -1,4 +1,4 @@
-// Somebody who hands jobs to a farm that is being hurt, one after the other, and looks at every picture.
+// A user who submits jobs to a farm with faults, one after another, and checks every picture.
 #pragma once
 
 #include <atomic>
@@ -8,14 +8,14 @@
 
 namespace tessera {
 
-// A job that is done again and again, with the undisturbed pictures.
+// A job that is submitted repeatedly, with the pictures of undisturbed renders.
 struct ChaosJob {
   std::string scene;
   std::vector<std::string> options;
   std::vector<std::string> pictures;  // bytes, by frame
 };
 
-// Renders the undisturbed pictures of the jobs that are used. `folder` gets the scenes.
+// Renders the pictures of all jobs without faults. Writes their scenes to `folder`.
 std::vector<ChaosJob> PrepareJobs(const std::string& folder, int samples_per_pixel);
 
 class Customers {
@@ -23,11 +23,11 @@ class Customers {
   Customers(std::string folder, std::string address, std::vector<ChaosJob> jobs)
       : folder_(std::move(folder)), address_(std::move(address)), jobs_(std::move(jobs)) {}
 
-  // Hands in, watches, fetches and compares until Close; the job that is open then is brought to its end.
-  // Number `customer` begins with another job than the others.
+  // Submits, watches, fetches and compares until Close, and then completes the current job. Customers with
+  // different numbers start with different jobs.
   void Work(size_t customer);
   void Close() { closed_ = true; }
-  // The job that is open is left alone.
+  // Abandons the current job.
   void GiveUp() { gave_up_ = true; }
 
   int pictures() const { return pictures_; }
@@ -36,7 +36,7 @@ class Customers {
  private:
   bool Do(const ChaosJob& job, size_t customer);
   bool Ask(std::vector<std::string> arguments, std::string* answer);
-  void Complain(const std::string& problem);
+  void Report(const std::string& problem);
 
   const std::string folder_, address_;
   const std::vector<ChaosJob> jobs_;

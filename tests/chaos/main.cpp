@@ -1,7 +1,7 @@
-// `chaos`: a farm of real processes renders a set of jobs again and again while its processes are killed,
-// stopped and started at random. At the end every picture must have the bits of the undisturbed one, nothing
-// that was acknowledged may have been acknowledged again, and nothing may be left behind. Exit code 0 if it
-// is so, 77 if there can be no small file system.
+// `chaos`: a farm of real processes renders a set of jobs repeatedly while its processes are killed, stopped
+// and restarted at random. Every picture must have the bits of an undisturbed render, no result may be
+// acknowledged twice, and no files or processes may be left. Exits with 0 on success, 1 on failure, and 77 if
+// a small file system is requested and cannot be mounted.
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
@@ -12,16 +12,17 @@
 
 int main(int argc, char** argv) {
   tessera::ChaosOptions options;
-  CLI::App app("Hurts a farm of real processes and looks at what it makes of it.", "chaos");
-  app.add_option("--seed", options.seed, "of the faults");
-  app.add_option("--seconds", options.seconds, "go on for so long");
+  CLI::App app("Inject faults into a farm of real processes and check its pictures.", "chaos");
+  app.add_option("--seed", options.seed, "Random seed of the faults");
+  app.add_option("--seconds", options.seconds, "Minimum duration");
   app.add_option("--worker-faults", options.worker_faults,
-                 "and until so many workers were killed or stopped");
-  app.add_option("--coordinator-faults", options.coordinator_faults, "and the coordinator so often");
-  app.add_option("--workers", options.workers, "worker processes")->check(CLI::Range(1, 64));
+                 "Minimum number of workers that are killed or stopped");
+  app.add_option("--coordinator-faults", options.coordinator_faults,
+                 "Minimum number of times that the coordinator is killed or stopped");
+  app.add_option("--workers", options.workers, "Number of worker processes")->check(CLI::Range(1, 64));
   app.add_flag("--small-disk", options.small_disk,
-               "put the data on a small file system that fills up; needs root, or user namespaces");
-  app.add_option("--spp", options.samples_per_pixel, "of the pictures");
+               "Put the data directory on a small file system that fills up; needs root or user namespaces");
+  app.add_option("--spp", options.samples_per_pixel, "Samples per pixel of the pictures");
   CLI11_PARSE(app, argc, argv);
   const tessera::ChaosReport report = tessera::RunChaos(options);
   fmt::print("{}\n", report.Text());

@@ -32,7 +32,7 @@ TEST(Acknowledged, ALineThatIsCutOffIsNone) {
 TEST(Acknowledged, WhatIsAcceptedTwiceWasLost) {
   EXPECT_EQ(Count(Line(1, "[0,4)") + Line(2, "[4,8)") + Line(3, "[0,4)")), 1u);
   EXPECT_EQ(Count(Line(1, "[0,4)") + Line(2, "[4,8)") + Line(3, "[0,8)")), 1u) << "in two parts";
-  EXPECT_EQ(Count(Line(1, "[0,8)") + Line(2, "[4,8)") + Line(3, "[0,4)")), 1u) << "its parts, all of them";
+  EXPECT_EQ(Count(Line(1, "[0,8)") + Line(2, "[4,8)") + Line(3, "[0,4)")), 1u) << "in both of its parts";
 }
 
 TEST(Acknowledged, ALargerResultMayBringMoreThanWasThere) {
