@@ -1,15 +1,13 @@
 #include "client/in_process.h"
 
-#include <algorithm>
 #include <atomic>
-#include <bit>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
 #include <thread>
 #include <vector>
 
-#include "renderer/film/adaptive.h"
+#include "renderer/film/unit_queue.h"
 
 namespace tessera {
 namespace {
@@ -19,51 +17,34 @@ namespace {
 constexpr int64_t kUnitSamplesMax = 1 << 16;
 constexpr std::chrono::milliseconds kReportInterval{100};
 
-// The largest number of samples per pixel in a unit of the frame.
-uint32_t UnitSizeMax(const FrameSpec& spec) {
-  const int64_t tile_area = std::min(spec.TileBounds(0).area(), kUnitSamplesMax);
-  return std::bit_floor(static_cast<uint32_t>(kUnitSamplesMax / tile_area));
-}
-
 // Threads that take units one after another and merge the results.
 class ThreadPool {
  public:
   ThreadPool(const Scene& scene, const FrameSpec& spec, int threads)
-      : scene_(scene), spec_(spec), merger_(spec), unit_size_max_(UnitSizeMax(spec)), running_(threads) {
+      : scene_(scene), spec_(spec), queue_(spec, kUnitSamplesMax), running_(threads) {
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Work(); });
   }
   ~ThreadPool() { Join(); }
   void Stop() {
     const std::lock_guard lock(mutex_);
     stop_ = true;
-    work_.notify_all();
+    changed_.notify_all();
   }
   // Waits for kReportInterval or until all threads are done, and returns whether they are. Stores the numbers
   // of pixel samples in `progress`.
   bool WaitForEnd(Progress& progress) {
     std::unique_lock lock(mutex_);
     done_.wait_for(lock, kReportInterval, [this] { return running_ == 0; });
-    progress.samples_done = merger_.samples_merged();
-    progress.samples_total = merger_.samples_total();
+    progress.samples_done = queue_.merger().samples_merged();
+    progress.samples_total = queue_.merger().samples_total();
     return running_ == 0;
   }
   const Merger& TakeMerger() {
     Join();
-    return merger_;
+    return queue_.merger();
   }
 
  private:
-  struct Unit {
-    int tile;
-    SampleRange range;
-    PixelMask pixels;
-  };
-  // Samples of a tile that no thread has taken yet.
-  struct Open {
-    int tile;
-    uint32_t begin, end;
-  };
-
   void Join() {
     for (std::thread& thread : threads_) {
       if (thread.joinable()) thread.join();
@@ -76,49 +57,26 @@ class ThreadPool {
       auto sums = scene_.Render(spec_.TileBounds(unit->tile), unit->pixels, unit->range, &stop_);
       lock.lock();
       if (!sums) break;
-      Merge(unit->tile, std::move(*sums));
+      queue_.Merge(*unit, std::move(*sums));
+      changed_.notify_all();
     }
-    work_.notify_all();
+    changed_.notify_all();
     if (--running_ == 0) done_.notify_all();
   }
-  // Waits while no unit is open but results that are being rendered may open more. Returns nullopt if nothing
-  // is left to do.
-  std::optional<Unit> Take(std::unique_lock<std::mutex>& lock) {
-    const int tile_count = spec_.TileCount();
-    work_.wait(lock, [&] { return stop_ || !open_.empty() || tile_next_ < tile_count || taken_ == 0; });
-    if (stop_ || (open_.empty() && tile_next_ == tile_count)) return std::nullopt;
-    if (open_.empty()) {
-      open_.push_back({tile_next_, 0, merger_.Goal(tile_next_).samples});
-      ++tile_next_;
-    }
-    Open& open = open_.back();
-    uint32_t size = std::min(unit_size_max_, DyadicSizeMax(open.begin, open.end));
-    if (open.begin == 0) size = std::min(size, FirstUnitMax(spec_));
-    const Unit unit{open.tile, {open.begin, size}, merger_.Goal(open.tile).pixels};
-    open.begin += size;
-    if (open.begin == open.end) open_.pop_back();
-    ++taken_;
-    return unit;
-  }
-  void Merge(int tile, RadianceTile sums) {
-    --taken_;
-    const uint32_t before = merger_.Goal(tile).samples;
-    TESSERA_CHECK(merger_.Add(tile, std::move(sums)).has_value());
-    const uint32_t after = merger_.Goal(tile).samples;
-    if (after > before) open_.push_back({tile, before, after});
-    work_.notify_all();
+  // Waits while there is no unit but units that are being rendered may make more wanted. Returns nullopt if
+  // nothing is left to do or a stop is requested.
+  std::optional<UnitQueue::Unit> Take(std::unique_lock<std::mutex>& lock) {
+    changed_.wait(lock, [this] { return stop_ || queue_.HasUnit() || queue_.taken() == 0; });
+    if (stop_) return std::nullopt;
+    return queue_.Take();
   }
 
   const Scene& scene_;
   const FrameSpec& spec_;
-  Merger merger_;  // guarded by mutex_, as all that follows
-  const uint32_t unit_size_max_;
-  std::vector<Open> open_;  // a stack: a tile is finished before another is started
-  int tile_next_ = 0;       // the first tile that has not been started
-  int taken_ = 0;           // units being rendered
+  UnitQueue queue_;  // guarded by mutex_, as is `running_`
   std::atomic<bool> stop_ = false;
   std::mutex mutex_;
-  std::condition_variable work_, done_;
+  std::condition_variable changed_, done_;
   int running_;
   std::vector<std::thread> threads_;
 };
