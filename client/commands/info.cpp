@@ -57,8 +57,9 @@ void PrintText(const SceneJob& job) {
              scene.film, scene.filter, scene.sampler, scene.integrator);
   fmt::print("accelerator {}\n", scene.accelerator);
   for (const AcceleratorSummary& accelerator : scene.accelerators) PrintAccelerator(accelerator);
-  fmt::print("shapes      {}: {} triangles, {} patches, {} quadrics, {} bytes\n", scene.shapes,
-             scene.triangles, scene.patches, scene.quadrics, scene.geometry_bytes);
+  fmt::print("shapes      {}: ", scene.shapes);
+  for (const PrimitiveTotal& total : scene.primitives) fmt::print("{} {}, ", total.count, total.name);
+  fmt::print("{} bytes\n", scene.geometry_bytes);
   fmt::print("instances   {} of {} groups\n", scene.instances, scene.groups);
   if (scene.moving > 0) fmt::print("moving      {} of camera, shapes and instances\n", scene.moving);
   fmt::print("lights      {}\nmaterials   {}\nmedia       {}\n", scene.lights, scene.materials, scene.media);
@@ -101,9 +102,7 @@ void PrintJson(const SceneJob& job) {
   json["integrator"] = scene.integrator;
   json["accelerator"] = scene.accelerator;
   json["shapes"] = scene.shapes;
-  json["triangles"] = scene.triangles;
-  json["patches"] = scene.patches;
-  json["quadrics"] = scene.quadrics;
+  for (const PrimitiveTotal& total : scene.primitives) json[total.name] = total.count;
   json["groups"] = scene.groups;
   json["instances"] = scene.instances;
   json["moving"] = scene.moving;

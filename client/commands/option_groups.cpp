@@ -50,12 +50,13 @@ void AddSamplingFlags(CLI::App& app, RenderOptions& render) {
   AddValue(app, "--seed", "S", "Random seed", render.seed, WholeNumber<uint64_t>(0));
   AddText(app, "--integrator", "NAME", fmt::format("Integrator: {}", fmt::join(Integrators().Names(), ", ")),
           render.integrator);
-  AddValue(
-      app, "--accelerator", "NAME",
-      WithDefault(fmt::format("Ray tracing structure: {}", fmt::join(kAcceleratorKinds, ", ")), "embree"),
-      render.accelerator, [](std::string_view flag, std::string_view word) {
-        return ParseChoice(flag, word, kAcceleratorKinds);
-      });
+  const std::vector<std::string_view> accelerators = Accelerators().Names();
+  AddValue(app, "--accelerator", "NAME",
+           WithDefault(fmt::format("Ray tracing structure: {}", fmt::join(accelerators, ", ")),
+                       std::string(accelerators.front())),
+           render.accelerator, [accelerators](std::string_view flag, std::string_view word) {
+             return ParseChoice(flag, word, accelerators);
+           });
   AddValue(app, "--max-depth", "N", "Maximum path length in bounces", render.max_depth,
            WholeNumber<int>(0, kPathDepthMax));
 }

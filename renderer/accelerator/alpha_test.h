@@ -1,4 +1,4 @@
-// Surfaces that let some rays pass.
+// Opacity of surfaces.
 #pragma once
 
 #include "renderer/shape/geometry.h"
@@ -7,9 +7,9 @@
 
 namespace tessera {
 
-// Whether the surface at `hit` is there for this ray, given in rendering space: always where alpha is 1,
-// never where it is 0, and in between with that probability, decided by a hash of the ray. Without regard to
-// the primitive, as in pbrt: two layers of the same alpha on a ray's way are there both or not at all.
+// Whether `ray` (rendering space) is stopped by the surface at `hit`: always where alpha is 1, never where it
+// is 0, and with probability alpha in between, decided by a hash of the ray. The hash does not depend on the
+// primitive, as in pbrt: two layers of the same alpha stop a ray both or not at all.
 bool AlphaIsHit(const Geometry& geometry, const TextureTable& textures, const Ray& ray,
                 const FloatInput& alpha, const Hit& hit);
 

@@ -11,9 +11,9 @@ namespace {
 constexpr int kBins = 16;
 // In units of a test of a block of triangles.
 constexpr float kTraversalCost = 0.4f, kOtherCost = 1.5f;
-// Deeper down, halves have equal numbers of primitives: this bounds the depth of the whole tree.
+// Below this depth both halves get equal numbers of primitives, which bounds the depth of the tree.
 constexpr int kHeuristicDepthMax = 60;
-// Below, a thread's start costs more than it gains.
+// With fewer primitives, starting a thread costs more than it saves.
 constexpr uint32_t kPrimitivesPerThreadMin = 8192;
 
 struct Bin {

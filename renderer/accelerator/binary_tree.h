@@ -16,9 +16,9 @@ struct BinaryNode {
   bool is_leaf() const { return right == 0; }
 };
 
-// A leaf's primitives are either triangles, no more than a block holds, or others, no more than a leaf may
-// have. Node 0 is the root. The nodes of a tree over n primitives are somewhere among 2 n; the others are
-// not initialised.
+// A leaf holds either triangles, at most a block of them, or other primitives, at most kOthersPerLeafMax.
+// Node 0 is the root. The array has 2 n nodes for n primitives; those that the tree does not use are not
+// initialised.
 std::unique_ptr<BinaryNode[]> BuildBinaryTree(std::span<BoxedPrimitive> primitives, int threads);
 
 }  // namespace tessera

@@ -24,7 +24,7 @@ struct SlabRay {
     }
   }
 
-  // The children whose boxes the ray enters before t_max, one bit each, and where. As TracedRay::Enters.
+  // The children whose boxes the ray enters before t_max, one bit each, and where. See TracedRay::Enters.
   unsigned Enters(const BvhNode& node, float t_max, float entry[BvhNode::kChildren]) const {
     __m256 enter = _mm256_setzero_ps(), leave = _mm256_set1_ps(t_max);
 #pragma GCC unroll 3
@@ -65,7 +65,7 @@ struct BvhStack {
   int size = 0;
 };
 
-// The child to go on with, of those that were entered (at least one); the others are put on the stack.
+// Returns the child to visit next, of those that were entered (at least one), and pushes the others.
 template <bool kSorted>
 uint32_t ChooseChild(const BvhNode& node, unsigned entered, const float entry[BvhNode::kChildren],
                      BvhStack* stack) {

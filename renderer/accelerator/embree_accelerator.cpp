@@ -42,7 +42,7 @@ class EmbreeAccelerator : public Accelerator {
       if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
       *hit = MakeHit(query, context);
       if (RefineHit(geometry_, ray, hit)) return true;
-      // The surface that the ray started on, found again by a rounding error of Embree's: go on behind it.
+      // The surface that the ray started on, found again by a rounding error of Embree's: continue beyond it.
       query.ray.tnear = NextFloatUp(query.ray.tfar);
     }
     return false;
@@ -58,7 +58,7 @@ class EmbreeAccelerator : public Accelerator {
   AcceleratorStatistics statistics() const override { return {build_seconds_, 0, device_->bytes(), 0}; }
 
  private:
-  // False hits in a row after which a ray counts as lost; one is already rare.
+  // Consecutive false hits after which a ray counts as a miss; even one is rare.
   static constexpr int kFalseHitsMax = 16;
 
   void AddInstance(uint32_t index) {
@@ -126,7 +126,7 @@ class EmbreeAccelerator : public Accelerator {
   const Geometry& geometry_;
   const TextureTable& textures_;
   EmbreeScene top_;
-  std::vector<std::unique_ptr<EmbreeScene>> groups_;  // null where nobody instances it
+  std::vector<std::unique_ptr<EmbreeScene>> groups_;  // null if it has no instance
   std::vector<uint32_t> instances_;                   // those that are not empty
   double build_seconds_ = 0;
 };

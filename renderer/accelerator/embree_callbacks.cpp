@@ -4,8 +4,7 @@
 
 #include "renderer/accelerator/alpha_test.h"
 #include "renderer/shape/hit_refinement.h"
-#include "renderer/shape/patch_intersection.h"
-#include "renderer/shape/quadric_intersection.h"
+#include "renderer/shape/ray_crossings.h"
 #include "renderer/shape/shape_sampling.h"
 
 namespace tessera {
@@ -32,18 +31,11 @@ bool IntersectUserPrimitive(const EmbreeRayContext& context, const EmbreeGeometr
   hit->primitive = record.Primitive(embree_primitive);
   hit->instance = context.InstanceOf(context.base.instID[0]);
   const DoubleRay ray = RayInShapeSpace(*context.geometry, hit->instance, *context.ray);
-  double t = 0;
-  if (const auto* quadric = std::get_if<Quadric>(&record.shape->form)) {
-    if (!IntersectQuadric(*quadric, ray, t_max, &t)) return false;
-  } else {
-    PatchHit patch_hit;
-    const auto& mesh = std::get<BilinearMesh>(record.shape->form);
-    if (!IntersectPatch(PatchAt(mesh, hit->primitive), ray, t_max, &patch_hit)) return false;
-    t = patch_hit.t;
-    hit->u = patch_hit.u;
-    hit->v = patch_hit.v;
-  }
-  hit->t = std::min(static_cast<float>(t), t_max);
+  Crossing found;
+  if (!NearestCrossing(*record.shape, hit->primitive, ray, t_max, &found)) return false;
+  hit->t = std::min(static_cast<float>(found.t), t_max);
+  hit->u = found.u;
+  hit->v = found.v;
   const SurfaceProperties& surface = record.shape->surface;
   return !surface.HasAlpha() || AlphaIsHit(context, surface.alpha, *hit);
 }
@@ -97,7 +89,7 @@ void FilterByAlpha(const RTCFilterFunctionNArguments* arguments) {
   if (!is_hit) arguments->valid[0] = 0;
 }
 
-// Whether a hit of Embree's is too far from the ray's origin for its distance to be a mere rounding error.
+// Whether a hit of Embree's is too far from the ray's origin for its distance to be only a rounding error.
 // The distance is (v0 . n) / (d . n) for a corner v0, as seen from the origin, and the normal n = e1 x e2:
 // its numerator is off by some epsilons of |v0| |e1| |e2|.
 bool IsSurelyAhead(const RTCRay& ray, const RTCHit& hit, float edge_max) {

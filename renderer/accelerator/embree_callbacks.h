@@ -6,14 +6,14 @@
 
 namespace tessera {
 
-// Rides along with every ray.
+// Passed with every ray.
 struct EmbreeRayContext {
   RTCIntersectContext base;  // first: callbacks get a pointer to it
   const Ray* ray;            // in rendering space
   const Geometry* geometry;
   const TextureTable* textures;
-  const uint32_t*
-      instances;  // from geometry id at the top level, less first_instance, to index in Geometry::instances
+  // Maps a geometry id at the top level, less first_instance, to an index in Geometry::instances.
+  const uint32_t* instances;
   uint32_t first_instance;  // geometry id of the first instance
 
   uint32_t InstanceOf(uint32_t embree_instance) const {
@@ -24,7 +24,7 @@ struct EmbreeRayContext {
 
 void SetUserPrimitiveCallbacks(RTCGeometry geometry);
 void SetAlphaFilter(RTCGeometry geometry);
-// Keeps the surface that a shadow ray starts on from hiding it by a rounding error: thin triangles have
+// Keeps the surface that a shadow ray starts on from occluding it by a rounding error: thin triangles have
 // inexact normals.
 void SetOcclusionFilter(RTCGeometry geometry);
 

@@ -1,4 +1,4 @@
-// Owns an Embree device: its instruction set, its threads, its errors and the memory it takes.
+// Owns an Embree device: its instruction set, threads, errors and memory.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -24,8 +24,8 @@ using EmbreeGeometryHandle =
 
 class EmbreeDevice {
  public:
-  // Always for AVX2, whatever the processor can do more: the bits of a hit depend on it. `threads` (at least
-  // 1) are used to build, none to trace.
+  // Always for AVX2, even if the processor supports more: the bits of a hit depend on it. Uses `threads`
+  // threads (at least 1) to build, none to trace.
   static Result<std::unique_ptr<EmbreeDevice>> Make(int threads);
   ~EmbreeDevice();
   EmbreeDevice(const EmbreeDevice&) = delete;
@@ -33,7 +33,7 @@ class EmbreeDevice {
 
   RTCDevice handle() const { return device_; }
   uint64_t bytes() const { return static_cast<uint64_t>(bytes_.load()); }
-  // The first error since the device was made, if any. For the thread that builds.
+  // The first error since the device was created, if any. Only for the thread that builds.
   Result<void> Status() const;
 
  private:

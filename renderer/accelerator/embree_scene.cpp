@@ -10,8 +10,8 @@
 namespace tessera {
 namespace {
 
-// Shares the vertices with Embree, which loads 16 bytes at each: the vector must have room for one more. If
-// not, they are copied.
+// Shares the vertices with Embree, which loads 16 bytes at each, if the vector has room for one more;
+// otherwise copies them.
 void SetVertices(RTCGeometry geometry, const std::vector<Point3>& P) {
   static_assert(sizeof(Point3) == 3 * sizeof(float));
   if (P.capacity() > P.size()) {
@@ -40,6 +40,10 @@ float LongestEdge(const std::vector<Point3>& P, const std::vector<uint32_t>& ind
 
 }  // namespace
 
+void EmbreeScene::Add(const EmbreeDevice& device, const ShapeForm auto& form, EmbreeGeometryRecord record) {
+  AddUserPrimitives(device, form.PrimitiveCount(), std::move(record));
+}
+
 EmbreeScene::EmbreeScene(const EmbreeDevice& device, std::span<const Shape> shapes)
     : scene_(rtcNewScene(device.handle())) {
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
@@ -48,18 +52,11 @@ EmbreeScene::EmbreeScene(const EmbreeDevice& device, std::span<const Shape> shap
     const Shape& shape = shapes[i];
     if (IsNeverHit(shape)) continue;
     EmbreeGeometryRecord record{&shape, static_cast<uint32_t>(i), {}};
-    if (const auto* triangles = std::get_if<TriangleMesh>(&shape.form)) {
-      AddTriangles(device, *triangles, std::move(record));
-    } else if (const auto* patches = std::get_if<BilinearMesh>(&shape.form)) {
-      AddPatches(device, *patches, std::move(record));
-    } else {
-      AddUserPrimitives(device, 1, std::move(record));
-    }
+    Dispatch(shape.form, [&](const auto& form) { Add(device, form, std::move(record)); });
   }
 }
 
-void EmbreeScene::AddTriangles(const EmbreeDevice& device, const TriangleMesh& mesh,
-                               EmbreeGeometryRecord record) {
+void EmbreeScene::Add(const EmbreeDevice& device, const TriangleMesh& mesh, EmbreeGeometryRecord record) {
   const EmbreeGeometryHandle geometry(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_TRIANGLE));
   SetVertices(geometry.get(), mesh.P);
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices.data(),
@@ -68,12 +65,11 @@ void EmbreeScene::AddTriangles(const EmbreeDevice& device, const TriangleMesh& m
   Attach(geometry.get(), std::move(record));
 }
 
-void EmbreeScene::AddPatches(const EmbreeDevice& device, const BilinearMesh& mesh,
-                             EmbreeGeometryRecord record) {
+void EmbreeScene::Add(const EmbreeDevice& device, const BilinearMesh& mesh, EmbreeGeometryRecord record) {
   const uint32_t count = record.shape->PrimitiveCount();
   EmbreeGeometryRecord flat = record;
   for (uint32_t i = 0; i < count; ++i) {
-    (IsParallelogram(PatchAt(mesh, i)) ? flat : record).primitives.push_back(i);
+    (IsParallelogram(mesh.At(i)) ? flat : record).primitives.push_back(i);
   }
   if (!flat.primitives.empty()) AddQuads(device, mesh, std::move(flat));
   const uint32_t curved_count = static_cast<uint32_t>(record.primitives.size());
@@ -88,7 +84,7 @@ void EmbreeScene::AddQuads(const EmbreeDevice& device, const BilinearMesh& mesh,
   using Quad = std::array<uint32_t, 4>;
   auto* quad = static_cast<Quad*>(rtcSetNewGeometryBuffer(
       geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, sizeof(Quad), record.primitives.size()));
-  if (!quad) return;  // out of memory: the device knows
+  if (!quad) return;  // out of memory: reported by the device
   for (const uint32_t i : record.primitives) {
     const uint32_t* v = &mesh.indices[4 * size_t{i}];
     *quad++ = {v[0], v[1], v[3], v[2]};  // around the patch

@@ -11,10 +11,10 @@
 
 namespace tessera {
 
-// Which geometries a ray sees: all, or all but surfaces that only separate media.
+// The geometries that a ray can hit: all, or all except interfaces between media.
 enum EmbreeRayMask : unsigned { kSolidMask = 1, kInterfaceMask = 2, kAllMask = 3 };
 
-// What stands behind one Embree geometry: a shape, or the part of its patches that are (not) parallelograms.
+// The source of one Embree geometry: a shape, or those of its patches that are (not) parallelograms.
 struct EmbreeGeometryRecord {
   const Shape* shape = nullptr;
   uint32_t shape_index = 0;
@@ -29,7 +29,7 @@ struct EmbreeGeometryRecord {
 // Immutable once committed. The shapes must outlive it.
 class EmbreeScene {
  public:
-  // Adds all shapes but those that are never hit. Geometry ids are 0, 1, 2, ... in order of shapes.
+  // Adds all shapes except those that are never hit. Geometry ids are 0, 1, 2, ... in order of shapes.
   EmbreeScene(const EmbreeDevice& device, std::span<const Shape> shapes);
 
   RTCScene handle() const { return scene_.get(); }
@@ -37,10 +37,11 @@ class EmbreeScene {
   const EmbreeGeometryRecord& record(uint32_t geometry) const { return records_[geometry]; }
 
  private:
-  void AddTriangles(const EmbreeDevice& device, const TriangleMesh& mesh, EmbreeGeometryRecord record);
-  void AddPatches(const EmbreeDevice& device, const BilinearMesh& mesh, EmbreeGeometryRecord record);
+  void Add(const EmbreeDevice& device, const TriangleMesh& mesh, EmbreeGeometryRecord record);
+  void Add(const EmbreeDevice& device, const BilinearMesh& mesh, EmbreeGeometryRecord record);
+  void Add(const EmbreeDevice& device, const ShapeForm auto& form, EmbreeGeometryRecord record);
   void AddQuads(const EmbreeDevice& device, const BilinearMesh& mesh, EmbreeGeometryRecord record);
-  // Primitives that Embree does not know: by our own intersection functions.
+  // Primitives that Embree does not know, intersected by their form.
   void AddUserPrimitives(const EmbreeDevice& device, uint32_t count, EmbreeGeometryRecord record);
   void Attach(RTCGeometry geometry, EmbreeGeometryRecord record);
 

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
-#include "renderer/shape/hit_refinement.h"
 #include "renderer/shape/patch_intersection.h"
-#include "renderer/shape/quadric_intersection.h"
+#include "renderer/shape/ray_crossings.h"
 
 namespace tessera {
 namespace {
@@ -18,7 +17,7 @@ Bounds3 BoundsOf(const TrianglePoints& triangle) {
   return {Min(Min(triangle.p0, triangle.p1), triangle.p2), Max(Max(triangle.p0, triangle.p1), triangle.p2)};
 }
 
-// As RefineHit does, but a hit beyond the ray's end is none.
+// Like TriangleMesh::Refine, but rejects hits beyond the end of the ray.
 bool RefineOnTriangle(const TrianglePoints& triangle, const DoubleRay& ray, float t_max, Hit* hit) {
   TriangleCrossing crossing;
   if (!CrossTriangle(triangle, ray, &crossing)) return false;
@@ -31,26 +30,19 @@ bool RefineOnTriangle(const TrianglePoints& triangle, const DoubleRay& ray, floa
 }
 
 bool RefineOnParallelogram(const Shape& shape, const DoubleRay& ray, float t_max, Hit* hit) {
-  PatchHit found;
-  const PatchPoints patch = PatchAt(std::get<BilinearMesh>(shape.form), hit->primitive);
+  Crossing found;
+  const PatchPoints patch = std::get<BilinearMesh>(shape.form).At(hit->primitive);
   if (!CrossParallelogram(patch, ray, &found) || !(found.t > 0 && found.t <= t_max)) return false;
   *hit = {static_cast<float>(found.t), found.u, found.v, hit->shape, hit->primitive, hit->instance};
   return true;
 }
 
 bool IntersectOther(const Shape& shape, const DoubleRay& ray, float t_max, Hit* hit) {
-  double t = 0;
-  if (const auto* quadric = std::get_if<Quadric>(&shape.form)) {
-    if (!IntersectQuadric(*quadric, ray, t_max, &t)) return false;
-  } else {
-    PatchHit found;
-    const PatchPoints patch = PatchAt(std::get<BilinearMesh>(shape.form), hit->primitive);
-    if (!IntersectPatch(patch, ray, t_max, &found)) return false;
-    t = found.t;
-    hit->u = found.u;
-    hit->v = found.v;
-  }
-  hit->t = std::min(static_cast<float>(t), t_max);
+  Crossing found;
+  if (!NearestCrossing(shape, hit->primitive, ray, t_max, &found)) return false;
+  hit->t = std::min(static_cast<float>(found.t), t_max);
+  hit->u = found.u;
+  hit->v = found.v;
   return true;
 }
 

@@ -1,8 +1,8 @@
 // Finds the nearest hit, or any, among primitives that are offered in any order: what is found depends on the
 // ray and the primitives alone.
 //
-// That holds because a primitive's candidate is a pure function of ray and primitive, and so is its key: its
-// distance, but at least that of everything a traversal may discard it by (its own box, its instance's, its
+// This holds because a primitive's candidate is a pure function of ray and primitive, and so is its key: its
+// distance, or if larger that of whatever a traversal may discard it by (its own box, its instance's box, its
 // nearest vertex). The least key wins, and among equals the lowest instance, shape and primitive. Distances
 // are those of hit_refinement.h.
 #pragma once
@@ -34,7 +34,7 @@ class HitSearch {
   // Not an instance. `entry`: where the ray enters the primitive's box.
   void TestOther(const OtherPrimitive& other, const TracedRay& ray, float entry);
 
-  // What lies beyond need not be offered.
+  // Primitives beyond this distance need not be offered.
   float limit() const { return limit_; }
   bool found() const { return best_.found; }
   bool is_done() const { return kAny && best_.found; }

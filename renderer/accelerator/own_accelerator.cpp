@@ -11,6 +11,8 @@
 namespace tessera {
 namespace {
 
+enum class SearchMethod { kTree, kList };
+
 class OwnAccelerator : public Accelerator {
  public:
   OwnAccelerator(const Geometry& geometry, const TextureTable& textures)
@@ -21,16 +23,13 @@ class OwnAccelerator : public Accelerator {
     groups_.resize(geometry_.groups.size());
     for (size_t i = 0; i < groups_.size(); ++i) {
       const std::span<const Shape> shapes = geometry_.groups[i].shapes;
-      Result<std::vector<BoxedPrimitive>> primitives = CollectPrimitives(shapes);
-      if (!primitives) return primitives.error();
-      Result<SearchSpace> group = BuildSpace(method, shapes, *std::move(primitives), threads);
+      Result<SearchSpace> group = BuildSpace(method, shapes, CollectPrimitives(shapes), threads);
       if (!group) return group.error();
       groups_[i] = *std::move(group);
     }
-    Result<std::vector<BoxedPrimitive>> primitives = CollectPrimitives(geometry_.shapes);
-    if (!primitives) return primitives.error();
-    AddInstances(&*primitives);
-    Result<SearchSpace> top = BuildSpace(method, geometry_.shapes, *std::move(primitives), threads);
+    std::vector<BoxedPrimitive> primitives = CollectPrimitives(geometry_.shapes);
+    AddInstances(&primitives);
+    Result<SearchSpace> top = BuildSpace(method, geometry_.shapes, std::move(primitives), threads);
     if (!top) return top.error();
     top_ = *std::move(top);
     statistics_ = Summarize(method);
@@ -164,13 +163,23 @@ class OwnAccelerator : public Accelerator {
   AcceleratorStatistics statistics_;
 };
 
-}  // namespace
-
 Result<std::unique_ptr<Accelerator>> MakeOwnAccelerator(SearchMethod method, const Geometry& geometry,
                                                         const TextureTable& textures, int build_threads) {
   auto accelerator = std::make_unique<OwnAccelerator>(geometry, textures);
   if (Result<void> built = accelerator->Build(method, build_threads); !built) return built.error();
   return std::unique_ptr<Accelerator>(std::move(accelerator));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Accelerator>> MakeBvhAccelerator(const Geometry& geometry,
+                                                        const TextureTable& textures, int build_threads) {
+  return MakeOwnAccelerator(SearchMethod::kTree, geometry, textures, build_threads);
+}
+
+Result<std::unique_ptr<Accelerator>> MakeListAccelerator(const Geometry& geometry,
+                                                         const TextureTable& textures, int build_threads) {
+  return MakeOwnAccelerator(SearchMethod::kList, geometry, textures, build_threads);
 }
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// Rays against Geometry by our own intersection tests: through a tree of boxes ("bvh"), or one primitive
-// after the other ("list"). Both find the same hits, bit for bit.
+// Rays against Geometry by our own intersection tests: "bvh" searches a tree of boxes, "list" tries one
+// primitive after the other. Both find the same hits, bit for bit.
 #pragma once
 
 #include <memory>
@@ -8,10 +8,9 @@
 
 namespace tessera {
 
-enum class SearchMethod { kTree, kList };
-
-// `build_threads` does not change any result.
-Result<std::unique_ptr<Accelerator>> MakeOwnAccelerator(SearchMethod method, const Geometry& geometry,
+Result<std::unique_ptr<Accelerator>> MakeBvhAccelerator(const Geometry& geometry,
                                                         const TextureTable& textures, int build_threads);
+Result<std::unique_ptr<Accelerator>> MakeListAccelerator(const Geometry& geometry,
+                                                         const TextureTable& textures, int build_threads);
 
 }  // namespace tessera

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 #include "renderer/accelerator/alpha_test.h"
-#include "renderer/shape/patch.h"
-#include "renderer/shape/shape_sampling.h"
 
 namespace tessera {
 namespace {
@@ -26,7 +23,7 @@ Bounds3 TriangleBounds(const TrianglePoints& triangle) {
   return bounds;
 }
 
-// A parallelogram is two triangles, which share its diagonal.
+// A parallelogram consists of two triangles that share its diagonal.
 TrianglePoints HalfPatch(const PatchPoints& patch, PrimitiveKind half) {
   if (half == PrimitiveKind::kPatchHalf0) return {patch.p00, patch.p10, patch.p11};
   return {patch.p00, patch.p11, patch.p01};
@@ -34,50 +31,41 @@ TrianglePoints HalfPatch(const PatchPoints& patch, PrimitiveKind half) {
 
 TrianglePoints PointsOf(const Shape& shape, const PrimitiveName& name) {
   if (name.kind == PrimitiveKind::kTriangle) {
-    return TriangleAt(std::get<TriangleMesh>(shape.form), name.primitive);
+    return std::get<TriangleMesh>(shape.form).At(name.primitive);
   }
-  return HalfPatch(PatchAt(std::get<BilinearMesh>(shape.form), name.primitive), name.kind);
+  return HalfPatch(std::get<BilinearMesh>(shape.form).At(name.primitive), name.kind);
 }
 
 class Collector {
  public:
   explicit Collector(std::vector<BoxedPrimitive>* primitives) : primitives_(*primitives) {}
 
-  Result<void> Add(const Shape& shape, uint32_t index) {
+  void Add(const Shape& shape, uint32_t index) {
     name_ = {index, 0, {}, shape.surface.HasAlpha(), shape.surface.is_interface};
-    shape_ = &shape;
-    return std::visit([this](const auto& form) { return AddForm(form); }, shape.form);
+    Dispatch(shape.form, [this](const auto& form) { AddForm(form); });
   }
 
  private:
-  Result<void> AddForm(const TriangleMesh& mesh) {
-    const uint32_t count = shape_->PrimitiveCount();
-    for (uint32_t i = 0; i < count; ++i) {
-      Push(i, PrimitiveKind::kTriangle, TriangleBounds(TriangleAt(mesh, i)));
-    }
-    return {};
+  void AddForm(const TriangleMesh& mesh) {
+    const uint32_t count = mesh.PrimitiveCount();
+    for (uint32_t i = 0; i < count; ++i) Push(i, PrimitiveKind::kTriangle, mesh.PrimitiveBounds(i));
   }
-  Result<void> AddForm(const BilinearMesh& mesh) {
-    const uint32_t count = shape_->PrimitiveCount();
+  void AddForm(const BilinearMesh& mesh) {
+    const uint32_t count = mesh.PrimitiveCount();
     for (uint32_t i = 0; i < count; ++i) {
-      const PatchPoints patch = PatchAt(mesh, i);
+      const PatchPoints patch = mesh.At(i);
       if (!IsParallelogram(patch)) {
-        Push(i, PrimitiveKind::kPatch, ShapeBounds(*shape_, i));
+        Push(i, PrimitiveKind::kOther, mesh.PrimitiveBounds(i));
         continue;
       }
       for (const PrimitiveKind half : {PrimitiveKind::kPatchHalf0, PrimitiveKind::kPatchHalf1}) {
         Push(i, half, TriangleBounds(HalfPatch(patch, half)));
       }
     }
-    return {};
   }
-  Result<void> AddForm(const Quadric&) {
-    Push(0, PrimitiveKind::kQuadric, ShapeBounds(*shape_, 0));
-    return {};
-  }
-  template <typename OtherForm>
-  Result<void> AddForm(const OtherForm&) {
-    return BadInput("this scene has shapes that only the accelerator \"embree\" can hold");
+  void AddForm(const ShapeForm auto& form) {
+    const uint32_t count = form.PrimitiveCount();
+    for (uint32_t i = 0; i < count; ++i) Push(i, PrimitiveKind::kOther, form.PrimitiveBounds(i));
   }
 
   void Push(uint32_t primitive, PrimitiveKind kind, const Bounds3& bounds) {
@@ -88,18 +76,16 @@ class Collector {
   }
 
   std::vector<BoxedPrimitive>& primitives_;
-  const Shape* shape_ = nullptr;
   PrimitiveName name_;
 };
 
 }  // namespace
 
-Result<std::vector<BoxedPrimitive>> CollectPrimitives(std::span<const Shape> shapes) {
+std::vector<BoxedPrimitive> CollectPrimitives(std::span<const Shape> shapes) {
   std::vector<BoxedPrimitive> primitives;
   Collector collector(&primitives);
   for (size_t i = 0; i < shapes.size(); ++i) {
-    if (IsNeverHit(shapes[i])) continue;
-    if (Result<void> added = collector.Add(shapes[i], static_cast<uint32_t>(i)); !added) return added.error();
+    if (!IsNeverHit(shapes[i])) collector.Add(shapes[i], static_cast<uint32_t>(i));
   }
   return primitives;
 }

@@ -7,16 +7,15 @@
 
 #include "renderer/accelerator/triangle_block.h"
 #include "renderer/shape/geometry.h"
-#include "renderer/util/result.h"
 
 namespace tessera {
 
-enum class PrimitiveKind : uint8_t { kTriangle, kPatchHalf0, kPatchHalf1, kPatch, kQuadric, kInstance };
+enum class PrimitiveKind : uint8_t { kTriangle, kPatchHalf0, kPatchHalf1, kOther, kInstance };
 inline bool IsTriangle(PrimitiveKind kind) {
   return kind <= PrimitiveKind::kPatchHalf1;
 }
 
-// Says which primitive; an instance is one of the space it is placed in.
+// Identifies a primitive. An instance is a primitive of the space it is placed in.
 struct PrimitiveName {
   uint32_t shape = 0;  // of an instance: index in Geometry::instances
   uint32_t primitive = 0;
@@ -25,13 +24,13 @@ struct PrimitiveName {
   bool is_interface = false;
 };
 
-// What is not made of triangles.
+// A primitive that is not made of triangles.
 struct OtherPrimitive {
   Bounds3 bounds;
   PrimitiveName name;
 };
 
-// Eight children, whose boxes are tested at once.
+// Eight children, whose boxes are tested together.
 struct alignas(64) BvhNode {
   static constexpr int kChildren = 8;
   // A child is the index of a node; or, with kLeaf, that of a block; or, with kLeaf and kOthers, a count and
@@ -69,13 +68,13 @@ struct BoxedPrimitive {
 };
 
 // All primitives of `shapes` that can be hit, in order. Those without finite bounds are left out: no ray
-// meets them. An error if there is a kind that only other accelerators hold.
-Result<std::vector<BoxedPrimitive>> CollectPrimitives(std::span<const Shape> shapes);
+// meets them.
+std::vector<BoxedPrimitive> CollectPrimitives(std::span<const Shape> shapes);
 
-// Triangles (at most TriangleBlock::kLanes) of `shapes`, packed.
+// Packs triangles (at most TriangleBlock::kLanes) of `shapes`.
 TriangleBlock MakeBlock(std::span<const Shape> shapes, std::span<const BoxedPrimitive> triangles);
 
-// A space without a tree, in the order given.
+// Builds a space without a tree, in the order given.
 SearchSpace MakeListSpace(std::span<const Shape> shapes, std::span<const BoxedPrimitive> primitives);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// A ray in one space (of the scene, or of a group of shapes), made ready to be tested against boxes and
+// A ray in one space (of the scene, or of a group of shapes), prepared for tests against boxes and
 // triangles.
 #pragma once
 
@@ -10,11 +10,11 @@
 
 namespace tessera {
 
-// The slab test against a box is done by this arithmetic and no other, everywhere: t = b / d - o / d in one
+// The slab test against a box uses this arithmetic everywhere: t = b / d - o / d in one
 // rounding grows with the plane b, so a box inside another is entered no sooner and left no later, *in
 // floats*. A ray that passes the test for a primitive's own box thus passes it for all boxes around that.
 //
-// Boxes are taken larger on all sides by a few rounding errors of the longest distance in the space, which
+// Boxes are enlarged on all sides by a few rounding errors of the longest distance in the space, which
 // is more than the errors of the slab test and of the triangle test together.
 struct TracedRay {
   TracedRay(const DoubleRay& ray, const Bounds3& space) : exact(ray), o(ray.o.ToFloat()), d(ray.d.ToFloat()) {
@@ -59,7 +59,7 @@ struct TracedRay {
   bool is_negative[3];
   // Woop's shear that makes the ray (0, 0, t); z is the axis along which d is longest.
   int kx, ky, kz;
-  Point3 sheared_o;  // o, its axes exchanged alike
+  Point3 sheared_o;  // o with its axes exchanged in the same way
   float shear_x, shear_y, scale_z;
 
  private:

@@ -1,12 +1,13 @@
-// Eight triangles at once against a ray.
+// Tests eight triangles against a ray in one go.
 //
 // The test is that of Woop, Benthin and Wald 2013 ("Watertight Ray/Triangle Intersection") and not Moeller
 // and Trumbore's of 1997, which computes an edge that two triangles share in two different ways: rays can
 // slip through between them. Here every vertex is sheared into the ray's space by itself, so both triangles
 // see the same two points, and the edge's function a x b is the difference of two rounded products, which
-// changes only its sign when a and b are exchanged. As rounding is monotonic that sign is never wrong, it can
-// only become zero; zero counts as inside, for both. So no ray passes a shared edge or vertex. (The original
-// turns to double precision at zero, to give the edge to one side; we let the order of primitives decide.)
+// changes only its sign when a and b are exchanged. As rounding is monotonic, that sign is never wrong; it
+// can only become zero, which counts as inside for both. So no ray passes a shared edge or vertex. (The
+// original switches to double precision at zero to assign the edge to one side; here the order of primitives
+// decides.)
 #pragma once
 
 #include <immintrin.h>
@@ -55,9 +56,9 @@ inline ShearedVertices Shear(const TriangleBlock& block, const TracedRay& ray) {
   return sheared;
 }
 
-// The lanes, one bit each, whose triangle the ray's line crosses, less those that lie wholly behind the
-// ray's start or beyond t_limit. Their nearest vertex, in units of t, is written to `nearest`; other elements
-// of it mean nothing.
+// The lanes, one bit each, whose triangle the ray's line crosses, without those that lie wholly before the
+// start of the ray or beyond t_limit. Writes the nearest vertex of each, in units of t, to `nearest`; its
+// other elements are unspecified.
 inline unsigned CrossedLanes(const TriangleBlock& block, const TracedRay& ray, float t_limit,
                              float nearest[TriangleBlock::kLanes]) {
   const auto [x, y, z] = Shear(block, ray);

@@ -1,9 +1,19 @@
 // Cameras: from a place on the film to a ray.
+//
+// To add a kind of camera, write a class that satisfies CameraKind in files of its own, append it to
+// AnyCamera and give it a row in camera.cpp.
 #pragma once
 
+#include <concepts>
+#include <variant>
+
+#include "renderer/camera/camera_directive.h"
+#include "renderer/camera/perspective_camera.h"
+#include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
 #include "renderer/math/ray.h"
 #include "renderer/math/transform.h"
+#include "renderer/util/dispatch.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -13,8 +23,23 @@ struct Footprint {
   Vec3 dpdx, dpdy;
 };
 
+// What kinds of cameras differ in: how rays leave the film, in camera space. Small values.
+template <typename T>
+concept CameraKind = requires(const T& camera, const CameraDirective& directive, Point2 film, Point2 u_lens) {
+  // Reports errors to the reader.
+  { T::Read(directive) } -> std::same_as<T>;
+  // Whether rays depend on u_lens.
+  { camera.has_lens() } -> std::same_as<bool>;
+  // See Camera::GenerateRay.
+  { camera.GenerateRay(film, u_lens) } -> std::same_as<CameraRay>;
+};
+
+template <CameraKind... Kinds>
+using CameraOf = std::variant<Kinds...>;
+using AnyCamera = CameraOf<PerspectiveCamera>;
+
 // Rendering space has the axes of world space and its origin at the camera (pbrt's "cameraworld"):
-// coordinates near the camera keep the most digits. A perspective camera with a thin lens. Immutable.
+// coordinates near the camera keep the most digits. Immutable.
 class Camera {
  public:
   // Reads a Camera directive for a picture of width x height pixels. The camera must not move.
@@ -22,8 +47,10 @@ class Camera {
                              int height);
 
   const Transform& render_from_world() const { return render_from_world_; }
-  bool has_lens() const { return lens_radius_ > 0; }
-  // Seconds that the shutter is open.
+  bool has_lens() const {
+    return Dispatch(kind_, [](const auto& kind) { return kind.has_lens(); });
+  }
+  // Time for which the shutter is open, seconds.
   float exposure_time() const { return shutter_close_ - shutter_open_; }
 
   // The ray through the film at `film` (pixels from the upper left corner) and the lens at `u_lens` in [0,
@@ -35,10 +62,14 @@ class Camera {
   Footprint ApproximateFootprint(Point3 p, Normal3 n, float scale) const;
 
  private:
-  Transform render_from_world_, render_from_camera_, camera_from_raster_;
-  float lens_radius_ = 0, focal_distance_ = 1e6f;  // scene units
-  float shutter_open_ = 0, shutter_close_ = 1;     // seconds
-  float spread_x_ = 0, spread_y_ = 0;              // smallest change of a unit ray direction per pixel
+  void MeasureSpread(int width, int height);
+
+  AnyCamera kind_;
+  Transform render_from_world_, render_from_camera_;
+  float shutter_open_ = 0, shutter_close_ = 1;  // seconds
+  float spread_x_ = 0, spread_y_ = 0;           // smallest change of a unit ray direction per pixel
 };
+
+KindList CameraKinds();
 
 }  // namespace tessera

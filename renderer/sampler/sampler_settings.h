@@ -3,35 +3,33 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <vector>
 
+#include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
-#include "renderer/sampler/sobol.h"
+#include "renderer/sampler/sampler.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
 
-enum class SamplerKind { kIndependent, kStratified, kSobol, kPaddedSobol, kZSobol };
-
 struct SamplerSettings {
-  SamplerKind kind = SamplerKind::kZSobol;
-  Randomization randomization = Randomization::kFastOwen;
+  // Not started: each render thread uses a copy.
+  Sampler sampler;
   uint64_t seed = 0;
-  uint32_t samples_per_pixel = 16;
-  uint32_t strata_x = 4, strata_y = 4;  // stratified: their product is samples_per_pixel
-  bool jitter = true;
-  int log2_samples = 4;  // zsobol: samples_per_pixel is this power of two
-  int base4_digits = 0;  // zsobol: of the Morton place, sample index included
-
-  // Whether the first samples of a pixel are others when there are more of them.
-  bool DependsOnCount() const { return kind == SamplerKind::kStratified || kind == SamplerKind::kZSobol; }
+  uint32_t samples_per_pixel = 1;
 };
 
-// Reads a Sampler directive. `samples` and `seed` override the scene's. `width` and `height` are those of the
-// whole picture. What is done otherwise than asked is added to `diagnostics`.
+// What the command line may ask for instead of the scene.
+struct SamplerOverrides {
+  std::optional<uint32_t> samples_per_pixel;
+  std::optional<uint64_t> seed;
+};
+
+// Reads a Sampler directive for a picture of width x height pixels. `default_seed` is the seed of directives
+// that have none. Warns if the number of samples is not the one that was asked for.
 Result<SamplerSettings> ReadSampler(const Entity& entity, int width, int height,
-                                    std::optional<uint32_t> samples, std::optional<uint64_t> seed,
-                                    uint64_t default_seed, Diagnostics& diagnostics);
+                                    const SamplerOverrides& overrides, uint64_t default_seed,
+                                    Diagnostics& diagnostics);
+
+KindList SamplerKinds();
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// Sobol' points and the randomisations that are put on them.
+// Sobol' points and their randomisations.
 #pragma once
 
 #include <bit>
@@ -70,6 +70,16 @@ inline uint32_t Randomize(Randomization randomization, uint32_t v, uint32_t seed
     case Randomization::kOwen: return OwenScramble(v, seed);
   }
   return v;
+}
+
+inline float RandomizedFraction(Randomization randomization, uint32_t bits, uint32_t seed) {
+  return UniformFloat(Randomize(randomization, bits, seed));
+}
+
+// A nested shuffle of sample indices: aligned blocks of a power of two go to aligned blocks, so that every
+// prefix is stratified as well as before.
+inline uint32_t ShuffledIndex(uint32_t index, uint64_t seed) {
+  return FastOwenScramble(index, static_cast<uint32_t>(seed >> 32));
 }
 
 // Element `i` of a random permutation of 0 ... count - 1 (Kensler 2013).

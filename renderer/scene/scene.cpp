@@ -81,6 +81,7 @@ class SceneLoader {
   const RenderOptions& options_;
   ImageCache images_;
   SceneDescription scene_;
+  const Kind<AcceleratorMaker>* accelerator_ = nullptr;
   bool wavefront_ = false;  // the scene asks for pbrt's wavefront renderer
   std::unique_ptr<Scene::Data> data_ = std::make_unique<Scene::Data>();
 };
@@ -111,11 +112,11 @@ Result<void> SceneLoader::ReadSettings() {
   if (!filter) return filter.error();
   data.filter = std::move(*filter);
   const Result<SamplerSettings> sampler =
-      ReadSampler(scene_.sampler, film->width, film->height, options_.samples_per_pixel, options_.seed,
+      ReadSampler(scene_.sampler, film->width, film->height, {options_.samples_per_pixel, options_.seed},
                   scene_options->seed, scene_.diagnostics);
   if (!sampler) return sampler.error();
   data.sampler = *sampler;
-  data.summary.extendable = !data.sampler.DependsOnCount();
+  data.summary.extendable = !data.sampler.sampler.DependsOnCount();
   const Result<IntegratorChoice> integrator = ChooseIntegrator(scene_, options_, scene_.diagnostics);
   if (!integrator) return integrator.error();
   // As fine as pbrt's for many samples if the number is open: it must not show in the first of them.
@@ -170,7 +171,7 @@ Result<void> SceneLoader::CheckLights(const std::string& name) {
 Result<void> SceneLoader::BuildAccelerator() {
   Scene::Data& data = *data_;
   Result<std::unique_ptr<Accelerator>> accelerator =
-      MakeAccelerator(data.summary.accelerator, data.world.geometry, data.world.textures);
+      MakeAccelerator(*accelerator_, data.world.geometry, data.world.textures);
   if (!accelerator) return accelerator.error();
   data.world.accelerator = std::move(*accelerator);
   data.summary.accelerators.push_back(SummaryOf(data.summary.accelerator, *data.world.accelerator));
@@ -179,12 +180,13 @@ Result<void> SceneLoader::BuildAccelerator() {
 
 void SceneLoader::SurveyAccelerators() {
   Scene::Data& data = *data_;
-  for (const std::string_view kind : kAcceleratorKinds) {
-    if (!options_.accelerator.empty() && kind != options_.accelerator) continue;
+  const bool all = options_.accelerator.empty();
+  for (const Kind<AcceleratorMaker>& kind : Accelerators().kinds()) {
+    if (!all && &kind != accelerator_) continue;
     const auto accelerator = MakeAccelerator(kind, data.world.geometry, data.world.textures);
-    AcceleratorSummary summary{.kind = std::string(kind), .refusal = {}};
+    AcceleratorSummary summary{.kind = std::string(kind.name), .refusal = {}};
     if (accelerator) {
-      summary = SummaryOf(kind, **accelerator);
+      summary = SummaryOf(kind.name, **accelerator);
     } else {
       summary.refusal = accelerator.error().message;
     }
@@ -201,9 +203,10 @@ Result<std::unique_ptr<Scene::Data>> SceneLoader::Load(const std::string& name, 
   if (Result<void> stopped = StopTime(name); !stopped) return stopped.error();
   if (Result<void> settings = ReadSettings(); !settings) return settings.error();
   if (Result<void> lit = CheckLights(name); !lit) return lit.error();
-  const Result<std::string> accelerator = ChooseAccelerator(scene_.accelerator, options_.accelerator);
+  const auto accelerator = ChooseAccelerator(scene_.accelerator, options_.accelerator);
   if (!accelerator) return accelerator.error();
-  data_->summary.accelerator = *accelerator;
+  accelerator_ = *accelerator;
+  data_->summary.accelerator = accelerator_->name;
   Summarize(scene_, data_->world, images_, &data_->summary);
   data_->summary.load_seconds = SecondsSince(start);
   if (depth == Scene::Depth::kRender) {

@@ -52,10 +52,17 @@ struct AcceleratorSummary {
   std::string refusal;            // not empty: why this accelerator cannot hold the scene
 };
 
+// The primitives of one form of shape.
+struct PrimitiveTotal {
+  std::string name;  // plural: "triangles"
+  uint64_t count = 0;
+};
+
 // What a scene holds, for `tessera info`.
 struct SceneSummary {
   std::string camera, film, filter, sampler, integrator, accelerator;
-  uint64_t shapes = 0, triangles = 0, patches = 0, quadrics = 0, groups = 0, instances = 0;
+  uint64_t shapes = 0, groups = 0, instances = 0;
+  std::vector<PrimitiveTotal> primitives;  // of every form, also of those that the scene has none of
   uint64_t lights = 0, materials = 0, textures = 0, media = 0;
   uint64_t moving = 0;  // the camera, shapes and instances that are elsewhere at another time
   uint64_t geometry_bytes = 0, image_bytes = 0;

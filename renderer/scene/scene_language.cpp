@@ -1,24 +1,24 @@
 #include "renderer/scene/scene_language.h"
 
+#include "renderer/camera/camera.h"
 #include "renderer/description/option_kinds.h"
+#include "renderer/filter/filter.h"
 #include "renderer/integrator/integrator_kinds.h"
 #include "renderer/light/light.h"
 #include "renderer/material/material_kinds.h"
+#include "renderer/sampler/sampler_settings.h"
 #include "renderer/scene/film_settings.h"
 #include "renderer/scene/scene_options.h"
+#include "renderer/shape/shape_kinds.h"
 
 namespace tessera {
 
 std::vector<KindList> SceneLanguageKinds() {
   return {
-      FilmKinds(),
-      Integrators().List(),
-      LightSourceKinds(),
-      AreaLightKinds(),
-      LightSamplers().List(),
-      MaterialKinds().List(),
-      SceneAcceleratorKinds(),
-      OptionKinds().List(),
+      CameraKinds(),           FilmKinds(),          FilterKinds(),
+      SamplerKinds(),          Integrators().List(), LightSamplers().List(),
+      SceneAcceleratorKinds(), ShapeKinds().List(),  MaterialKinds().List(),
+      LightSourceKinds(),      AreaLightKinds(),     OptionKinds().List(),
   };
 }
 

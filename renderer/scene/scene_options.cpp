@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
-#include "renderer/accelerator/accelerator.h"
 #include "renderer/description/option_kinds.h"
 #include "renderer/util/text.h"
 
@@ -57,15 +55,14 @@ KindList SceneAcceleratorKinds() {
   return kSceneAcceleratorTable.List();
 }
 
-Result<std::string> ChooseAccelerator(const Entity& entity, const std::string& option) {
+Result<const Kind<AcceleratorMaker>*> ChooseAccelerator(const Entity& entity, const std::string& option) {
   if (kSceneAcceleratorTable.Find(entity.kind) == nullptr)
     return ErrorAt(entity.location, kSceneAcceleratorTable.Refusal(entity.kind));
-  if (option.empty()) return std::string("embree");
-  if (std::ranges::find(kAcceleratorKinds, option) == kAcceleratorKinds.end()) {
-    return BadInput(fmt::format("--accelerator: unknown accelerator {}{}", Quoted(option),
-                                DidYouMean(option, kAcceleratorKinds)));
-  }
-  return option;
+  const KindTable<AcceleratorMaker> accelerators = Accelerators();
+  if (option.empty()) return &accelerators.kinds().front();
+  const Kind<AcceleratorMaker>* kind = accelerators.Find(option);
+  if (kind == nullptr) return BadInput("--accelerator: " + accelerators.Refusal(option));
+  return kind;
 }
 
 }  // namespace tessera

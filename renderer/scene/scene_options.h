@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "renderer/accelerator/accelerator.h"
 #include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
 
@@ -20,8 +21,8 @@ Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics
 // Those that the Accelerator directive may name.
 KindList SceneAcceleratorKinds();
 
-// The accelerator to use: the one named on the command line, or "embree" if `option` is empty. The kind that
-// the scene names is only checked, because accelerators do not change the picture.
-Result<std::string> ChooseAccelerator(const Entity& entity, const std::string& option);
+// The accelerator to use: the one named on the command line, or the default if `option` is empty. The kind
+// that the scene names is only checked, because accelerators do not change the picture.
+Result<const Kind<AcceleratorMaker>*> ChooseAccelerator(const Entity& entity, const std::string& option);
 
 }  // namespace tessera

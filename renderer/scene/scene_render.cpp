@@ -11,7 +11,7 @@ namespace {
 class PixelRenderer {
  public:
   PixelRenderer(const Scene::Data& data, RenderStatistics* statistics)
-      : data_(data), sampler_(data.sampler), statistics_(*statistics) {}
+      : data_(data), sampler_(data.sampler.sampler), statistics_(*statistics) {}
 
   // The sums R G B W of samples `range` of pixel (x, y).
   Float4 Render(int x, int y, SampleRange range) {

@@ -3,31 +3,23 @@
 namespace tessera {
 namespace {
 
-template <typename T>
-uint64_t Bytes(const std::vector<T>& list) {
-  return list.size() * sizeof(T);
+// A zero for each form, in the order of Form.
+template <typename... Forms>
+std::vector<PrimitiveTotal> EmptyTotals(const std::variant<Forms...>*) {
+  return {PrimitiveTotal{std::string(Forms::kPrimitives), 0}...};
 }
 
 void CountShape(const Shape& shape, SceneSummary* summary) {
   ++summary->shapes;
-  summary->geometry_bytes += sizeof(Shape);
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape.form)) {
-    summary->triangles += mesh->indices.size() / 3;
-    summary->geometry_bytes +=
-        Bytes(mesh->P) + Bytes(mesh->N) + Bytes(mesh->S) + Bytes(mesh->uv) + Bytes(mesh->indices);
-  } else if (const auto* patches = std::get_if<BilinearMesh>(&shape.form)) {
-    summary->patches += patches->indices.size() / 4;
-    summary->geometry_bytes +=
-        Bytes(patches->P) + Bytes(patches->N) + Bytes(patches->uv) + Bytes(patches->indices);
-  } else {
-    ++summary->quadrics;
-  }
+  summary->geometry_bytes += sizeof(Shape) + shape.Bytes();
+  summary->primitives[shape.form.index()].count += shape.PrimitiveCount();
 }
 
 }  // namespace
 
 void Summarize(const SceneDescription& scene, const World& world, const ImageCache& images,
                SceneSummary* summary) {
+  summary->primitives = EmptyTotals(static_cast<const Form*>(nullptr));
   for (const Shape& shape : world.geometry.shapes) CountShape(shape, summary);
   for (const ShapeGroup& group : world.geometry.groups) {
     for (const Shape& shape : group.shapes) CountShape(shape, summary);

@@ -1,5 +1,5 @@
 // Three doubles, for the few places where a float's 24 bits do not suffice: intersections whose result must
-// not depend on who computed them. Only + - * / and sqrt, which are the same on every machine.
+// not depend on the machine that computes them. Only + - * / and sqrt, which are the same on every machine.
 #pragma once
 
 #include <cmath>
@@ -36,7 +36,7 @@ inline Double3 Cross(Double3 a, Double3 b) {
 inline Double3 Lerp(double t, Double3 a, Double3 b) {
   return a * (1 - t) + b * t;
 }
-// The difference of two points that are given in float: exact but for the last rounding.
+// The difference of two points given in float: exact except for the last rounding.
 inline Double3 Difference(Vec3 a, Vec3 b) {
   return Double3(a) - Double3(b);
 }

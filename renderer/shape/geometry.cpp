@@ -1,40 +1,22 @@
 #include "renderer/shape/geometry.h"
 
-#include "renderer/shape/interaction.h"
-#include "renderer/shape/quadric.h"
-#include "renderer/util/check.h"
-
 namespace tessera {
-namespace {
-
-struct CountPrimitives {
-  uint32_t operator()(const TriangleMesh& mesh) const {
-    return static_cast<uint32_t>(mesh.indices.size() / 3);
-  }
-  uint32_t operator()(const BilinearMesh& mesh) const {
-    return static_cast<uint32_t>(mesh.indices.size() / 4);
-  }
-  uint32_t operator()(const Quadric&) const { return 1; }
-};
-
-struct BoundForm {
-  template <typename Mesh>
-  Bounds3 operator()(const Mesh& mesh) const {
-    Bounds3 bounds;
-    for (const uint32_t index : mesh.indices) bounds.Add(mesh.P[index]);
-    return bounds;
-  }
-  Bounds3 operator()(const Quadric& quadric) const { return QuadricBounds(quadric); }
-};
-
-}  // namespace
 
 uint32_t Shape::PrimitiveCount() const {
-  return std::visit(CountPrimitives{}, form);
+  return Dispatch(form, [](const auto& f) { return f.PrimitiveCount(); });
+}
+
+uint64_t Shape::Bytes() const {
+  return Dispatch(form, [](const auto& f) { return f.Bytes(); });
 }
 
 Bounds3 Shape::Bounds() const {
-  return std::visit(BoundForm{}, form);
+  return Dispatch(form, [](const auto& f) {
+    Bounds3 bounds;
+    const uint32_t count = f.PrimitiveCount();
+    for (uint32_t i = 0; i < count; ++i) bounds.Add(f.PrimitiveBounds(i));
+    return bounds;
+  });
 }
 
 Bounds3 Geometry::Bounds() const {
@@ -63,6 +45,11 @@ uint64_t Geometry::PrimitiveCount() const {
 const Shape& ShapeOf(const Geometry& geometry, uint32_t instance, uint32_t shape) {
   if (instance == Hit::kNoInstance) return geometry.shapes[shape];
   return geometry.groups[geometry.instances[instance].group].shapes[shape];
+}
+
+HitRay RayOf(const Geometry& geometry, uint32_t instance, const Ray& ray) {
+  if (instance == Hit::kNoInstance) return {ray};
+  return {ray, &geometry.instances[instance].render_from_group};
 }
 
 }  // namespace tessera

@@ -1,6 +1,6 @@
-// The same bits for a hit, whoever found it. Ray tracing kernels divide by approximate reciprocals that
-// differ between makes of processors; what a picture sees of a hit is therefore computed here, from the
-// primitive that was found.
+// Gives a hit the same bits on every machine. Ray tracing kernels divide by approximate reciprocals that
+// differ between makes of processors; the parts of a hit that reach the picture are therefore computed here,
+// from the primitive that was found.
 #pragma once
 
 #include "renderer/shape/double3.h"
@@ -13,8 +13,8 @@ namespace tessera {
 DoubleRay RayInShapeSpace(const Geometry& geometry, uint32_t instance, const Ray& ray);
 
 // Recomputes t, u and v of a hit on a triangle, or on a patch that is a parallelogram, in double precision;
-// other hits are left as they are. False if the true distance is not positive: then the ray starts on or
-// behind the surface, and the hit is only a rounding error of the kernel.
+// other hits are left as they are. Returns false if the true distance is not positive: then the ray starts
+// on or beyond the surface, and the hit is a rounding error of the kernel.
 bool RefineHit(const Geometry& geometry, const Ray& ray, Hit* hit);
 
 }  // namespace tessera

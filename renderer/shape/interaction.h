@@ -1,4 +1,4 @@
-// A point on a surface that a ray hit.
+// Hits of rays on surfaces, and the local geometry there.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-// What an accelerator finds: which primitive, where on it.
+// What an accelerator finds: a primitive and a place on it.
 struct Hit {
   static constexpr uint32_t kNoInstance = 0xffffffffu;
   float t = 0;             // in units of the ray's direction
@@ -22,7 +22,7 @@ struct Hit {
 struct SurfaceInteraction {
   Point3 p;
   Vec3 p_error;  // half size of a box around p that holds the true point
-  Normal3 n;     // geometric, unit; on the side that the shape's orientation and reversal say
+  Normal3 n;     // geometric, unit; on the side given by the shape's orientation and reversal
   Point2 uv;
   Vec3 dpdu, dpdv;
   struct Shading {  // as interpolated from vertex normals and tangents

@@ -5,7 +5,7 @@
 namespace tessera {
 namespace {
 
-void Place(const MeshPlacement& placement, MeshLists* lists) {
+void Place(const Placement& placement, MeshLists* lists) {
   const Transform& transform = placement.render_from_object;
   lists->P.reserve(lists->P.size() + 1);
   if (!transform.IsIdentity()) {
@@ -19,10 +19,6 @@ void Place(const MeshPlacement& placement, MeshLists* lists) {
   }
 }
 
-bool FlipsNormals(const MeshPlacement& placement) {
-  return placement.reverse_orientation != placement.render_from_object.SwapsHandedness();
-}
-
 template <typename T>
 std::vector<T> Selected(const std::vector<T>& list, const std::vector<uint32_t>& selection) {
   std::vector<T> result;
@@ -34,16 +30,16 @@ std::vector<T> Selected(const std::vector<T>& list, const std::vector<uint32_t>&
 
 }  // namespace
 
-TriangleMesh MakeTriangleMesh(MeshLists lists, const MeshPlacement& placement) {
+TriangleMesh MakeTriangleMesh(MeshLists lists, const Placement& placement) {
   Place(placement, &lists);
   return {std::move(lists.P),  std::move(lists.N),       std::move(lists.S),
-          std::move(lists.uv), std::move(lists.indices), FlipsNormals(placement)};
+          std::move(lists.uv), std::move(lists.indices), placement.FlipsNormals()};
 }
 
-BilinearMesh MakeBilinearMesh(MeshLists lists, const MeshPlacement& placement) {
+BilinearMesh MakeBilinearMesh(MeshLists lists, const Placement& placement) {
   Place(placement, &lists);
   return {std::move(lists.P), std::move(lists.N), std::move(lists.uv), std::move(lists.indices),
-          FlipsNormals(placement)};
+          placement.FlipsNormals()};
 }
 
 MeshLists WithoutUnused(const MeshLists& lists) {

@@ -17,15 +17,17 @@ struct MeshLists {
   std::vector<uint32_t> indices;
 };
 
-// How a mesh comes to rendering space.
-struct MeshPlacement {
+// How a shape comes to rendering space.
+struct Placement {
   Transform render_from_object;
   bool reverse_orientation = false;
+
+  bool FlipsNormals() const { return reverse_orientation != render_from_object.SwapsHandedness(); }
 };
 
-// Both leave room for one more vertex behind P, where kernels that load four floats at a time may read.
-TriangleMesh MakeTriangleMesh(MeshLists lists, const MeshPlacement& placement);
-BilinearMesh MakeBilinearMesh(MeshLists lists, const MeshPlacement& placement);
+// Both leave room for one more vertex after P, where kernels that load four floats at a time may read.
+TriangleMesh MakeTriangleMesh(MeshLists lists, const Placement& placement);
+BilinearMesh MakeBilinearMesh(MeshLists lists, const Placement& placement);
 
 // The same mesh without the vertices to which no index refers.
 MeshLists WithoutUnused(const MeshLists& lists);

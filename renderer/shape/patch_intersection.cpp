@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-// Roots of a + b x + c x^2. Returns how many there are.
+// Roots of a + b x + c x^2. Returns their number.
 int SolveQuadratic(double a, double b, double c, double roots[2]) {
   if (c == 0) {
     if (b == 0) return 0;
@@ -25,7 +25,7 @@ int SolveQuadratic(double a, double b, double c, double roots[2]) {
 
 }  // namespace
 
-bool IntersectPatch(const PatchPoints& patch, const DoubleRay& ray, double t_max, PatchHit* hit) {
+bool IntersectPatch(const PatchPoints& patch, const DoubleRay& ray, double t_max, Crossing* crossing) {
   const Double3 q00 = Double3(patch.p00) - ray.o;
   const Double3 q10 = Double3(patch.p10) - ray.o;
   const Double3 e00 = Difference(patch.p01, patch.p00);
@@ -50,18 +50,18 @@ bool IntersectPatch(const PatchPoints& patch, const DoubleRay& ray, double t_max
     const double t = Dot(m, along) / n_squared;
     if (!(v >= 0 && v <= 1 && t > 0 && t <= t_max)) continue;
     t_max = t;
-    *hit = {t, static_cast<float>(u), static_cast<float>(v)};
+    *crossing = {t, static_cast<float>(u), static_cast<float>(v)};
     found = true;
   }
   return found;
 }
 
-bool CrossParallelogram(const PatchPoints& patch, const DoubleRay& ray, PatchHit* hit) {
-  TriangleCrossing crossing;
-  if (!CrossTriangle({patch.p00, patch.p10, patch.p01}, ray, &crossing)) return false;
-  hit->t = crossing.t;
-  hit->u = static_cast<float>(std::clamp(crossing.u, 0.0, 1.0));
-  hit->v = static_cast<float>(std::clamp(crossing.v, 0.0, 1.0));
+bool CrossParallelogram(const PatchPoints& patch, const DoubleRay& ray, Crossing* crossing) {
+  TriangleCrossing found;
+  if (!CrossTriangle({patch.p00, patch.p10, patch.p01}, ray, &found)) return false;
+  crossing->t = found.t;
+  crossing->u = static_cast<float>(std::clamp(found.u, 0.0, 1.0));
+  crossing->v = static_cast<float>(std::clamp(found.v, 0.0, 1.0));
   return true;
 }
 

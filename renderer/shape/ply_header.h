@@ -30,7 +30,7 @@ struct PlyElement {
   uint64_t count = 0;
   std::vector<PlyProperty> properties;
 
-  // The least number of bytes that one of these takes.
+  // The smallest number of bytes that one of these takes.
   size_t SizeMin(PlyFormat format) const;
 };
 
@@ -40,7 +40,8 @@ struct PlyHeader {
   size_t data_offset = 0;  // of the first byte after the header
 };
 
-// `name` is the file's, for messages. Counts are as the file claims them: not yet compared with what follows.
+// `name` is the name of the file, for messages. Counts are those the file claims, not yet compared with the
+// data.
 Result<PlyHeader> ReadPlyHeader(std::string_view bytes, const std::string& name);
 
 }  // namespace tessera

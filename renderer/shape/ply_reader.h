@@ -1,6 +1,6 @@
 // Meshes from PLY files: ascii or binary of either byte order, any order and type of properties, optionally
-// compressed by gzip. Files are not trusted: what they claim is compared with their size before memory is
-// taken.
+// compressed by gzip. Files are not trusted: counts are checked against the size of the file before memory is
+// allocated.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@ struct PlyMesh {
   uint64_t skipped_faces = 0;       // of neither three nor four vertices
 };
 
-// `name` is the file's, for messages: "models/x.ply: truncated: vertex 17 of 1000 is cut off". Every index of
-// the result is valid and every position finite.
+// `name` is the name of the file, for messages: "models/x.ply: truncated: vertex 17 of 1000 is cut off".
+// Every index of the result is valid and every position finite.
 Result<PlyMesh> ReadPly(std::string_view bytes, const std::string& name);
 
 }  // namespace tessera

@@ -18,16 +18,16 @@ class PlyBinaryValues {
   explicit PlyBinaryValues(std::string_view bytes) : at_(bytes.data()), end_(at_ + bytes.size()) {}
 
   size_t Remaining() const { return static_cast<size_t>(end_ - at_); }
-  // What the reader stopped at was the end, not something it could not understand.
+  // Whether reading stopped at the end of the data rather than at an invalid value.
   bool AtEnd() const { return true; }
 
   // False if the data ends first.
   bool ReadFloat(PlyType type, float* value) {
-    return Dispatch(type, [value](auto v) { *value = static_cast<float>(v); });
+    return WithType(type, [value](auto v) { *value = static_cast<float>(v); });
   }
   // `type` must be an integer type.
   bool ReadInteger(PlyType type, int64_t* value) {
-    return Dispatch(type, [value](auto v) { *value = static_cast<int64_t>(v); });
+    return WithType(type, [value](auto v) { *value = static_cast<int64_t>(v); });
   }
   bool Skip(PlyType type, uint64_t count) {
     const size_t size = PlySize(type);
@@ -49,7 +49,7 @@ class PlyBinaryValues {
     return true;
   }
   template <typename Use>
-  bool Dispatch(PlyType type, Use use) {
+  bool WithType(PlyType type, Use use) {
     switch (type) {
       case PlyType::kInt8: return Take<int8_t>(use);
       case PlyType::kUint8: return Take<uint8_t>(use);

@@ -21,7 +21,7 @@ struct SphereAngles {
   }
 };
 
-// At the poles the azimuth is not defined: such a point is taken a little to the side.
+// At the poles the azimuth is undefined: moves such a point a little to the side.
 Point3 AvoidPole(const Quadric& sphere, Point3 p) {
   if (p.x == 0 && p.y == 0) p.x = 1e-5f * sphere.radius;
   return p;
@@ -59,7 +59,7 @@ LocalDerivatives DifferentiateCylinder(const Quadric& cylinder, Point3 p) {
 LocalDerivatives DifferentiateDisk(const Quadric& disk, Point3 p) {
   const float r = std::sqrt(p.x * p.x + p.y * p.y);
   LocalDerivatives d;
-  if (r == 0) {  // the centre: any direction will do
+  if (r == 0) {  // the centre: any direction is right
     d.dpdu = {0, disk.phi_max * disk.radius, 0};
     d.dpdv = {disk.inner_radius - disk.radius, 0, 0};
     return d;
@@ -67,6 +67,21 @@ LocalDerivatives DifferentiateDisk(const Quadric& disk, Point3 p) {
   d.dpdu = {-disk.phi_max * p.y, disk.phi_max * p.x, 0};
   d.dpdv = Vec3{p.x, p.y, 0} * ((disk.inner_radius - disk.radius) / r);
   return d;
+}
+
+// Outward (of a disk: +z), not unit, not flipped.
+Vec3 ObjectNormal(const Quadric& quadric, Point3 p) {
+  switch (quadric.kind) {
+    case Quadric::Kind::kSphere: return p;
+    case Quadric::Kind::kCylinder: return {p.x, p.y, 0};
+    case Quadric::Kind::kDisk: break;
+  }
+  return {0, 0, 1};
+}
+
+// Where a hit is in object space, except for the rounding of its distance.
+Double3 ObjectPoint(const Quadric& quadric, const Hit& hit, const HitRay& ray) {
+  return TransformPoint(quadric.render_from_object.inverse_matrix(), ray.InShapeSpace().At(hit.t));
 }
 
 LocalDerivatives Differentiate(const Quadric& quadric, Point3 p) {
@@ -80,11 +95,11 @@ LocalDerivatives Differentiate(const Quadric& quadric, Point3 p) {
 
 }  // namespace
 
-Bounds3 QuadricBounds(const Quadric& quadric) {
-  const float r = quadric.radius;
-  const bool flat = quadric.kind == Quadric::Kind::kDisk;
-  const Bounds3 object{{-r, -r, quadric.z_min}, {r, r, flat ? quadric.z_min : quadric.z_max}};
-  Bounds3 bounds = quadric.render_from_object.ToBounds(object);
+Bounds3 Quadric::PrimitiveBounds(uint32_t) const {
+  const float r = radius;
+  const bool flat = kind == Kind::kDisk;
+  const Bounds3 object{{-r, -r, z_min}, {r, r, flat ? z_min : z_max}};
+  Bounds3 bounds = render_from_object.ToBounds(object);
   // Room for the rounding of the corners.
   const Vec3 largest = Max(Abs(bounds.min), Abs(bounds.max));
   bounds.min = bounds.min - largest * Gamma(8);
@@ -129,17 +144,8 @@ Point2 QuadricUv(const Quadric& quadric, Point3 p) {
   return {u, (quadric.radius - r) / (quadric.radius - quadric.inner_radius)};
 }
 
-Vec3 QuadricObjectNormal(const Quadric& quadric, Point3 p) {
-  switch (quadric.kind) {
-    case Quadric::Kind::kSphere: return p;
-    case Quadric::Kind::kCylinder: return {p.x, p.y, 0};
-    case Quadric::Kind::kDisk: break;
-  }
-  return {0, 0, 1};
-}
-
 Normal3 QuadricNormal(const Quadric& quadric, Point3 p) {
-  const Normal3 n = Normalize(quadric.render_from_object.ToNormal(QuadricObjectNormal(quadric, p)));
+  const Normal3 n = Normalize(quadric.render_from_object.ToNormal(ObjectNormal(quadric, p)));
   return quadric.flip_normals ? -n : n;
 }
 
@@ -152,21 +158,26 @@ Vec3 QuadricPointError(const Quadric& quadric, Point3 p) {
   return {};
 }
 
-void FillQuadricInteraction(const Quadric& quadric, Double3 near, SurfaceInteraction* interaction) {
-  const Transform& render_from_object = quadric.render_from_object;
-  const Double3 exact = ProjectToQuadric(quadric, near);
+void Quadric::FillInteraction(const Hit& hit, const HitRay& ray, SurfaceInteraction* interaction) const {
+  const Double3 exact = ProjectToQuadric(*this, ObjectPoint(*this, hit, ray));
   const Point3 p = exact.ToFloat();
-  const LocalDerivatives d = Differentiate(quadric, p);
+  const LocalDerivatives d = Differentiate(*this, p);
   const PointWithError point =
-      TransformPointWithError(render_from_object, exact, QuadricPointError(quadric, p));
+      TransformPointWithError(render_from_object, exact, QuadricPointError(*this, p));
   interaction->p = point.p;
   interaction->p_error = point.error;
-  interaction->uv = QuadricUv(quadric, p);
+  interaction->uv = QuadricUv(*this, p);
   interaction->dpdu = render_from_object.ToVector(d.dpdu);
   interaction->dpdv = render_from_object.ToVector(d.dpdv);
-  interaction->n = QuadricNormal(quadric, p);
+  interaction->n = QuadricNormal(*this, p);
   interaction->shading = {interaction->n, interaction->dpdu, interaction->dpdv,
                           render_from_object.ToNormal(d.dn.dndu), render_from_object.ToNormal(d.dn.dndv)};
+}
+
+void Quadric::FillHitPoint(const Hit& hit, const HitRay& ray, HitPoint* point) const {
+  const Point3 p = ProjectToQuadric(*this, ObjectPoint(*this, hit, ray)).ToFloat();
+  point->uv = QuadricUv(*this, p);
+  point->n = QuadricNormal(*this, p);
 }
 
 }  // namespace tessera

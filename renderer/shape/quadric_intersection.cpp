@@ -1,4 +1,6 @@
-#include "renderer/shape/quadric_intersection.h"
+#include <cmath>
+
+#include "renderer/shape/quadric.h"
 
 namespace tessera {
 namespace {
@@ -46,15 +48,16 @@ bool IntersectDisk(const Quadric& disk, const DoubleRay& ray, double t_max, doub
 
 }  // namespace
 
-bool IntersectQuadric(const Quadric& quadric, const DoubleRay& render_ray, double t_max, double* t) {
-  const DoubleRay ray = render_ray.TransformedBy(quadric.render_from_object.inverse_matrix());
-  if (quadric.kind == Quadric::Kind::kDisk) return IntersectDisk(quadric, ray, t_max, t);
+bool Quadric::Intersect(uint32_t, const DoubleRay& shape_ray, double t_max, Crossing* crossing) const {
+  const DoubleRay ray = shape_ray.TransformedBy(render_from_object.inverse_matrix());
+  *crossing = {};
+  if (kind == Kind::kDisk) return IntersectDisk(*this, ray, t_max, &crossing->t);
   double roots[2];
-  if (!SolveRound(quadric, ray, roots)) return false;
+  if (!SolveRound(*this, ray, roots)) return false;
   for (const double root : roots) {
     if (!(root > 0 && root <= t_max)) continue;
-    if (!IsPartOf(quadric, ProjectToQuadric(quadric, ray.At(root)))) continue;
-    *t = root;
+    if (!IsPartOf(*this, ProjectToQuadric(*this, ray.At(root)))) continue;
+    crossing->t = root;
     return true;
   }
   return false;

@@ -1,6 +1,8 @@
-#include "renderer/shape/quadric_sampling.h"
+#include <algorithm>
+#include <cmath>
 
 #include "renderer/math/sampling.h"
+#include "renderer/shape/quadric.h"
 #include "renderer/shape/shading_geometry.h"
 #include "renderer/shape/solid_angle_density.h"
 
@@ -127,48 +129,46 @@ std::optional<ShapeSample> SampleByArea(const Quadric& quadric, const ReferenceP
 
 }  // namespace
 
-std::optional<ShapeSample> SampleQuadric(const Quadric& quadric, const ReferencePoint& reference, Point2 u) {
-  const std::optional<RenderSphere> sphere = AsRenderSphere(quadric);
-  if (sphere && IsOutside(*sphere, reference)) return SampleCone(quadric, *sphere, reference, u);
-  return SampleByArea(quadric, reference, u);
+std::optional<ShapeSample> Quadric::Sample(uint32_t, const ReferencePoint& reference, Point2 u) const {
+  const std::optional<RenderSphere> sphere = AsRenderSphere(*this);
+  if (sphere && IsOutside(*sphere, reference)) return SampleCone(*this, *sphere, reference, u);
+  return SampleByArea(*this, reference, u);
 }
 
-float QuadricPdf(const Quadric& quadric, const ReferencePoint& reference,
-                 const SurfaceInteraction& on_light) {
-  const std::optional<RenderSphere> sphere = AsRenderSphere(quadric);
+float Quadric::Pdf(uint32_t, const ReferencePoint& reference, Vec3,
+                   const SurfaceInteraction& on_light) const {
+  const std::optional<RenderSphere> sphere = AsRenderSphere(*this);
   if (sphere && IsOutside(*sphere, reference)) {
     const float pdf = SphereCone(*sphere, reference.p).Pdf();
     return std::isfinite(pdf) ? pdf : 0;
   }
-  const float pdf = 1 / (ObjectArea(quadric) * AreaScale(quadric, on_light.n));
+  const float pdf = 1 / (ObjectArea(*this) * AreaScale(*this, on_light.n));
   return PerSolidAngle(pdf, reference.p, on_light.p, on_light.n);
 }
 
-bool SamplesByCone(const Quadric& quadric, const ReferencePoint& reference) {
-  const std::optional<RenderSphere> sphere = AsRenderSphere(quadric);
+bool Quadric::SamplesNearestOnly(const ReferencePoint& reference) const {
+  const std::optional<RenderSphere> sphere = AsRenderSphere(*this);
   return sphere && IsOutside(*sphere, reference);
 }
 
-float QuadricArea(const Quadric& quadric) {
-  const float object_area = ObjectArea(quadric);
-  if (const std::optional<RenderSphere> sphere = AsRenderSphere(quadric))
-    return 4 * kPi * Sqr(sphere->radius);
-  if (quadric.kind == Quadric::Kind::kDisk)
-    return object_area * AreaScale(quadric, QuadricNormal(quadric, {}));
+float Quadric::Area(uint32_t) const {
+  const float object_area = ObjectArea(*this);
+  if (const std::optional<RenderSphere> sphere = AsRenderSphere(*this)) return 4 * kPi * Sqr(sphere->radius);
+  if (kind == Kind::kDisk) return object_area * AreaScale(*this, QuadricNormal(*this, {}));
   constexpr int kSteps = 32;
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
     for (int j = 0; j < kSteps; ++j) {
-      const Point3 p = SampleObjectPoint(quadric, {(i + 0.5f) / kSteps, (j + 0.5f) / kSteps});
-      sum += AreaScale(quadric, QuadricNormal(quadric, p));
+      const Point3 p = SampleObjectPoint(*this, {(i + 0.5f) / kSteps, (j + 0.5f) / kSteps});
+      sum += AreaScale(*this, QuadricNormal(*this, p));
     }
   }
   return object_area * static_cast<float>(sum / (kSteps * kSteps));
 }
 
-NormalCone QuadricNormals(const Quadric& quadric) {
-  if (quadric.kind != Quadric::Kind::kDisk) return {};
-  return {QuadricNormal(quadric, {}), 1};
+NormalCone Quadric::Normals(uint32_t) const {
+  if (kind != Kind::kDisk) return {};
+  return {QuadricNormal(*this, {}), 1};
 }
 
 }  // namespace tessera

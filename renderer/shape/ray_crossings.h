@@ -1,4 +1,4 @@
-// Every point where a ray meets one primitive, not only the nearest: what a density over directions needs.
+// Where a ray meets one primitive, by the exact test of its form.
 #pragma once
 
 #include "renderer/shape/geometry.h"
@@ -6,11 +6,20 @@
 
 namespace tessera {
 
+// The nearest crossing of the shape's primitive with t in (0, t_max]; false if there is none. `ray` is in the
+// space of the shape.
+inline bool NearestCrossing(const Shape& shape, uint32_t primitive, const DoubleRay& ray, double t_max,
+                            Crossing* crossing) {
+  return Dispatch(shape.form,
+                  [&](const auto& form) { return form.Intersect(primitive, ray, t_max, crossing); });
+}
+
 // No primitive has more: a line meets a quadric or a bilinear patch at most twice.
 constexpr int kCrossingsMax = 2;
 
-// The hits of primitive `primitive` of `shape` (not instanced) with t in (0, ray.t_max], in ascending order.
-// Returns how many there are. Hit::shape is `shape_index`. Alpha is not looked at.
+// All crossings, as a density over directions needs them: the hits of primitive `primitive` of `shape` (not
+// instanced) with t in (0, ray.t_max], in ascending order. Returns their number. Hit::shape is `shape_index`.
+// Ignores alpha.
 int RayCrossings(const Shape& shape, uint32_t shape_index, uint32_t primitive, const Ray& ray,
                  Hit hits[kCrossingsMax]);
 

@@ -1,4 +1,4 @@
-// What the kinds of shapes share when they fill the shading part of an interaction.
+// Helpers with which forms fill the shading part of an interaction.
 #pragma once
 
 #include "renderer/math/transform.h"
@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-// Takes `shading` over, whose normal decides on which side the geometric normal lies. Derivatives so long
+// Sets `shading`, whose normal decides on which side the geometric normal lies. Derivatives so long
 // that their squares would overflow are scaled down.
 inline void SetShading(const SurfaceInteraction::Shading& shading, SurfaceInteraction* interaction) {
   constexpr float kLengthSquaredMax = 1e16f, kScale = 1e-8f;  // as pbrt's
@@ -27,14 +27,14 @@ struct NormalDerivatives {
 };
 NormalDerivatives DifferentiateNormal(Vec3 dpdu, Vec3 dpdv, Vec3 d2pduu, Vec3 d2pduv, Vec3 d2pdvv);
 
-// v turned by the smallest rotation that takes unit `from` to unit `to`.
+// v rotated by the smallest rotation that takes unit `from` to unit `to`.
 Vec3 RotateFromTo(Vec3 v, Vec3 from, Vec3 to);
 
 struct PointWithError {
   Point3 p;
   Vec3 error;
 };
-// Takes a point with a box of half size `error` around it through an affine transform. The new box also
+// Applies an affine transform to a point with a box of half size `error` around it. The new box also
 // covers the rounding of the transform, and that of taking a ray the other way by the inverse matrix.
 PointWithError TransformPointWithError(const Transform& transform, Double3 p, Vec3 error);
 

@@ -11,8 +11,8 @@ namespace tessera {
 // The shapes of one Shape directive with their forms and alpha, vertices taken to rendering space by
 // `render_from_world` after the directive's own transform. Never empty: a PLY file of triangles and quads
 // yields two. Reads PLY files from `files`. The caller fills the rest of the surface properties and
-// Shape::description. What is ignored for being wrong (a list of normals of another length than P) is added
-// to `diagnostics`, with its place. Not supported kinds are errors that name them. The shape must not move.
+// Shape::description. Parameters that are ignored because they are wrong (a list of normals whose length
+// differs from P's) are warnings. The shape must not move.
 Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, const Transform& render_from_world,
                                       FileSource& files, TextureBuilder& textures, Diagnostics& diagnostics);
 

@@ -6,16 +6,11 @@
 
 namespace tessera {
 
-// The interaction of `ray` (rendering space) with the surface that `hit` names. Also fills material, light
-// and media.
+// The interaction of `ray` (rendering space) with the surface that `hit` names, with its material, light and
+// media.
 SurfaceInteraction MakeInteraction(const Geometry& geometry, const Hit& hit, const Ray& ray);
 
-// Position and texture coordinates alone: what an alpha test needs.
-struct HitPoint {
-  Point3 p;
-  Point2 uv;
-  Normal3 n;  // geometric, unit
-};
+// The part of it that an alpha test needs.
 HitPoint MakeHitPoint(const Geometry& geometry, const Hit& hit, const Ray& ray);
 
 }  // namespace tessera

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "renderer/shape/shape_sampling.h"
+#include "renderer/shape/shape_queries.h"
 #include "renderer/shape/spherical_sampling.h"
 
 namespace tessera {
@@ -20,7 +20,7 @@ inline float PerSolidAngle(float pdf_per_area, Point3 from, Point3 p, Normal3 n)
   return std::isfinite(pdf) ? pdf : 0;
 }
 
-// Turns `sample`, whose pdf is per area, to solid angle; nothing if it cannot be seen.
+// Converts the pdf of `sample` from area to solid angle. Returns nullopt if the point cannot be seen.
 inline std::optional<ShapeSample> SeenFrom(const ReferencePoint& reference, ShapeSample sample) {
   sample.pdf = PerSolidAngle(sample.pdf, reference.p, sample.p, sample.n);
   if (!(sample.pdf > 0)) return std::nullopt;

@@ -185,9 +185,9 @@ void Print(const char* what, const Tally& tally) {
 
 struct Trio {
   explicit Trio(const Geometry& geometry)
-      : embree(*MakeAccelerator("embree", geometry, textures)),
-        bvh(*MakeAccelerator("bvh", geometry, textures)),
-        list(*MakeAccelerator("list", geometry, textures)) {}
+      : embree(*MakeAccelerator(*Accelerators().Find("embree"), geometry, textures)),
+        bvh(*MakeAccelerator(*Accelerators().Find("bvh"), geometry, textures)),
+        list(*MakeAccelerator(*Accelerators().Find("list"), geometry, textures)) {}
 
   TextureTable textures;
   std::unique_ptr<Accelerator> embree, bvh, list;
@@ -228,7 +228,7 @@ TEST_P(OwnKind, AnyHitMeansOccluded) {
   TestRandom random(11);
   const Geometry geometry{Mixture(random), {}, {}};
   const TextureTable textures;
-  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  const auto accelerator = *MakeAccelerator(*Accelerators().Find(GetParam()), geometry, textures);
   const std::vector<Point3> vertices = VerticesOf(geometry);
   for (int i = 0; i < 20000; ++i) {
     Ray ray = FuzzedRay(random, vertices, i);
@@ -247,14 +247,14 @@ TEST_P(OwnKind, AnyHitMeansOccluded) {
 TEST_P(OwnKind, AClosedMeshLetsNoRayThrough) {
   const Geometry geometry{{BallMesh(12, {1000, 50, 3}, 10)}, {}, {}};
   const TextureTable textures;
-  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  const auto accelerator = *MakeAccelerator(*Accelerators().Find(GetParam()), geometry, textures);
   const auto& mesh = std::get<TriangleMesh>(geometry.shapes[0].form);
   TestRandom random(7);
   const Point3 inside{1002, 52, 4};
   Hit hit;
   for (int i = 0; i < 30000; ++i) {
     const auto [p0, p1, p2] =
-        TriangleAt(mesh, static_cast<uint32_t>(random.Next() * static_cast<float>(mesh.indices.size() / 3)));
+        mesh.At(static_cast<uint32_t>(random.Next() * static_cast<float>(mesh.indices.size() / 3)));
     const Point3 target = i % 2 == 0 ? p0 : Lerp(random.Next(), p1, p2);
     const Ray outward{inside, target - inside};
     ASSERT_TRUE(accelerator->Intersect(outward, &hit)) << i;
@@ -273,7 +273,7 @@ TEST_P(OwnKind, RaysThatLeaveASurfaceDoNotFindItAgain) {
   geometry.groups.push_back({{BallMesh(8, {5, 1, 2}, 2), SphereShape({1, 0, 5}, 1)}});
   geometry.instances.push_back({0, RandomTransform(random, 30)});
   const TextureTable textures;
-  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  const auto accelerator = *MakeAccelerator(*Accelerators().Find(GetParam()), geometry, textures);
   int tried = 0, again = 0;
   for (int i = 0; i < 100000; ++i) {
     const Ray ray{RandomPoint(random, 40), {}};
@@ -296,7 +296,7 @@ TEST_P(OwnKind, InterfacesAreHitButCastNoShadow) {
   Geometry geometry{{SphereShape({0, 0, 5}, 1), TriangleShape({-3, -3, 1}, {3, -3, 1}, {0, 3, 1})}, {}, {}};
   for (Shape& shape : geometry.shapes) shape.surface.is_interface = true;
   const TextureTable textures;
-  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  const auto accelerator = *MakeAccelerator(*Accelerators().Find(GetParam()), geometry, textures);
   Hit hit;
   EXPECT_TRUE(accelerator->Intersect({{0, 0, 0}, {0, 0, 1}}, &hit));
   EXPECT_EQ(hit.shape, 1u);
@@ -308,7 +308,7 @@ TEST_P(OwnKind, AnEmptySceneHitsNothing) {
   geometry.groups.push_back({});
   geometry.instances.push_back({0, Transform()});
   const TextureTable textures;
-  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  const auto accelerator = *MakeAccelerator(*Accelerators().Find(GetParam()), geometry, textures);
   Hit hit;
   EXPECT_FALSE(accelerator->Intersect({{0, 0, 0}, {0, 0, 1}}, &hit));
   EXPECT_FALSE(accelerator->Occluded({{0, 0, 0}, {0, 0, 1}}));
@@ -317,7 +317,7 @@ TEST_P(OwnKind, AnEmptySceneHitsNothing) {
 INSTANTIATE_TEST_SUITE_P(Kinds, OwnKind, testing::Values("bvh", "list"));
 
 SearchSpace BuildTree(const std::vector<Shape>& shapes, int threads) {
-  return *BuildBvhSpace(shapes, *CollectPrimitives(shapes), threads);
+  return *BuildBvhSpace(shapes, CollectPrimitives(shapes), threads);
 }
 
 TEST(Bvh, ThreadsDoNotChangeTheTree) {

@@ -12,7 +12,7 @@ class Sphere : public testing::TestWithParam<std::string_view> {};
 TEST_P(Sphere, IsSeenFromInsideAndAtItsVeryEdge) {
   const Geometry geometry{{SphereShape({0, 0, 5}, 1)}, {}, {}};
   const TextureTable textures;
-  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  const auto accelerator = *MakeAccelerator(*Accelerators().Find(GetParam()), geometry, textures);
   Hit hit;
   ASSERT_TRUE(accelerator->Intersect({{0, 0, 5}, {0, 0, 2}}, &hit));
   EXPECT_FLOAT_EQ(hit.t, 0.5f);
@@ -29,7 +29,7 @@ TEST_P(Sphere, IsHitExactlyByRaysThatPassNearerThanItsRadius) {
   const double radius = 1.5f;
   const Geometry geometry{{SphereShape(center, 1.5f)}, {}, {}};
   const TextureTable textures;
-  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  const auto accelerator = *MakeAccelerator(*Accelerators().Find(GetParam()), geometry, textures);
   TestRandom random(21);
   int hits = 0, misses = 0;
   for (int i = 0; i < 200000; ++i) {
@@ -56,7 +56,7 @@ TEST_P(Sphere, IsHitExactlyByRaysThatPassNearerThanItsRadius) {
 TEST_P(Sphere, IsAlwaysLeftFromInside) {
   const Geometry geometry{{SphereShape({100, 20, -5}, 2)}, {}, {}};
   const TextureTable textures;
-  const auto accelerator = *MakeAccelerator(GetParam(), geometry, textures);
+  const auto accelerator = *MakeAccelerator(*Accelerators().Find(GetParam()), geometry, textures);
   TestRandom random(22);
   for (int i = 0; i < 100000; ++i) {
     // From the very middle to a hair's breadth of the surface, where floats are 8e-6 apart.
@@ -69,7 +69,7 @@ TEST_P(Sphere, IsAlwaysLeftFromInside) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, Sphere, testing::ValuesIn(kAcceleratorKinds));
+INSTANTIATE_TEST_SUITE_P(Kinds, Sphere, testing::ValuesIn(Accelerators().Names()));
 
 }  // namespace
 }  // namespace tessera

@@ -4,22 +4,31 @@
 
 #include <cmath>
 #include <set>
+#include <string>
 #include <vector>
 
 namespace tessera {
 namespace {
 
-constexpr SamplerKind kKinds[] = {SamplerKind::kIndependent, SamplerKind::kStratified, SamplerKind::kSobol,
-                                  SamplerKind::kPaddedSobol, SamplerKind::kZSobol};
+constexpr Randomization kRandomization = Randomization::kFastOwen;
 
-SamplerSettings Settings(SamplerKind kind, uint32_t samples = 64) {
-  SamplerSettings settings;
-  settings.kind = kind;
-  settings.samples_per_pixel = samples;
-  settings.strata_x = settings.strata_y = static_cast<uint32_t>(std::sqrt(static_cast<float>(samples)));
-  settings.log2_samples = std::bit_width(samples) - 1;
-  settings.base4_digits = 5 + (settings.log2_samples + 1) / 2;  // a picture of up to 32 x 32 pixels
-  return settings;
+struct NamedSampler {
+  std::string name;
+  Sampler sampler;
+};
+
+// All kinds, for a picture of 32 x 32 pixels with `samples` samples each, a square number and a power of two.
+std::vector<NamedSampler> Samplers(uint64_t seed = 0, uint32_t samples = 64) {
+  const auto side = static_cast<uint32_t>(std::sqrt(static_cast<float>(samples)));
+  return {{"independent", IndependentSampler(seed)},
+          {"stratified", StratifiedSampler(seed, side, side, true)},
+          {"sobol", SobolSampler(seed, kRandomization)},
+          {"paddedsobol", PaddedSobolSampler(seed, kRandomization)},
+          {"zsobol", ZSobolSampler(seed, kRandomization, std::bit_width(samples) - 1, 32, 32)}};
+}
+
+TEST(Sampler, TheTestsCoverEveryKind) {
+  EXPECT_EQ(Samplers().size(), std::variant_size_v<AnySampler>);
 }
 
 // The first 12 numbers of a sample.
@@ -35,25 +44,24 @@ std::vector<float> Draw(Sampler& sampler, int x, int y, uint32_t index) {
 }
 
 TEST(Sampler, AnySampleCanBeDrawnInAnyOrder) {
-  for (SamplerKind kind : kKinds) {
-    Sampler forward(Settings(kind)), backward(Settings(kind));
+  for (const auto& [name, sampler] : Samplers()) {
+    Sampler forward = sampler, backward = sampler;
     std::vector<std::vector<float>> first;
     for (uint32_t i = 0; i < 64; ++i) first.push_back(Draw(forward, 5, 7, i));
     for (int i = 63; i >= 0; --i) {
       Draw(backward, 1, 2, static_cast<uint32_t>(i));  // a visit elsewhere must leave no trace
-      EXPECT_EQ(Draw(backward, 5, 7, static_cast<uint32_t>(i)), first[i]);
+      EXPECT_EQ(Draw(backward, 5, 7, static_cast<uint32_t>(i)), first[i]) << name;
     }
   }
 }
 
 TEST(Sampler, ValuesLieInTheUnitInterval) {
-  for (SamplerKind kind : kKinds) {
-    Sampler sampler(Settings(kind));
+  for (auto& [name, sampler] : Samplers()) {
     for (int pixel = 0; pixel < 50; ++pixel) {
       for (uint32_t i = 0; i < 64; ++i) {
         for (float v : Draw(sampler, pixel % 32, pixel / 32, i)) {
-          EXPECT_GE(v, 0.0f);
-          EXPECT_LT(v, 1.0f);
+          EXPECT_GE(v, 0.0f) << name;
+          EXPECT_LT(v, 1.0f) << name;
         }
       }
     }
@@ -61,8 +69,7 @@ TEST(Sampler, ValuesLieInTheUnitInterval) {
 }
 
 TEST(Sampler, EveryDimensionHasMeanOneHalfAndVarianceOneTwelfth) {
-  for (SamplerKind kind : kKinds) {
-    Sampler sampler(Settings(kind));
+  for (auto& [name, sampler] : Samplers()) {
     std::vector<double> sum(12), squares(12);
     constexpr int kPixels = 400, kSamples = 64;
     for (int pixel = 0; pixel < kPixels; ++pixel) {
@@ -77,20 +84,19 @@ TEST(Sampler, EveryDimensionHasMeanOneHalfAndVarianceOneTwelfth) {
     constexpr double kCount = kPixels * kSamples;
     for (int d = 0; d < 12; ++d) {
       const double mean = sum[d] / kCount;
-      EXPECT_NEAR(mean, 0.5, 5 / std::sqrt(12 * kCount))
-          << "kind " << static_cast<int>(kind) << " dimension " << d;
+      EXPECT_NEAR(mean, 0.5, 5 / std::sqrt(12 * kCount)) << name << " dimension " << d;
       EXPECT_NEAR(squares[d] / kCount - mean * mean, 1.0 / 12, 0.002);
     }
   }
 }
 
 TEST(Sampler, DifferentPixelsAndSeedsGetDifferentNumbers) {
-  for (SamplerKind kind : kKinds) {
-    SamplerSettings other = Settings(kind);
-    other.seed = 1;
-    Sampler a(Settings(kind)), b(other);
-    EXPECT_NE(Draw(a, 3, 4, 0), Draw(a, 4, 3, 0));
-    EXPECT_NE(Draw(a, 3, 4, 0), Draw(b, 3, 4, 0));
+  std::vector<NamedSampler> samplers = Samplers(0), others = Samplers(1);
+  for (size_t i = 0; i < samplers.size(); ++i) {
+    auto& [name, a] = samplers[i];
+    Sampler& b = others[i].sampler;
+    EXPECT_NE(Draw(a, 3, 4, 0), Draw(a, 4, 3, 0)) << name;
+    EXPECT_NE(Draw(a, 3, 4, 0), Draw(b, 3, 4, 0)) << name;
   }
 }
 
@@ -110,12 +116,10 @@ void ExpectNet(const std::vector<Point2>& points) {
 }
 
 TEST(Sampler, SobolPrefixesOfPowersOfTwoAreNetsInEveryPixel) {
-  for (SamplerKind kind : {SamplerKind::kSobol, SamplerKind::kPaddedSobol}) {
-    for (Randomization randomization :
-         {Randomization::kFastOwen, Randomization::kOwen, Randomization::kPermuteDigits}) {
-      SamplerSettings settings = Settings(kind);
-      settings.randomization = randomization;
-      Sampler sampler(settings);
+  for (Randomization randomization :
+       {Randomization::kFastOwen, Randomization::kOwen, Randomization::kPermuteDigits}) {
+    for (Sampler sampler :
+         {Sampler(SobolSampler(0, randomization)), Sampler(PaddedSobolSampler(0, randomization))}) {
       for (int pixel = 0; pixel < 8; ++pixel) {
         for (uint32_t count : {1u, 2u, 16u, 64u, 256u}) {
           std::vector<Point2> points;
@@ -131,7 +135,7 @@ TEST(Sampler, SobolPrefixesOfPowersOfTwoAreNetsInEveryPixel) {
 }
 
 TEST(Sampler, ZSobolSamplesOfAPixelAreStratifiedInEveryPairOfDimensions) {
-  Sampler sampler(Settings(SamplerKind::kZSobol, 64));
+  ZSobolSampler sampler(0, kRandomization, 6, 32, 32);
   for (int pixel = 0; pixel < 16; ++pixel) {
     std::vector<Point2> first, second;
     for (uint32_t i = 0; i < 64; ++i) {
@@ -145,7 +149,7 @@ TEST(Sampler, ZSobolSamplesOfAPixelAreStratifiedInEveryPairOfDimensions) {
 }
 
 TEST(Sampler, StratifiedSamplesFillEveryStratumOnce) {
-  Sampler sampler(Settings(SamplerKind::kStratified, 64));
+  StratifiedSampler sampler(0, 8, 8, true);
   std::set<int> strata, line;
   for (uint32_t i = 0; i < 64; ++i) {
     sampler.StartSample(1, 1, i);
@@ -158,7 +162,7 @@ TEST(Sampler, StratifiedSamplesFillEveryStratumOnce) {
 }
 
 TEST(Sampler, DimensionsBeyondTheTableStayStratified) {
-  Sampler sampler(Settings(SamplerKind::kSobol));
+  SobolSampler sampler(0, kRandomization);
   std::set<int> cells;
   for (uint32_t i = 0; i < 64; ++i) {
     sampler.StartSample(2, 2, i);

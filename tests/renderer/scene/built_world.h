@@ -26,7 +26,7 @@ inline std::unique_ptr<World> BuiltWorld(const std::string& text, bool with_medi
   const Result<void> built =
       BuildWorld({*scene, files, images, LightSamplerKind::kTree, with_media}, world.get(), diagnostics);
   EXPECT_TRUE(built) << built.error().message;
-  world->accelerator = *MakeAccelerator("embree", world->geometry, world->textures);
+  world->accelerator = *MakeAccelerator(*Accelerators().Find("embree"), world->geometry, world->textures);
   return world;
 }
 

@@ -59,9 +59,7 @@ class Tracer {
 
   // Sample `index` of the ray from the origin along d.
   SampledSpectrum Trace(Vec3 d, uint32_t index, Record* record) {
-    SamplerSettings settings;
-    settings.kind = SamplerKind::kIndependent;
-    Sampler sampler(settings);
+    Sampler sampler(IndependentSampler(0));
     sampler.StartSample(1, 2, index);
     wavelengths_ = SampledWavelengths::SampleVisible(sampler.Get1D());
     const PathContext context{world_, estimator_.path, wavelengths_, sampler, counts_};

@@ -8,10 +8,8 @@
 #include "renderer/math/sampling.h"
 #include "renderer/shape/geometry.h"
 #include "renderer/shape/hit_refinement.h"
-#include "renderer/shape/patch_intersection.h"
-#include "renderer/shape/quadric_intersection.h"
+#include "renderer/shape/ray_crossings.h"
 #include "renderer/shape/shape_interaction.h"
-#include "renderer/shape/triangle.h"
 #include "tests/chi_square.h"
 
 namespace tessera {
@@ -95,33 +93,17 @@ inline Shape BallMesh(int rings, Point3 center, float radius) {
   return MeshShape(std::move(P), std::move(indices));
 }
 
-// The nearest crossing with one primitive behind t_min, in double precision; a negative t: none.
+// The nearest crossing with one primitive beyond t_min, in double precision; a negative t if there is none.
 inline Hit IntersectPrimitive(const Shape& shape, uint32_t primitive, DoubleRay ray, double t_min) {
   Hit hit;
   hit.primitive = primitive;
   hit.t = -1;
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape.form)) {
-    TriangleCrossing c;
-    if (!CrossTriangle(TriangleAt(*mesh, primitive), ray, &c)) return hit;
-    if (c.t <= t_min || c.u < 0 || c.v < 0 || c.u + c.v > 1) return hit;
-    hit.t = static_cast<float>(c.t);
-    hit.u = static_cast<float>(c.u);
-    hit.v = static_cast<float>(c.v);
-    return hit;
-  }
   ray.o = ray.At(t_min);
-  const double infinity = std::numeric_limits<double>::infinity();
-  if (const auto* mesh = std::get_if<BilinearMesh>(&shape.form)) {
-    PatchHit found;
-    if (!IntersectPatch(PatchAt(*mesh, primitive), ray, infinity, &found)) return hit;
-    hit.t = static_cast<float>(found.t + t_min);
-    hit.u = found.u;
-    hit.v = found.v;
-    return hit;
-  }
-  double t = 0;
-  if (IntersectQuadric(std::get<Quadric>(shape.form), ray, infinity, &t))
-    hit.t = static_cast<float>(t + t_min);
+  Crossing crossing;
+  if (!NearestCrossing(shape, primitive, ray, std::numeric_limits<double>::infinity(), &crossing)) return hit;
+  hit.t = static_cast<float>(crossing.t + t_min);
+  hit.u = crossing.u;
+  hit.v = crossing.v;
   return hit;
 }
 

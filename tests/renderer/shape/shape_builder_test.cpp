@@ -138,9 +138,9 @@ TEST(ShapeBuilder, ListsOfTheWrongLengthAreIgnoredWithAWarning) {
   EXPECT_TRUE(mesh.uv.empty());
   EXPECT_EQ(mesh.indices.size(), 3u);
   EXPECT_THAT(built.diagnostics.WarningTexts(),
-              ElementsAre("a.pbrt:3:3: 4 indices are not a multiple of 3: the last 1 is ignored",
-                          "a.pbrt:2:72: 1 values of \"uv\" for 3 points: ignored",
-                          "a.pbrt:2:53: 1 values of \"N\" for 3 points: ignored"));
+              ElementsAre("a.pbrt:3:3: 4 indices are not a multiple of 3; the last 1 is ignored",
+                          "a.pbrt:2:72: \"uv\" is ignored: it has 1 values for 3 points",
+                          "a.pbrt:2:53: \"N\" is ignored: it has 1 values for 3 points"));
 }
 
 TEST(ShapeBuilder, ABilinearMeshOfFourPointsNeedsNoIndices) {

@@ -135,13 +135,13 @@ double SolidAngleByArea(const Case& c) {
       const float u = (i + 0.5f) / kSteps, v = (j + 0.5f) / kSteps;
       Double3 p, by_u, by_v;
       if (const auto* mesh = std::get_if<TriangleMesh>(&c.shape.form)) {
-        const auto t = TriangleAt(*mesh, 0);  // (u, v (1 - u)) covers it
+        const auto t = mesh->At(0);  // (u, v (1 - u)) covers it
         const Double3 e1 = Difference(t.p1, t.p0), e2 = Difference(t.p2, t.p0);
         p = Double3(t.p0) + e1 * u + e2 * (v * (1 - u));
         by_u = e1 + e2 * -v;
         by_v = e2 * (1 - u);
       } else if (const auto* patches = std::get_if<BilinearMesh>(&c.shape.form)) {
-        const auto patch = PatchAt(*patches, 0);
+        const auto patch = patches->At(0);
         p = Double3(PatchPoint(patch, {u, v}));
         const PatchDerivatives d = DifferentiatePatch(patch, {u, v});
         by_u = Double3(d.dpdu);
@@ -231,7 +231,7 @@ TEST(ShapeSampling, NormalConesHoldEveryNormal) {
     const NormalCone cone = ShapeNormals(patch, 0);
     const auto& mesh = std::get<BilinearMesh>(patch.form);
     for (int j = 0; j < 20; ++j) {
-      const Normal3 n = PatchNormal(mesh, 0, PatchAt(mesh, 0), Random2(random));
+      const Normal3 n = mesh.Normal(0, Random2(random));
       EXPECT_GE(Dot(n, cone.axis), cone.cos_angle - 1e-3f);
     }
   }
@@ -248,7 +248,10 @@ TEST(ShapeSampling, ARectangleIsNotSampledFromItsOwnPlane) {
     const Point2 uv = Random2(random);
     const BilinearMesh& mesh = std::get<BilinearMesh>(shape.form);
     SurfaceInteraction here;
-    FillPatchInteraction(mesh, 0, uv, &here);
+    Hit hit;
+    hit.u = uv.x;
+    hit.v = uv.y;
+    mesh.FillInteraction(hit, {Ray{}}, &here);
     const ReferencePoint reference{here.p, here.p_error, here.n, here.n};
     EXPECT_FALSE(SampleShape(shape, 0, reference, Random2(random)));
     EXPECT_EQ(ShapePdf(shape, 0, reference, here.n, here), 0);

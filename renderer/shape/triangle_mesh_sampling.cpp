@@ -1,7 +1,8 @@
-#include "renderer/shape/triangle_sampling.h"
+#include <algorithm>
 
 #include "renderer/math/sampling.h"
 #include "renderer/shape/solid_angle_density.h"
+#include "renderer/shape/triangle_mesh.h"
 
 namespace tessera {
 namespace {
@@ -18,8 +19,8 @@ ShapeSample SampleAt(const TriangleMesh& mesh, uint32_t primitive, const Triangl
   ShapeSample sample;
   sample.p = TrianglePoint(triangle, u, v);
   sample.p_error = TrianglePointError(triangle, u, v);
-  sample.n = TriangleNormal(mesh, primitive, triangle, u, v);
-  sample.uv = TriangleTextureCoordinates(mesh, primitive, u, v);
+  sample.n = mesh.Normal(primitive, u, v);
+  sample.uv = mesh.TextureCoordinates(primitive, u, v);
   return sample;
 }
 
@@ -41,11 +42,11 @@ BilinearWeights Warp(const TrianglePoints& triangle, const ReferencePoint& refer
 
 }  // namespace
 
-std::optional<ShapeSample> SampleTriangle(const TriangleMesh& mesh, uint32_t primitive,
-                                          const ReferencePoint& reference, Point2 u) {
-  const TrianglePoints triangle = TriangleAt(mesh, primitive);
+std::optional<ShapeSample> TriangleMesh::Sample(uint32_t primitive, const ReferencePoint& reference,
+                                                Point2 u) const {
+  const TrianglePoints triangle = At(primitive);
   const SphericalTriangle spherical(triangle, reference.p);
-  if (!UseSphere(spherical)) return SampleByArea(mesh, primitive, triangle, reference, u);
+  if (!UseSphere(spherical)) return SampleByArea(*this, primitive, triangle, reference, u);
   float pdf = 1 / spherical.area();
   if (IsOnSurface(reference)) {
     const BilinearWeights weights = Warp(triangle, reference);
@@ -56,14 +57,14 @@ std::optional<ShapeSample> SampleTriangle(const TriangleMesh& mesh, uint32_t pri
   if (!CrossTriangle(triangle, {Double3(reference.p), spherical.Sample(u)}, &crossing)) return std::nullopt;
   const double b1 = std::clamp(crossing.u, 0.0, 1.0);
   const double b2 = std::clamp(crossing.v, 0.0, 1 - b1);
-  ShapeSample sample = SampleAt(mesh, primitive, triangle, static_cast<float>(b1), static_cast<float>(b2));
+  ShapeSample sample = SampleAt(*this, primitive, triangle, static_cast<float>(b1), static_cast<float>(b2));
   sample.pdf = pdf;
   return sample;
 }
 
-float TrianglePdf(const TriangleMesh& mesh, uint32_t primitive, const ReferencePoint& reference, Vec3 wi,
-                  const SurfaceInteraction& on_light) {
-  const TrianglePoints triangle = TriangleAt(mesh, primitive);
+float TriangleMesh::Pdf(uint32_t primitive, const ReferencePoint& reference, Vec3 wi,
+                        const SurfaceInteraction& on_light) const {
+  const TrianglePoints triangle = At(primitive);
   const SphericalTriangle spherical(triangle, reference.p);
   if (!UseSphere(spherical))
     return PerSolidAngle(1 / TriangleArea(triangle), reference.p, on_light.p, on_light.n);
@@ -72,14 +73,10 @@ float TrianglePdf(const TriangleMesh& mesh, uint32_t primitive, const ReferenceP
   return pdf * BilinearPdf(spherical.Invert(wi), Warp(triangle, reference));
 }
 
-float TriangleArea(const TrianglePoints& triangle) {
-  return 0.5f * Length(Cross(triangle.p1 - triangle.p0, triangle.p2 - triangle.p0));
-}
-
-NormalCone TriangleNormals(const TriangleMesh& mesh, uint32_t primitive) {
-  // Where the mesh has normals, the mean of the three says which side it is, as pbrt's.
+NormalCone TriangleMesh::Normals(uint32_t primitive) const {
+  // If the mesh has normals, the mean of the three decides the side, as in pbrt.
   constexpr float kThird = 1.0f / 3;
-  return {TriangleNormal(mesh, primitive, TriangleAt(mesh, primitive), kThird, kThird), 1};
+  return {Normal(primitive, kThird, kThird), 1};
 }
 
 }  // namespace tessera

@@ -1,0 +1,100 @@
+#include "renderer/sampler/zsobol_sampler.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+namespace tessera {
+namespace {
+
+// Spreads the bits of v to the even places.
+uint64_t SpreadBits(uint32_t v) {
+  uint64_t x = v;
+  x = (x | (x << 16)) & 0x0000ffff0000ffffu;
+  x = (x | (x << 8)) & 0x00ff00ff00ff00ffu;
+  x = (x | (x << 4)) & 0x0f0f0f0f0f0f0f0fu;
+  x = (x | (x << 2)) & 0x3333333333333333u;
+  return (x | (x << 1)) & 0x5555555555555555u;
+}
+
+// The 24 orders of four things, two bits each.
+struct DigitOrders {
+  uint8_t order[24];
+  DigitOrders() {
+    int n = 0;
+    for (int a = 0; a < 4; ++a) {
+      for (int b = 0; b < 4; ++b) {
+        for (int c = 0; c < 4; ++c) {
+          if (a == b || a == c || b == c) continue;
+          order[n++] = static_cast<uint8_t>(a | b << 2 | c << 4 | (6 - a - b - c) << 6);
+        }
+      }
+    }
+  }
+};
+const DigitOrders kDigitOrders;
+
+}  // namespace
+
+// The sequence needs a power of two samples: their number is rounded down, as pbrt does.
+ZSobolSampler ZSobolSampler::Read(SamplerDirective& directive) {
+  const uint32_t asked = directive.ReadSampleCount(16);
+  const Randomization randomization = directive.ReadRandomization();
+  const int log2_samples = std::bit_width(asked) - 1;
+  const uint32_t rounded = 1u << log2_samples;
+  if (rounded != asked) {
+    directive.diagnostics.Warn(
+        directive.reader.entity().location,
+        fmt::format("sampler \"zsobol\" needs a power of two: {} samples per pixel instead of {}", rounded,
+                    asked));
+    directive.samples_per_pixel = rounded;
+  }
+  return {directive.seed, randomization, log2_samples, directive.width, directive.height};
+}
+
+ZSobolSampler::ZSobolSampler(uint64_t seed, Randomization randomization, int log2_samples, int width,
+                             int height)
+    : seed_(seed), matrices_(&Matrices()), randomization_(randomization), log2_samples_(log2_samples) {
+  const uint32_t side = std::bit_ceil(static_cast<uint32_t>(std::max(width, height)));
+  base4_digits_ = std::bit_width(side) - 1 + (log2_samples + 1) / 2;
+}
+
+void ZSobolSampler::StartSample(int x, int y, uint32_t index) {
+  const uint64_t pixel = SpreadBits(static_cast<uint32_t>(x)) | SpreadBits(static_cast<uint32_t>(y)) << 1;
+  morton_place_ = pixel << log2_samples_ | index;
+  dimension_ = 0;
+}
+
+// The Morton place with its base-4 digits permuted, each by a hash of the digits above it and the dimension;
+// with an odd number of bits the last is a base-2 digit.
+uint64_t ZSobolSampler::Index() const {
+  const bool odd = (log2_samples_ & 1) != 0;
+  const uint64_t salt = Hash(seed_, dimension_);
+  uint64_t index = 0;
+  for (int digit = base4_digits_ - 1; digit >= (odd ? 1 : 0); --digit) {
+    const int shift = 2 * digit - (odd ? 1 : 0);
+    const uint64_t above = morton_place_ >> (shift + 2);
+    const int order = static_cast<int>(((MixBits(above ^ salt) >> 32) * 24) >> 32);
+    const uint64_t value = (kDigitOrders.order[order] >> (2 * ((morton_place_ >> shift) & 3))) & 3;
+    index |= value << shift;
+  }
+  if (odd) index |= (morton_place_ & 1) ^ (MixBits((morton_place_ >> 1) ^ salt) >> 63);
+  return index;
+}
+
+float ZSobolSampler::Get1D() {
+  const uint64_t index = Index();
+  const uint64_t seed = Hash(seed_, dimension_++, 1);
+  return Fraction(index, 0, static_cast<uint32_t>(seed));
+}
+
+Point2 ZSobolSampler::Get2D() {
+  const uint64_t index = Index();
+  const uint64_t seed = Hash(seed_, dimension_, 2);
+  dimension_ += 2;
+  return {Fraction(index, 0, static_cast<uint32_t>(seed)),
+          Fraction(index, 1, static_cast<uint32_t>(seed >> 32))};
+}
+
+}  // namespace tessera

@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "renderer/shape/shape_directive.h"
+
+namespace tessera {
+namespace {
+
+template <typename T>
+std::vector<T> MatchedToP(const ShapeDirective& directive, std::string_view name, std::vector<T> list,
+                          size_t count) {
+  if (list.empty() || list.size() == count) return list;
+  directive.Warn(
+      name, fmt::format("\"{1}\" is ignored: it has {0} values for {2} points", list.size(), name, count));
+  return {};
+}
+
+// Face indices are used by Ptex textures only.
+std::vector<uint32_t> ReadIndices(const ShapeDirective& directive, size_t point_count, size_t per_face) {
+  ParameterReader& reader = directive.reader;
+  std::vector<int> given = reader.Integers("indices");
+  reader.Integers("faceIndices");
+  if (given.empty()) {
+    if (point_count != per_face) {
+      reader.Fail(fmt::format("{} needs \"integer indices\" unless it has just {} points",
+                              reader.entity().kind, per_face));
+    }
+    for (size_t i = 0; i < per_face; ++i) given.push_back(static_cast<int>(i));
+  }
+  if (const size_t excess = given.size() % per_face; excess != 0) {
+    directive.Warn("indices", fmt::format("{} indices are not a multiple of {}; the last {} {} ignored",
+                                          given.size(), per_face, excess, excess == 1 ? "is" : "are"));
+    given.resize(given.size() - excess);
+  }
+  if (given.empty()) reader.FailAt("indices", fmt::format("expected at least {} indices", per_face));
+  for (const int index : given) {
+    if (index >= 0 && static_cast<size_t>(index) < point_count) continue;
+    reader.FailAt("indices",
+                  fmt::format("index {} is out of range: \"P\" has {} points", index, point_count));
+    break;
+  }
+  return {given.begin(), given.end()};
+}
+
+MeshLists ReadLists(const ShapeDirective& directive, size_t per_face, bool has_tangents) {
+  ParameterReader& reader = directive.reader;
+  MeshLists lists;
+  lists.P = reader.Point3s("P");
+  const size_t count = lists.P.size();
+  if (count == 0) reader.Fail(fmt::format("{} needs \"point3 P\"", reader.entity().kind));
+  lists.indices = ReadIndices(directive, count, per_face);
+  lists.uv = MatchedToP(directive, "uv", reader.Point2s("uv"), count);
+  lists.N = MatchedToP(directive, "N", reader.Normals("N"), count);
+  if (has_tangents) lists.S = MatchedToP(directive, "S", reader.Vector3s("S"), count);
+  return lists;
+}
+
+}  // namespace
+
+std::vector<Form> ReadTriangleMesh(const ShapeDirective& directive) {
+  MeshLists lists = ReadLists(directive, 3, true);
+  std::vector<Form> forms;
+  if (!directive.reader.failed()) forms.emplace_back(MakeTriangleMesh(std::move(lists), directive.placement));
+  return forms;
+}
+
+std::vector<Form> ReadBilinearMesh(const ShapeDirective& directive) {
+  MeshLists lists = ReadLists(directive, 4, false);
+  if (directive.reader.FindString("emissionfilename")) {
+    directive.Warn("emissionfilename",
+                   "\"emissionfilename\" only guides pbrt's sampling; it is not used here");
+  }
+  std::vector<Form> forms;
+  if (!directive.reader.failed()) forms.emplace_back(MakeBilinearMesh(std::move(lists), directive.placement));
+  return forms;
+}
+
+}  // namespace tessera

@@ -1,0 +1,83 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <utility>
+
+#include "renderer/shape/ply_reader.h"
+#include "renderer/shape/shape_directive.h"
+#include "renderer/util/file.h"
+
+namespace tessera {
+namespace {
+
+bool IsGzip(std::string_view bytes) {
+  return bytes.starts_with("\x1f\x8b");
+}
+
+uint64_t BytesOf(const PlyMesh& mesh) {
+  return sizeof mesh + mesh.P.size() * sizeof(Point3) + mesh.N.size() * sizeof(Normal3) +
+         mesh.uv.size() * sizeof(Point2) + (mesh.triangles.size() + mesh.quads.size()) * sizeof(uint32_t);
+}
+
+Result<std::shared_ptr<const PlyMesh>> ReadPlyFile(const std::string& name, FileSource& files) {
+  if (auto known = files.Recall<PlyMesh>(name, "ply")) return known;
+  Result<std::string> bytes = files.Read(name);
+  if (bytes && IsGzip(*bytes)) bytes = Gunzip(*bytes, name, kSceneFileSizeMax);
+  if (!bytes) return bytes.error();
+  Result<PlyMesh> mesh = ReadPly(*bytes, name);
+  if (!mesh) return mesh.error();
+  auto shared = std::make_shared<const PlyMesh>(std::move(*mesh));
+  files.Keep(name, "ply", shared, BytesOf(*shared));
+  return shared;
+}
+
+// The file's vertices with these faces, with room for one more vertex as MakeTriangleMesh leaves it.
+MeshLists ListsOf(const PlyMesh& ply, const std::vector<uint32_t>& indices) {
+  MeshLists lists;
+  lists.P.reserve(ply.P.size() + 1);
+  lists.P = ply.P;
+  lists.N = ply.N;
+  lists.uv = ply.uv;
+  lists.indices = indices;
+  return lists;
+}
+
+std::vector<Form> MakeForms(const PlyMesh& ply, const Placement& placement) {
+  std::vector<Form> forms;
+  if (ply.quads.empty()) {
+    forms.emplace_back(MakeTriangleMesh(ListsOf(ply, ply.triangles), placement));
+    return forms;
+  }
+  if (!ply.triangles.empty()) {
+    forms.emplace_back(MakeTriangleMesh(WithoutUnused(ListsOf(ply, ply.triangles)), placement));
+  }
+  MeshLists lists = ListsOf(ply, ply.quads);
+  if (!forms.empty()) lists = WithoutUnused(lists);
+  forms.emplace_back(MakeBilinearMesh(std::move(lists), placement));
+  return forms;
+}
+
+}  // namespace
+
+std::vector<Form> ReadPlyMesh(const ShapeDirective& directive) {
+  ParameterReader& reader = directive.reader;
+  const std::string name = reader.String("filename", "");
+  if (name.empty()) reader.Fail("plymesh needs \"string filename\"");
+  if (reader.FindTexture("displacement")) reader.FailAt("displacement", "displacement is not supported yet");
+  reader.Float("edgelength", 1);
+  if (reader.failed()) return {};
+  const Result<std::shared_ptr<const PlyMesh>> read = ReadPlyFile(name, directive.files);
+  if (!read) {
+    const SourceLocation where = reader.LocationOf("filename");
+    reader.Fail(Error{read.error().kind, where.Text() + ": " + read.error().message});
+    return {};
+  }
+  const PlyMesh& ply = **read;
+  if (ply.skipped_faces > 0) {
+    directive.Warn("filename", fmt::format("{}: {} faces of neither three nor four vertices are ignored",
+                                           name, ply.skipped_faces));
+  }
+  return MakeForms(ply, directive.placement);
+}
+
+}  // namespace tessera
