@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "coordinator/core/farm.h"
-#include "coordinator/core/instant.h"
+#include "coordinator/core/schedule/instant.h"
 #include "coordinator/core/journal.h"
 #include "coordinator/core/spool.h"
 #include "coordinator/picture_writer.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "coordinator/core/farm.h"
-#include "coordinator/core/occupancy.h"
+#include "coordinator/core/schedule/occupancy.h"
 
 namespace tessera {
 

@@ -1,5 +1,4 @@
-// Where facts go to survive. The rule of whoever uses it: append the facts of a batch, sync once, then
-// answer.
+// Where facts survive a crash. Callers append the facts of a batch, sync once, then answer.
 #pragma once
 
 #include <vector>
@@ -17,9 +16,9 @@ class Journal {
   // All facts appended so far are on stable storage when this succeeds. When it fails they stay in memory,
   // nothing is lost, and Sync may be tried again. Cheap if nothing was appended.
   virtual Result<void> Sync() = 0;
-  // Whether the facts that count no more may be most of it, so that Replace pays.
+  // Whether most of the facts may be obsolete, so that Replace pays.
   virtual bool IsLarge() const = 0;
-  // Puts `facts` in the place of everything synced so far, at once. When it fails everything stays as it was.
+  // Replaces everything synced so far by `facts`, atomically. When it fails everything stays as it was.
   virtual Result<void> Replace(const std::vector<Fact>& facts) = 0;
 };
 

@@ -1,5 +1,5 @@
-// Which finished frames have their sums still in the spool, so that they can be extended: as many as a limit
-// of bytes allows, the first finished go first. Owned by the farm.
+// Which finished frames still have their sums in the spool, so that they can be extended: as many as a limit
+// of bytes allows; those that were finished first are dropped first. Owned by the farm.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@ class KeptSums {
  public:
   explicit KeptSums(uint64_t bytes_max) : bytes_max_(bytes_max) {}
 
-  // The youngest from now on. Those that have to go, maybe itself.
+  // Adds the frame as the youngest. Returns the frames that are dropped for it, maybe the frame itself.
   std::vector<FrameId> Add(FrameId frame, uint64_t bytes);
-  // False if it is not kept.
+  // Returns false if the frame is not kept.
   bool Remove(FrameId frame);
   bool Has(FrameId frame) const { return places_.contains(frame); }
   // Oldest first.

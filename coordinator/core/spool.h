@@ -1,7 +1,7 @@
-// Where accepted results go to survive. The rule of whoever uses it: append the results of a batch, sync
-// once, then answer. What is kept of a frame is a set of nodes of its tiles' trees: their order means
-// nothing, copies and nodes that others cover do no harm. So what was appended may at any time be replaced by
-// the sums that a merger made of it.
+// Where accepted results survive a crash. Callers append the results of a batch, sync once, then answer. What
+// is kept of a frame is a set of nodes of its tiles' trees: their order does not matter, copies and nodes
+// that others cover do no harm. So what was appended may be replaced at any time by the sums that a merger
+// made of it.
 #pragma once
 
 #include <compare>
@@ -29,14 +29,14 @@ class Spool {
   // All nodes appended so far are on stable storage when this succeeds. When it fails they stay in memory,
   // nothing is lost, and Sync may be tried again. Cheap if nothing was appended.
   virtual Result<void> Sync() = 0;
-  // Frames of which so much was appended that it should be replaced.
+  // Frames of which enough was appended that it should be replaced.
   virtual std::vector<FrameId> Grown() const = 0;
-  // `nodes` hold all that was appended for the frame so far: they take its place, later and at once. Until
-  // then, and if it fails, what was synced stays as it is. What is appended from now on is kept beside them.
+  // `nodes` hold all that was appended for the frame so far: they replace it later, atomically. Until then,
+  // and if that fails, what was synced stays as it is. What is appended from now on is kept beside them.
   virtual void Replace(FrameId frame, std::vector<TileNode> nodes) = 0;
-  // The frame's nodes are not needed any more. Nothing if there are none.
+  // The frame's nodes are not needed any more. Does nothing if there are none.
   virtual void Drop(FrameId frame) = 0;
-  // Reads back what was synced of a frame before this call. `done` is called once, on any thread.
+  // Reads back what was synced of the frame before this call. Calls `done` once, on any thread.
   using OnLoaded = std::function<void(Result<std::vector<TileNode>> nodes)>;
   virtual void Load(FrameId frame, OnLoaded done) = 0;
 };

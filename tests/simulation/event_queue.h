@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "coordinator/core/instant.h"
+#include "coordinator/core/schedule/instant.h"
 
 namespace tessera {
 

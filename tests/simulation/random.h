@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "coordinator/core/instant.h"
+#include "coordinator/core/schedule/instant.h"
 #include "renderer/util/hash.h"
 
 namespace tessera {

@@ -5,7 +5,7 @@
 #include <set>
 #include <tuple>
 
-#include "coordinator/core/sample_set.h"
+#include "coordinator/core/schedule/sample_set.h"
 #include "proto/terms.h"
 
 namespace tessera {

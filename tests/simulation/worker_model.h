@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "coordinator/core/instant.h"
+#include "coordinator/core/schedule/instant.h"
 #include "proto/terms.h"
 #include "worker/core/workload.h"
 

@@ -1,4 +1,4 @@
-// More samples for what runs or is finished.
+// More samples for running and finished jobs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(FarmExtend, AFinishedJobGoesOnWhereItWas) {
+TEST(FarmExtend, AFinishedJobContinuesFromItsSums) {
   Disk disk;
   Process process(disk);
   const JobId job = *process.farm.Submit(process.now, Job(5));
@@ -32,7 +32,7 @@ TEST(FarmExtend, AFinishedJobGoesOnWhereItWas) {
   EXPECT_EQ(process.Status(job).samples_done, 16u * 19);
 }
 
-TEST(FarmExtend, ARunningJobKeepsWhatIsDone) {
+TEST(FarmExtend, ARunningJobKeepsItsMergedSamples) {
   Disk disk;
   Process process(disk);
   const JobId job = *process.farm.Submit(process.now, Job(8));
@@ -120,7 +120,7 @@ TEST(FarmExtend, SurvivesARestartAtEveryStep) {
   }
 }
 
-TEST(FarmExtend, WhatCannotBeIsRefusedWithAReason) {
+TEST(FarmExtend, AnExtensionThatIsNotPossibleIsRefusedWithAReason) {
   Disk disk;
   Process process(disk);
   const JobId job = *process.farm.Submit(process.now, Job(8));
@@ -132,7 +132,7 @@ TEST(FarmExtend, WhatCannotBeIsRefusedWithAReason) {
   EXPECT_THAT(process.farm.Extend(process.now, JobId{9}, 4).error().message, HasSubstr("no job 9"));
 }
 
-TEST(FarmExtend, TheOldestSumsGoWhenTheyTakeTooMuch) {
+TEST(FarmExtend, TheOldestSumsAreDroppedBeyondTheLimitOfBytes) {
   constexpr uint64_t kOneFrame = 16 * 2 * sizeof(float);
   Disk disk;
   Process process(disk, kOneFrame);
@@ -153,7 +153,7 @@ TEST(FarmExtend, TheOldestSumsGoWhenTheyTakeTooMuch) {
   EXPECT_TRUE(after.farm.Extend(after.now, jobs[1], 16));
 }
 
-TEST(FarmExtend, SumsThatCannotBeReadBackFailTheJobAloud) {
+TEST(FarmExtend, SumsThatCannotBeReadBackFailTheJobWithThatReason) {
   Disk disk;
   Process process(disk);
   const JobId job = *process.farm.Submit(process.now, Job(4));

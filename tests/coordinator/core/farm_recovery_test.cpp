@@ -1,4 +1,4 @@
-// What outlives a coordinator: jobs by their facts, results by their nodes in the spool.
+// What survives a coordinator process: jobs by their facts, results by their nodes in the spool.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -164,7 +164,7 @@ TEST(FarmRecovery, APictureThatWasNotWrittenIsMadeFromTheSpool) {
   EXPECT_EQ(after.Status(job).state, JobState::kFinished);
 }
 
-TEST(FarmRecovery, TheSpoolOfWhatIsOverIsDropped) {
+TEST(FarmRecovery, SpoolFramesOfEndedAndUnknownJobsAreDropped) {
   Disk disk;
   Process process(disk);
   const JobId job = *process.farm.Submit(process.now, Job(8, 1, false));
@@ -174,12 +174,12 @@ TEST(FarmRecovery, TheSpoolOfWhatIsOverIsDropped) {
   ASSERT_TRUE(process.farm.Cancel(process.now, job));
   process.Step();
   EXPECT_TRUE(disk.results.empty());
-  disk.results[{JobId{99}, 0}] = {{0, {0, 1}, {}}};  // of a job that nobody remembers
+  disk.results[{JobId{99}, 0}] = {{0, {0, 1}, {}}};  // of an unknown job
   const Process after(disk);
   EXPECT_TRUE(disk.results.empty());
 }
 
-TEST(FarmRecovery, FramesThatCannotBeExtendedLeaveNothing) {
+TEST(FarmRecovery, FramesThatCannotBeExtendedLeaveNothingInTheSpool) {
   Disk disk;
   Process process(disk);
   const JobId job = *process.farm.Submit(process.now, Job(8, 1, false));
@@ -193,7 +193,7 @@ TEST(FarmRecovery, FramesThatCannotBeExtendedLeaveNothing) {
               testing::AllOf(HasSubstr("\"zsobol\""), HasSubstr("--spp 16"), HasSubstr("paddedsobol")));
 }
 
-TEST(FarmStorage, WhatTheDiskRefusesShowsAtEveryOpenJobUntilItPasses) {
+TEST(FarmStorage, ADiskErrorIsShownByEveryOpenJobUntilItPasses) {
   Disk disk;
   Process process(disk);
   const JobId job = *process.farm.Submit(process.now, Job(4));

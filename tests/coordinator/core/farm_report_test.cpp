@@ -1,4 +1,4 @@
-// What is counted, and where a job's time is said to have gone.
+// What is counted, and where a job's time went.
 #include <gtest/gtest.h>
 
 #include "coordinator/core/farm.h"
@@ -57,7 +57,7 @@ class ReportStage : public testing::Test {
   uint64_t calls = 0;
 };
 
-TEST_F(ReportStage, TheTimeOfSlotsIsCutByWhatTheWorkerDoes) {
+TEST_F(ReportStage, SlotTimeIsDividedByWhatTheWorkerDoes) {
   job = *farm.Submit(now, spec);
   Say();
   Step(seconds(0));
@@ -76,7 +76,7 @@ TEST_F(ReportStage, TheTimeOfSlotsIsCutByWhatTheWorkerDoes) {
   EXPECT_NEAR(farm.counters().slot_s, 12, kExact);
 }
 
-TEST_F(ReportStage, TheTailAndTheWritingOfPicturesAreTold) {
+TEST_F(ReportStage, TheTailAndTheWritingOfPicturesAreReported) {
   job = *farm.Submit(now, spec);
   SetScene(true, false);
   Step(seconds(0));
@@ -96,7 +96,7 @@ TEST_F(ReportStage, TheTailAndTheWritingOfPicturesAreTold) {
   EXPECT_NEAR(Times().tail_s, 0, kExact);
 }
 
-TEST_F(ReportStage, CopiesAreCountedAsWaste) {
+TEST_F(ReportStage, DuplicatesAreCountedAsWaste) {
   job = *farm.Submit(now, spec);
   Return({0, 2}, 0.5);
   Return({0, 2}, 0.5);
@@ -109,13 +109,13 @@ TEST_F(ReportStage, CopiesAreCountedAsWaste) {
   EXPECT_NEAR(Times().waste_s, 0.5, kExact);
 }
 
-TEST_F(ReportStage, WhatALostWorkerDidIsWasteOfTheJob) {
+TEST_F(ReportStage, TheTimeOfALostWorkerIsWasteOfItsJob) {
   job = *farm.Submit(now, spec);
   SetScene(true, false);
   Step(seconds(0));
   EXPECT_GT(farm.counters().leases_granted, 0u);
   Step(seconds(1));
-  farm.Cut(now, CallId{calls});  // its call is parked: the break says that it is gone
+  farm.Cut(now, CallId{calls});  // its call is parked, so its end shows that the worker is gone
   Step(seconds(0));
   if (farm.counters().workers_lost == 0) {  // the call was answered before: it falls silent instead
     for (int s = 0; s < 30; ++s) Step(seconds(1));
@@ -126,7 +126,7 @@ TEST_F(ReportStage, WhatALostWorkerDidIsWasteOfTheJob) {
   EXPECT_EQ(farm.scheduler().slot_use(), SlotUse{});
 }
 
-TEST_F(ReportStage, AWorkersUtilisationIsOfTheLastMinute) {
+TEST_F(ReportStage, UtilisationCoversTheLastMinute) {
   Say();
   Step(seconds(10));
   worker.activity.busy_ms = 10'000;  // of 20,000

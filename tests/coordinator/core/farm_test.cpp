@@ -68,7 +68,7 @@ TEST(Farm, WrongResultsAreRefusedWithTheirReason) {
   EXPECT_EQ(stage.Status(job).samples_done, 0u);
 }
 
-TEST(Farm, CopiesAreCountedOnceAndLateOnesAreObsolete) {
+TEST(Farm, DuplicatesAreCountedOnceAndResultsOfEndedJobsAreObsolete) {
   FarmStage stage;
   const JobId job = *stage.farm.Submit(stage.now, SmallJob(1, 2));
   EXPECT_EQ(stage.Return(job, {0, 4}, Ones({0, 4})), Verdict::kAccepted);
@@ -81,7 +81,7 @@ TEST(Farm, CopiesAreCountedOnceAndLateOnesAreObsolete) {
   EXPECT_EQ(stage.Status(job).state, JobState::kCancelled);
 }
 
-TEST(Farm, CancellingWhatHasEndedChangesNothing) {
+TEST(Farm, CancellingAnEndedJobChangesNothing) {
   FarmStage stage;
   const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
   stage.Return(job, {0, 4}, Ones({0, 4}));
@@ -128,7 +128,7 @@ TEST(Farm, JobsSurviveARestart) {
   EXPECT_EQ(*after.farm.Submit(after.now, SmallJob(2)), half);
 }
 
-TEST(Farm, APausedJobSaysSoAndGoesOnWhenItIsResumed) {
+TEST(Farm, APausedJobShowsItsReasonAndContinuesWhenResumed) {
   FarmStage stage;
   const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
   EXPECT_EQ(stage.farm.SetPaused(stage.now, job, true)->state, JobState::kPaused);
@@ -140,7 +140,7 @@ TEST(Farm, APausedJobSaysSoAndGoesOnWhenItIsResumed) {
   EXPECT_EQ(stage.Status(job).reason, "no space left") << "the other cause is still there";
 }
 
-TEST(Farm, WhatWasBeingRenderedWhenItsJobWasPausedIsTaken) {
+TEST(Farm, UnitsThatWereRunningWhenTheirJobWasPausedAreAccepted) {
   FarmStage stage;
   const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
   ASSERT_TRUE(stage.farm.SetPaused(stage.now, job, true));
@@ -182,7 +182,7 @@ TEST(Farm, PausesAndPrioritiesSurviveARestart) {
   EXPECT_TRUE(after.farm.SetPaused(after.now, resumed, true));
 }
 
-TEST(Farm, AWaitingCallIsAnsweredByANewJobAtOnce) {
+TEST(Farm, AWaitingCallIsAnsweredImmediatelyWhenAJobIsSubmitted) {
   FarmStage stage;
   stage.farm.Synchronize(stage.now, CallId{1}, stage.Worker(5));
   stage.Step();
@@ -229,7 +229,7 @@ TEST(Farm, WorkersOfAnotherReleaseAreNotAdmitted) {
   EXPECT_THAT(stage.farm.CheckAdmission(state).error().message, HasSubstr("protocol 99"));
 }
 
-TEST(Farm, AWorkerThatComputesOtherPicturesIsRefusedWithBothDigests) {
+TEST(Farm, AWorkerWithAnotherProbeDigestIsRefusedWithBothDigests) {
   FarmStage stage;
   WorkerState state;
   const auto bytes_of = [](const Digest& digest) {
@@ -276,7 +276,7 @@ TEST(Farm, AnAdaptiveJobEndsWhenItsTilesHaveStopped) {
   EXPECT_EQ(stage.Return(job, {kHalf * 2, kHalf}, Ones({kHalf * 2, kHalf}, 3)), Verdict::kDuplicate);
 }
 
-TEST(Farm, AResultThatReachesOverADoublingIsNoUnitOfAnAdaptiveJob) {
+TEST(Farm, AResultThatSpansADoublingIsNoUnitOfAnAdaptiveJob) {
   FarmStage stage;
   const JobId job = *stage.farm.Submit(stage.now, AdaptiveJob());
   const SampleRange over{0, kDecisionSamplesMin};
@@ -284,8 +284,8 @@ TEST(Farm, AResultThatReachesOverADoublingIsNoUnitOfAnAdaptiveJob) {
   EXPECT_THAT(stage.reason, HasSubstr("no such unit"));
 }
 
-// Of which pixels they are wanted, if of any, is not known yet.
-TEST(Farm, AResultBeyondTheNextDecisionOfItsTileIsNotTaken) {
+// It is not known yet of which pixels they are wanted, if of any.
+TEST(Farm, AResultBeyondTheNextDecisionOfItsTileIsObsolete) {
   FarmStage stage;
   const JobId job = *stage.farm.Submit(stage.now, AdaptiveJob());
   const SampleRange early{kDecisionSamplesMin * 2, kDecisionSamplesMin * 2};
@@ -293,7 +293,7 @@ TEST(Farm, AResultBeyondTheNextDecisionOfItsTileIsNotTaken) {
   EXPECT_EQ(stage.Status(job).samples_done, 0u);
 }
 
-TEST(Farm, AResultOfOtherPixelsThanThoseAskedForIsRefused) {
+TEST(Farm, AResultOfOtherPixelsThanRequestedIsRefused) {
   constexpr uint32_t kHalf = kDecisionSamplesMin / 2;
   FarmStage stage;
   const auto spec = AdaptiveJob(0.5);
@@ -307,7 +307,7 @@ TEST(Farm, AResultOfOtherPixelsThanThoseAskedForIsRefused) {
   RadianceTile missing = Ones({0, kHalf}, 3);
   std::fill_n(missing.sums.begin(), 3, 0.0f);
   EXPECT_EQ(stage.Return(job, {0, kHalf}, missing), Verdict::kRefused);
-  EXPECT_THAT(stage.reason, HasSubstr("holds samples of other pixels than those asked for"));
+  EXPECT_THAT(stage.reason, HasSubstr("holds samples of other pixels than those requested"));
   Merger merger(spec->frames[0].spec);
   for (const SampleRange range : {SampleRange{0, kHalf}, SampleRange{kHalf, kHalf}}) {
     ASSERT_TRUE(merger.Add(0, halves(range)));

@@ -1,4 +1,4 @@
-// Verified jobs from the first opinion to the picture, and what outlives a restart.
+// Verified jobs from the first vote to the picture, and what survives a restart.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ struct VerifiedStage : FarmStage {
   }
 };
 
-TEST(FarmVerification, AResultIsMergedWhenASecondWorkerSaysTheSame) {
+TEST(FarmVerification, AResultIsMergedWhenASecondWorkerReturnsTheSame) {
   VerifiedStage stage;
   const JobId job = *stage.farm.Submit(stage.now, VerifiedJob(1));
   EXPECT_EQ(stage.Say(job, 1, Ones(kAll)), Verdict::kAccepted);
@@ -42,7 +42,7 @@ TEST(FarmVerification, AResultIsMergedWhenASecondWorkerSaysTheSame) {
   EXPECT_EQ(stage.Status(job).units_disputed, 0u);
 }
 
-TEST(FarmVerification, AWrongResultNeverReachesThePictureAndItsWorkerIsNotBelievedAnyMore) {
+TEST(FarmVerification, AWrongResultNeverReachesThePictureAndItsWorkerIsNoLongerTrusted) {
   VerifiedStage stage;
   const JobId job = *stage.farm.Submit(stage.now, VerifiedJob(1));
   const JobId other = *stage.farm.Submit(stage.now, SmallJob(2));
@@ -61,7 +61,7 @@ TEST(FarmVerification, AWrongResultNeverReachesThePictureAndItsWorkerIsNotBeliev
   EXPECT_THAT(stage.reason, HasSubstr("quarantine"));
 }
 
-TEST(FarmVerification, WhatAFoundOutWorkerHasInThePictureAlreadyIsReported) {
+TEST(FarmVerification, UnitsOfADistrustedWorkerThatAreInThePictureAreReported) {
   VerifiedStage stage;
   // A share and a submission for which exactly one of the two halves is verified.
   uint64_t submission = 1;
@@ -86,7 +86,7 @@ TEST(FarmVerification, WhatAFoundOutWorkerHasInThePictureAlreadyIsReported) {
   EXPECT_EQ(after.Status(job).units_disputed, 1u);
 }
 
-TEST(FarmVerification, OpinionsAndQuarantinesSurviveARestart) {
+TEST(FarmVerification, VotesAndQuarantinesSurviveARestart) {
   VerifiedStage before;
   const JobId half = *before.farm.Submit(before.now, VerifiedJob(1));
   const JobId disputed = *before.farm.Submit(before.now, VerifiedJob(2));
@@ -107,7 +107,7 @@ TEST(FarmVerification, OpinionsAndQuarantinesSurviveARestart) {
   EXPECT_EQ(after.output.pictures.size(), 1u);
 }
 
-TEST(FarmVerification, ASnapshotTellsAllThatTheFactsTold) {
+TEST(FarmVerification, ASnapshotLeadsToTheSameStateAsTheFacts) {
   VerifiedStage before;
   const JobId half = *before.farm.Submit(before.now, VerifiedJob(1));
   const JobId disputed = *before.farm.Submit(before.now, VerifiedJob(2));
@@ -133,7 +133,7 @@ TEST(FarmVerification, ASnapshotTellsAllThatTheFactsTold) {
   EXPECT_EQ(after.output.pictures.size(), 1u);
 }
 
-TEST(FarmVerification, WorkersAreFoundByNameAndByNumber) {
+TEST(FarmVerification, WorkersAreFoundByNameAndById) {
   FarmStage stage;
   for (uint64_t id = 1; id <= 3; ++id) {
     WorkerState worker = stage.Worker(id);

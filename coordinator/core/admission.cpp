@@ -1,0 +1,39 @@
+#include "coordinator/core/admission.h"
+
+#include <fmt/format.h>
+
+#include "proto/probe.h"
+
+namespace tessera {
+namespace {
+
+std::string Hexadecimal(std::string_view bytes) {
+  std::string text;
+  for (const char byte : bytes) text += fmt::format("{:02x}", static_cast<unsigned char>(byte));
+  return text;
+}
+
+}  // namespace
+
+Result<void> CheckRelease(const WorkerState& state) {
+  if (state.protocol != kProtocolVersion) {
+    return Failed(fmt::format(
+        "worker \"{}\" uses protocol {}, this coordinator protocol {}: install the same release on both",
+        state.name, state.protocol, kProtocolVersion));
+  }
+  if (state.software_version != kSoftwareVersion) {
+    return Failed(
+        fmt::format("worker \"{}\" is version {}, this coordinator {}: install the same release on both",
+                    state.name, state.software_version, kSoftwareVersion));
+  }
+  if (const std::string digest = Hexadecimal(state.probe_digest); !digest.empty() && digest != kProbeDigest) {
+    return Failed(
+        fmt::format("worker \"{}\" does not compute the same pictures: its probe unit has digest {}, this "
+                    "release's has {}; "
+                    "its processor, system libraries or build differ",
+                    state.name, digest, kProbeDigest));
+  }
+  return {};
+}
+
+}  // namespace tessera

@@ -1,0 +1,25 @@
+// What the parts of the farm work on together.
+#pragma once
+
+#include <string>
+
+#include "coordinator/core/farm_output.h"
+#include "coordinator/core/job_table.h"
+#include "coordinator/core/kept_sums.h"
+#include "coordinator/core/schedule/scheduler.h"
+
+namespace tessera {
+
+struct FarmState {
+  FarmState(SchedulerOptions options, uint64_t kept_bytes_max)
+      : epoch(options.epoch), scheduler(options), kept_sums(kept_bytes_max) {}
+
+  uint32_t epoch;
+  JobTable jobs;
+  Scheduler scheduler;
+  KeptSums kept_sums;
+  std::string storage_reason;  // why the journal or the spool cannot be written now, or empty
+  FarmOutput output;
+};
+
+}  // namespace tessera

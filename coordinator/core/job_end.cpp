@@ -1,0 +1,53 @@
+#include "coordinator/core/job_end.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coordinator/core/schedule/policy.h"
+#include "renderer/util/check.h"
+
+namespace tessera {
+
+void JobEnd::End(Instant now, Job& job, JobState end, const std::string& reason) {
+  TESSERA_CHECK(HasEnded(end));
+  if (HasEnded(job.state)) return;
+  job.state = end;
+  job.reason = reason;
+  job.ended = now;
+  job.clock.ended = state_.scheduler.counters();
+  job.in_spool.clear();
+  job.results.mergers.clear();
+  job.results.loading.clear();
+  job.results.votes.clear();
+  job.results.unconfirmed.clear();
+  if (end != JobState::kFinished) DropSums(job);
+  state_.jobs.MarkEnded(job.id);
+  state_.scheduler.RemoveJob(job);
+  state_.output.facts.emplace_back(JobEnded{job.id, end, reason});
+  state_.output.log.push_back(fmt::format(
+      "job_ended job={} state={} elapsed_s={:.3f} samples_accepted={} reason=\"{}\"", Number(job.id),
+      JobStateName(end), Seconds(now - job.began), job.results.samples_accepted, reason));
+}
+
+void JobEnd::DropSums(const Job& job) {
+  for (uint32_t f = 0; f < job.spec->frames.size(); ++f) {
+    state_.kept_sums.Remove({job.id, f});
+    state_.output.dropped.push_back({job.id, f});
+  }
+}
+
+void JobEnd::ForgetOldest() {
+  size_t surplus = state_.jobs.all().size() - state_.jobs.open().size();
+  surplus -= std::min(surplus, kEndedJobsMax);
+  for (auto each = state_.jobs.all().begin(); surplus > 0 && each != state_.jobs.all().end();) {
+    const auto& [id, job] = *each++;
+    if (!HasEnded(job.state)) continue;
+    DropSums(job);
+    state_.output.forgotten.push_back(id);
+    state_.jobs.Remove(JobId{id});
+    --surplus;
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,23 @@
+// The end of jobs: finished, failed, cancelled and at last forgotten. Owned by the farm.
+#pragma once
+
+#include <string>
+
+#include "coordinator/core/farm_state.h"
+
+namespace tessera {
+
+class JobEnd {
+ public:
+  explicit JobEnd(FarmState& state) : state_(state) {}
+  // Does nothing if the job has ended already.
+  void End(Instant now, Job& job, JobState end, const std::string& reason);
+  // Removes the oldest ended jobs beyond kEndedJobsMax.
+  void ForgetOldest();
+
+ private:
+  void DropSums(const Job& job);
+  FarmState& state_;
+};
+
+}  // namespace tessera

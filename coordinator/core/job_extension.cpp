@@ -1,0 +1,112 @@
+#include "coordinator/core/job_extension.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coordinator/core/extension.h"
+#include "renderer/util/check.h"
+
+namespace tessera {
+namespace {
+
+uint32_t SamplesMax(const JobSpec& spec) {
+  uint32_t samples = 0;
+  for (const FrameOrder& frame : spec.frames) samples = std::max(samples, frame.spec.samples_per_pixel);
+  return samples;
+}
+
+std::string SamplerOf(const FrameSpec& spec) {
+  const auto attribute = spec.attributes.find(kSamplerAttribute);
+  return attribute == spec.attributes.end() ? "its sampler"
+                                            : fmt::format("sampler \"{}\"", attribute->second);
+}
+
+// Why the frame itself cannot get more samples.
+std::string WhyNotExtendable(const FrameOrder& frame, uint32_t samples_per_pixel) {
+  if (frame.spec.IsAdaptive()) {
+    return fmt::format(
+        "with --noise-threshold its pixels stop by themselves; submit the scene again with --spp {} "
+        "or a lower threshold",
+        samples_per_pixel);
+  }
+  return fmt::format(
+      "{} chooses its samples by how many there will be; submit the scene again with --spp {}, or with "
+      "Sampler \"sobol\", \"paddedsobol\" or \"independent\", whose renders can be extended",
+      SamplerOf(frame.spec), samples_per_pixel);
+}
+
+}  // namespace
+
+Result<void> JobExtension::Check(const Job& job, uint32_t samples_per_pixel) const {
+  const auto refuse = [&](const std::string& why) {
+    return Failed(fmt::format("job {} cannot be extended: {}", Number(job.id), why));
+  };
+  for (const FrameOrder& frame : job.spec->frames) {
+    if (!IsExtendable(frame)) return refuse(WhyNotExtendable(frame, samples_per_pixel));
+  }
+  if (HasEnded(job.state) && job.state != JobState::kFinished)
+    return refuse(fmt::format("it was {}; submit the scene again", JobStateName(job.state)));
+  if (samples_per_pixel < SamplesMax(*job.spec)) {
+    return BadInput(fmt::format("job {} has {} samples per pixel already: give --spp a larger number",
+                                Number(job.id), SamplesMax(*job.spec)));
+  }
+  for (const auto& [frame, file] : job.results.files) {
+    if (state_.kept_sums.Has({job.id, frame})) continue;
+    return refuse(fmt::format(
+        "the sums of frame {} are not kept any more (tessera-coordinator --keep-sums); submit the scene "
+        "again with --spp {}",
+        frame, samples_per_pixel));
+  }
+  return {};
+}
+
+Result<void> JobExtension::Extend(Instant now, Job& job, uint32_t samples_per_pixel) {
+  if (IsExtendable(job.spec->frames.front()) && samples_per_pixel == SamplesMax(*job.spec)) return {};
+  if (const auto checked = Check(job, samples_per_pixel); !checked) return checked;
+  auto spec = ExtendedSpec(*job.spec, samples_per_pixel);
+  ExtendFrames(job, *spec);
+  if (HasEnded(job.state)) {
+    job.began = now - (job.ended - job.began);
+    job.clock = {};  // what was rendered before is in the report before
+    job.clock.begun = state_.scheduler.counters();
+    job.state = JobState::kWaiting;
+    job.spec = std::move(spec);
+    state_.jobs.MarkOpen(job.id);
+    state_.scheduler.AddJob(job);
+  } else {
+    state_.scheduler.ExtendJob(job, std::move(spec));
+  }
+  state_.output.facts.emplace_back(JobExtended{job.id, samples_per_pixel});
+  state_.output.log.push_back(fmt::format("job_extended job={} samples_per_pixel={} samples={}",
+                                          Number(job.id), samples_per_pixel, job.results.samples_total));
+  return {};
+}
+
+// Finished frames are open again and have their sums in the spool alone; mergers get the larger frame.
+void JobExtension::ExtendFrames(Job& job, const JobSpec& spec) {
+  for (const auto& [frame, file] : job.results.files) {
+    job.in_spool[frame] = job.spec->frames[frame].spec.samples_per_pixel;
+    state_.kept_sums.Remove({job.id, frame});
+  }
+  job.results.files.clear();
+  for (auto& [frame, merger] : job.results.mergers) {
+    std::vector<TileNode> nodes = merger.TakeNodes();
+    merger = Merger(spec.frames[frame].spec);
+    for (TileNode& node : nodes) TESSERA_CHECK(merger.Add(std::move(node)).has_value());
+  }
+  job.results.progress.clear();
+  job.results.samples_total = SamplesOf(spec);
+}
+
+void JobExtension::Restore(Job& job, uint32_t samples_per_pixel) {
+  for (const auto& [frame, file] : job.results.files)
+    job.in_spool[frame] = job.spec->frames[frame].spec.samples_per_pixel;
+  job.results.files.clear();
+  job.spec = ExtendedSpec(*job.spec, samples_per_pixel);
+  job.results.samples_total = SamplesOf(*job.spec);
+  job.state = JobState::kWaiting;
+  state_.jobs.MarkOpen(job.id);
+}
+
+}  // namespace tessera

@@ -1,0 +1,14 @@
+// What people see of a job: its progress, why it does not move, and where its time went.
+#pragma once
+
+#include "coordinator/core/farm_state.h"
+
+namespace tessera {
+
+JobStatus StatusOf(const FarmState& state, Instant now, const Job& job);
+// Keeps what StatusOf needs of open jobs: their recent rate and the moments of their clocks.
+void MeasureProgress(FarmState& state, Instant now);
+// Adds the time that was given up since the last call to the jobs it was spent on.
+void CountGivenUp(FarmState& state);
+
+}  // namespace tessera

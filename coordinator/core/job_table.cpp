@@ -1,0 +1,56 @@
+#include "coordinator/core/job_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coordinator/core/extension.h"
+
+namespace tessera {
+
+Error NoSuchJob(JobId id) {
+  return BadInput(fmt::format("there is no job {}", Number(id)));
+}
+
+Job& JobTable::Add(JobId id, std::shared_ptr<const JobSpec> spec) {
+  Job& job = jobs_[id];
+  job.id = id;
+  job.results.samples_total = SamplesOf(*spec);
+  job.priority = spec->priority;
+  submissions_[spec->submission] = id;
+  open_.insert(id);
+  ReserveIds(id);
+  job.submitted = job.spec = std::move(spec);
+  return job;
+}
+
+Job* JobTable::Find(JobId id) {
+  const auto found = jobs_.find(id);
+  return found == jobs_.end() ? nullptr : &found->second;
+}
+
+const Job* JobTable::Find(JobId id) const {
+  const auto found = jobs_.find(id);
+  return found == jobs_.end() ? nullptr : &found->second;
+}
+
+Result<Job*> JobTable::FindOpen(JobId id, const char* what) {
+  Job* const job = Find(id);
+  if (job == nullptr) return NoSuchJob(id);
+  if (!HasEnded(job->state)) return job;
+  return BadInput(
+      fmt::format("job {} is {}: it cannot be {} any more", Number(id), JobStateName(job->state), what));
+}
+
+const Job* JobTable::FindSubmission(uint64_t submission) const {
+  const auto found = submissions_.find(submission);
+  return found == submissions_.end() ? nullptr : &jobs_.at(found->second);
+}
+
+void JobTable::Remove(JobId id) {
+  submissions_.erase(jobs_.at(id).spec->submission);
+  open_.erase(id);
+  jobs_.erase(id);
+}
+
+}  // namespace tessera

@@ -1,0 +1,160 @@
+#include "coordinator/core/result_acceptance.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "renderer/film/adaptive.h"
+#include "renderer/util/check.h"
+
+namespace tessera {
+namespace {
+
+// Of the sums alone, bit for bit: bounds and range are the unit's.
+Digest ResultDigest(const RadianceTile& tile) {
+  return Sha256({reinterpret_cast<const char*>(tile.sums.data()), tile.sums.size() * sizeof tile.sums[0]});
+}
+
+}  // namespace
+
+Verdict ResultAcceptance::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::string& reason) {
+  Job* const job = state_.jobs.Find(returned.unit.job);
+  const bool is_open = job != nullptr && !HasEnded(job->state);
+  const Verdict verdict = is_open ? Decide(now, worker, *job, returned, reason) : Verdict::kObsolete;
+  if (verdict == Verdict::kAccepted) {
+    job->clock.render_s += returned.render_seconds;
+  } else {
+    CountUnmerged(verdict, returned, job);
+  }
+  return verdict;
+}
+
+Verdict ResultAcceptance::Decide(Instant now, WorkerId worker, Job& job, ReturnedUnit& returned,
+                                 std::string& reason) {
+  Scheduler& scheduler = state_.scheduler;
+  const WorkUnit& unit = returned.unit;
+  if (!scheduler.IsTrusted(worker)) {
+    reason = fmt::format("result of {} refused: the worker is in quarantine", unit.Text());
+    return Verdict::kRefused;
+  }
+  if (unit.frame < job.spec->frames.size() && scheduler.IsComplete(job, unit.frame))
+    return Verdict::kDuplicate;
+  if (!scheduler.IsKnown(unit)) {
+    reason = "there is no such unit";
+  } else if (const TileGoal& goal = scheduler.WorkOf(unit).Goal(unit.tile);
+             !goal.is_final && unit.range.end() > goal.samples) {
+    return Verdict::kObsolete;  // it is not known yet whether the tile will want them, and of which pixels
+  } else {
+    reason = returned.tile ? Mismatch(job, returned) : returned.tile.error().message;
+  }
+  if (!reason.empty()) {
+    reason = fmt::format("result of {} refused: {}", unit.Text(), reason);
+    scheduler.RefuseResult(now, worker, returned.lease, unit, reason);
+    return Verdict::kRefused;
+  }
+  const bool is_verified = scheduler.NeedsVote(unit);
+  if (is_verified) {
+    if (const auto verdict = Verify(now, job, worker, returned)) return *verdict;
+  }
+  if (!scheduler.Finish(now, worker, returned.lease, unit, returned.render_seconds))
+    return Verdict::kDuplicate;
+  if (!is_verified && job.spec->verify_share > 0) ++job.results.unconfirmed[worker];
+  const uint64_t before = job.results.samples_done;
+  Merge(job, unit, std::move(*returned.tile));
+  const uint64_t after = job.results.samples_done;
+  scheduler.CountAccepted(worker, after > before ? after - before : 0, returned.render_seconds);
+  return Verdict::kAccepted;
+}
+
+// What is wrong with a tile that was returned for a known unit, or empty.
+std::string ResultAcceptance::Mismatch(const Job& job, const ReturnedUnit& returned) const {
+  const WorkUnit& unit = returned.unit;
+  const RadianceTile& tile = *returned.tile;
+  const FrameSpec& spec = job.spec->frames[unit.frame].spec;
+  if (tile.range != unit.range)
+    return fmt::format("holds samples {} instead of {}", tile.range.Text(), unit.range.Text());
+  if (tile.bounds != spec.TileBounds(static_cast<int>(unit.tile)))
+    return "holds other pixels than the tile's";
+  if (tile.channels != spec.channel_count())
+    return fmt::format("has {} channels instead of {}", tile.channels, spec.channel_count());
+  if (!spec.IsAdaptive()) return {};
+  const FrameWork& work = state_.scheduler.WorkOf(unit);
+  const bool fits = work.IsDone({unit.tile, unit.range}) || HasExactly(spec, work.Pixels(unit.tile), tile);
+  return fits ? "" : "holds samples of other pixels than those requested";
+}
+
+// Records what the worker returned; nullopt if the result is accepted.
+std::optional<Verdict> ResultAcceptance::Verify(Instant now, Job& job, WorkerId worker,
+                                                const ReturnedUnit& returned) {
+  const Digest result = ResultDigest(*returned.tile);
+  const VoteOutcome outcome = state_.scheduler.RecordVote(now, worker, returned.lease, returned.unit,
+                                                          returned.render_seconds, result);
+  if (outcome.is_new) {
+    CountVote(job, returned.unit, {worker, outcome.name, result});
+    state_.output.facts.emplace_back(OpinionHeard{returned.unit, worker, outcome.name, result});
+  }
+  switch (outcome.kind) {
+    case VoteOutcome::Kind::kHeld: return Verdict::kAccepted;
+    case VoteOutcome::Kind::kUseless: return Verdict::kDuplicate;
+    case VoteOutcome::Kind::kAccepted: break;
+  }
+  return std::nullopt;
+}
+
+void ResultAcceptance::CountVote(Job& job, const WorkUnit& unit, const Vote& vote) {
+  std::vector<Vote>& votes = job.results.votes[unit];
+  const bool is_decided =
+      std::any_of(votes.begin(), votes.end(), [&](const Vote& each) { return each.result == vote.result; });
+  if (!is_decided && votes.size() == 1) ++job.results.units_disputed;
+  votes.push_back(vote);
+  if (!is_decided) return;
+  ++job.results.units_verified;
+  job.results.votes.erase(unit);
+}
+
+void ResultAcceptance::Merge(Job& job, const WorkUnit& unit, RadianceTile tile) {
+  job.results.samples_accepted += PixelSamples(tile);
+  TileNode node{unit.tile, tile.range, std::move(tile.sums)};
+  state_.output.accepted.push_back({{job.id, unit.frame}, node});
+  Merger& merger = frames_.MergerOf(job, unit.frame);
+  const uint64_t merged = merger.samples_merged();
+  const uint64_t total = merger.samples_total();
+  TESSERA_CHECK(merger.Add(std::move(node)).has_value());  // Mismatch has checked it
+  job.results.samples_done += merger.samples_merged() - merged;
+  job.results.samples_total -= total - merger.samples_total();
+  if (merger.spec().IsAdaptive())
+    state_.scheduler.SetGoal(job, unit.frame, unit.tile, merger.Goal(static_cast<int>(unit.tile)));
+  const bool is_loading = job.results.loading.contains(unit.frame);
+  if (!is_loading && state_.scheduler.IsComplete(job, unit.frame)) frames_.Complete(job, unit.frame);
+}
+
+void ResultAcceptance::CountUnmerged(Verdict verdict, const ReturnedUnit& returned, Job* job) {
+  FarmCounters& counters = state_.scheduler.counters();
+  uint64_t& units = verdict == Verdict::kDuplicate  ? counters.units_duplicate
+                    : verdict == Verdict::kObsolete ? counters.units_obsolete
+                                                    : counters.units_refused;
+  ++units;
+  if (returned.tile) counters.samples_wasted += PixelSamples(*returned.tile);
+  counters.waste_s += returned.render_seconds;
+  if (job != nullptr) job->clock.waste_s += returned.render_seconds;
+}
+
+void ResultAcceptance::NoteSuspects() {
+  for (const WorkerId worker : state_.scheduler.TakeDistrusted()) {
+    for (const JobId id : state_.jobs.open()) {
+      JobResults& results = state_.jobs.At(id).results;
+      const auto merged = results.unconfirmed.extract(worker);
+      if (merged.empty()) continue;
+      results.units_suspect += merged.mapped();
+      state_.output.facts.emplace_back(CountsOf(state_.jobs.At(id)));
+      state_.output.log.push_back(fmt::format("results_suspect job={} worker={:016x} units={}", Number(id),
+                                              Number(worker), merged.mapped()));
+    }
+  }
+}
+
+UnitsCounted CountsOf(const Job& job) {
+  return {job.id, job.results.units_verified, job.results.units_disputed, job.results.units_suspect};
+}
+
+}  // namespace tessera

@@ -1,0 +1,121 @@
+#include "coordinator/core/schedule/dispatcher.h"
+
+#include "coordinator/core/schedule/policy.h"
+#include "renderer/util/check.h"
+
+namespace tessera {
+
+// In rounds, so that no worker has units waiting while another has a slot without one.
+void Dispatcher::Dispatch(Instant now) {
+  for (const int per_slot : {1, kUnitsPerSlotMin, kUnitsPerSlotMax}) {
+    for (const WorkerId id : std::vector<WorkerId>(state_.idle.idle().begin(), state_.idle.idle().end())) {
+      WorkerRecord& worker = state_.workers.At(id);
+      const size_t enough = static_cast<size_t>(worker.slots) * static_cast<size_t>(per_slot);
+      while (state_.leases.OfWorker(id).size() < enough && leases_.HasRoom(worker)) {
+        if (GrantOne(now, worker)) continue;
+        state_.idle.Block(id);
+        break;
+      }
+    }
+  }
+}
+
+bool Dispatcher::GrantOne(Instant now, WorkerRecord& worker) {
+  const FrameChoice choice = Choose(now, worker, std::nullopt);
+  if (choice.frame == nullptr) return false;
+  GrantFrom(now, worker, choice);
+  scenes_.RequestNext(now, worker, choice);
+  return true;
+}
+
+void Dispatcher::GrantFrom(Instant now, WorkerRecord& worker, const FrameChoice& choice) {
+  ActiveFrame& frame = *choice.frame;
+  const auto may = [&](uint32_t tile) { return frame.failures.May(worker.id, tile); };
+  auto samples = frame.verification.Find(worker.id, may);
+  if (!samples) {
+    const double seconds =
+        JobQueue::UnitSeconds(*choice.job, state_.workers.total_slots(), state_.workers.total_speed());
+    samples = frame.work.Take(seconds * worker.speed, may);
+    TESSERA_CHECK(samples.has_value());
+    if (frame.verification.IsChosen(*samples)) {
+      frame.verification.Begin(*samples);
+      state_.idle.UnblockAll();  // others may render it as well
+    }
+  }
+  const WorkUnit unit{choice.job->id, choice.index, samples->tile, samples->range};
+  leases_.Grant(now, worker, *choice.job, frame, unit, state_.leases.NextId());
+}
+
+FrameChoice Dispatcher::Choose(Instant now, WorkerRecord& worker, std::optional<int> above_priority) {
+  for (const auto& [priority, jobs] : state_.jobs.runnable()) {
+    if (above_priority && priority <= *above_priority) break;
+    if (const FrameChoice choice = ChooseAmong(now, worker, jobs); choice.frame != nullptr) return choice;
+  }
+  return {};
+}
+
+// Of jobs with equal rights, the one that has the least of the farm's time: first among those whose scene the
+// worker has in memory. Time, not units: jobs cut their units to different lengths.
+FrameChoice Dispatcher::ChooseAmong(Instant now, WorkerRecord& worker, const std::set<JobId>& jobs) {
+  const auto share_s = [&](const FrameChoice& choice) {
+    return state_.leases.ShareOf(choice.job->id).seconds;
+  };
+  FrameChoice ready, unready;
+  for (const JobId id : jobs) {
+    Job& job = state_.jobs.At(id);
+    if (!worker.has_tags(job.spec->required_tags)) continue;
+    scenes_.Activate(job);
+    if (const FrameChoice choice = SceneLocality::ReadyFrame(job, worker); choice.frame != nullptr) {
+      if (ready.job == nullptr || share_s(choice) < share_s(ready)) ready = choice;
+    } else if (const FrameChoice other = scenes_.FrameToLoad(now, job, worker); other.frame != nullptr) {
+      if (unready.job == nullptr || share_s(other) < share_s(unready)) unready = other;
+    }
+  }
+  // A scene is loaded if there is nothing else to do, or for a job that has much less than its share.
+  if (unready.job != nullptr && (ready.job == nullptr || share_s(unready) * 2 < share_s(ready)))
+    scenes_.Request(worker, unready);
+  return ready;
+}
+
+void Dispatcher::AnnounceJob() {
+  for (const auto& [id, worker] : state_.workers.all()) {
+    if (!state_.leases.OfWorker(id).empty()) preempt_.insert(id);
+  }
+  state_.idle.UnblockAll();
+}
+
+void Dispatcher::Preempt(Instant now) {
+  const std::set<WorkerId> marked = std::exchange(preempt_, {});
+  if (state_.jobs.runnable().size() < 2) return;
+  for (const WorkerId id : marked) {
+    WorkerRecord* const worker = state_.workers.Find(id);
+    if (worker != nullptr && worker->may_work()) PreemptAt(now, *worker);
+  }
+}
+
+void Dispatcher::PreemptAt(Instant now, WorkerRecord& worker) {
+  while (const auto victim = LeastUrgentWaiting(now, worker.id)) {
+    const JobId job = state_.leases.At(*victim).lease.unit.job;
+    const FrameChoice choice = Choose(now, worker, state_.jobs.At(job).priority);
+    if (choice.frame == nullptr) return;
+    leases_.Revoke(*victim);
+    GrantFrom(now, worker, choice);
+  }
+}
+
+// The youngest lease of the lowest priority.
+std::optional<LeaseId> Dispatcher::LeastUrgentWaiting(Instant now, WorkerId worker) const {
+  std::optional<LeaseId> least;
+  int lowest = 0;
+  for (const LeaseId id : state_.leases.OfWorker(worker)) {
+    const LeaseRecord& record = state_.leases.At(id);
+    if (!record.IsWaiting(now)) continue;
+    const int priority = state_.jobs.At(record.lease.unit.job).priority;
+    if (least && priority > lowest) continue;
+    least = id;
+    lowest = priority;
+  }
+  return least;
+}
+
+}  // namespace tessera

@@ -1,0 +1,105 @@
+#include "coordinator/core/schedule/failure_handling.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coordinator/core/schedule/policy.h"
+
+namespace tessera {
+
+void FailureHandling::FailUnit(Instant now, WorkerId worker_id, LeaseId lease, const WorkUnit& unit,
+                               const std::string& reason) {
+  if (state_.leases.IsHeldBy(lease, worker_id)) leases_.Return(lease);
+  WorkerRecord* const worker = state_.workers.Find(worker_id);
+  if (worker == nullptr || !state_.jobs.IsKnown(unit)) return;
+  ActiveFrame& frame = *state_.jobs.FindFrame(unit);
+  const TileSamples samples{unit.tile, unit.range};
+  if (frame.work.IsDone(samples)) return;
+  ++worker->units_failed;
+  ++state_.counters.units_failed;
+  state_.log.push_back(fmt::format("unit_failed worker={:016x} name=\"{}\" unit=\"{}\" reason=\"{}\"",
+                                   Number(worker_id), worker->name, unit.Text(), reason));
+  frame.failures.Record({samples, worker_id, worker->name + ": " + reason, now});
+  if (const auto fatal = frame.failures.FatalReason(attempts_max_))
+    FailJob(unit.job, "a unit cannot be rendered: " + *fatal);
+}
+
+void FailureHandling::FailScene(Instant now, WorkerId worker_id, const Digest& scene,
+                                const std::string& reason) {
+  WorkerRecord* const worker = state_.workers.Find(worker_id);
+  if (worker == nullptr) return;
+  worker->scenes.erase(scene);
+  std::erase_if(worker->wanted, [&](const SceneOrder& order) { return order.key == scene; });
+  worker->loading_since.erase(scene);
+  state_.idle.Remove(worker_id);
+  state_.log.push_back(fmt::format("scene_failed worker={:016x} name=\"{}\" scene={} reason=\"{}\"",
+                                   Number(worker_id), worker->name, scene.Hex(), reason));
+  const std::set<LeaseId> leases = state_.leases.OfWorker(worker_id);
+  for (const LeaseId lease : leases) {
+    if (state_.leases.At(lease).lease.scene == scene) leases_.Return(lease);
+  }
+  for (const auto& [id, job] : state_.jobs.open()) {
+    for (auto& [index, frame] : job->schedule.active) {
+      if (frame.scene.key != scene) continue;
+      ++worker->units_failed;
+      frame.failures.Record({std::nullopt, worker_id, worker->name + ": " + reason, now});
+      if (const auto fatal = frame.failures.FatalReason(attempts_max_))
+        FailJob(id, "the scene cannot be loaded: " + *fatal);
+    }
+  }
+  leases_.UpdateRoom(*worker);
+}
+
+void FailureHandling::RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
+                                   const std::string& reason) {
+  FailUnit(now, worker, lease, unit, reason);
+  Strike(worker, "returned wrong results: " + reason);
+}
+
+void FailureHandling::Disprove(WorkerId by, const WorkUnit& unit, ActiveFrame& frame) {
+  if (frame.failures.empty()) return;
+  const auto is_done = [&](TileSamples samples) { return frame.work.IsDone(samples); };
+  for (const WorkerId at_fault : frame.failures.Disprove(unit.tile, by, is_done))
+    Strike(at_fault, "failed units that others finished");
+}
+
+void FailureHandling::Strike(WorkerId id, const std::string& reason) {
+  WorkerRecord* const worker = state_.workers.Find(id);
+  if (worker != nullptr && WorkerRoster::AddStrike(*worker)) Quarantine(*worker, reason);
+}
+
+void FailureHandling::Quarantine(WorkerRecord& worker, const std::string& reason) {
+  if (!state_.workers.Quarantine(worker, reason)) return;
+  state_.idle.Remove(worker.id);
+  leases_.UpdateRoom(worker);
+  state_.log.push_back(fmt::format("worker_quarantined worker={:016x} name=\"{}\" reason=\"{}\"",
+                                   Number(worker.id), worker.name, reason));
+  const std::set<LeaseId> leases = state_.leases.OfWorker(worker.id);
+  for (const LeaseId lease : leases) {
+    state_.workers.Drop(worker, lease);
+    leases_.Return(lease);
+  }
+}
+
+void FailureHandling::FailJob(JobId job, const std::string& reason) {
+  const bool is_known =
+      std::any_of(failed_.begin(), failed_.end(), [&](const FailedJob& each) { return each.job == job; });
+  if (!is_known) failed_.push_back({job, reason});
+}
+
+void FailureHandling::FailWhatAllFailed(Instant now) {
+  if (now < kPoisonGrace) return;
+  for (const auto& [id, job] : state_.jobs.open()) {
+    std::set<WorkerId> able;  // filled for the few jobs that have failures
+    for (const auto& [index, frame] : job->schedule.active) {
+      if (frame.failures.empty()) continue;
+      if (able.empty()) able = state_.workers.AbleFor(job->spec->required_tags);
+      if (able.empty()) break;  // a worker that joins may be able to render it
+      if (const auto fatal = frame.failures.FatalReasonOfAll(able, now - kPoisonGrace))
+        FailJob(id, "a unit cannot be rendered: " + *fatal);
+    }
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,49 @@
+// What follows when workers fail units or scenes or return wrong results: units go to other workers, jobs
+// whose units no worker can render fail, and workers that fail what others finish go into quarantine. Owned
+// by the scheduler.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coordinator/core/schedule/lease_control.h"
+
+namespace tessera {
+
+struct FailedJob {
+  JobId job{};
+  std::string reason;
+};
+
+class FailureHandling {
+ public:
+  FailureHandling(ScheduleState& state, LeaseControl& leases, int attempts_max)
+      : state_(state), leases_(leases), attempts_max_(attempts_max) {}
+
+  // The worker could not render the unit.
+  void FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason);
+  // The worker could not load the scene: as if it had failed all of its units, in every job.
+  void FailScene(Instant now, WorkerId worker, const Digest& scene, const std::string& reason);
+  // The worker returned a wrong result: a failure that also counts against the worker.
+  void RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
+                    const std::string& reason);
+  // The worker has rendered the unit, so those that failed it are at fault.
+  void Disprove(WorkerId by, const WorkUnit& unit, ActiveFrame& frame);
+  void Quarantine(WorkerRecord& worker, const std::string& reason);
+  void FailJob(JobId job, const std::string& reason);
+  // Fails jobs that every able worker has failed, even if those are fewer than attempts_max.
+  void FailWhatAllFailed(Instant now);
+  // Jobs with a unit that no worker can render, since the last call. The caller removes them.
+  std::vector<FailedJob> TakeFailedJobs() { return std::exchange(failed_, {}); }
+
+ private:
+  void Strike(WorkerId worker, const std::string& reason);
+
+  ScheduleState& state_;
+  LeaseControl& leases_;
+  int attempts_max_;
+  std::vector<FailedJob> failed_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,128 @@
+// What the coordinator knows of a job: one record that the farm owns in its job table and the scheduler works
+// on. Ordered containers only: order reaches decisions.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "coordinator/core/schedule/counters.h"
+#include "coordinator/core/schedule/failure_book.h"
+#include "coordinator/core/schedule/frame_work.h"
+#include "coordinator/core/schedule/instant.h"
+#include "coordinator/core/schedule/verification.h"
+#include "proto/terms.h"
+#include "renderer/film/merger.h"
+#include "renderer/util/hash.h"
+
+namespace tessera {
+
+// A frame that is begun and not complete, as the scheduler sees it.
+struct ActiveFrame {
+  // The first `samples_done` samples of every pixel are done.
+  ActiveFrame(const JobSpec& submitted, uint32_t index, const FrameSpec& frame, uint32_t samples_done,
+              bool has_one_scene)
+      : scene(OrderFor(submitted, submitted.frames[index], has_one_scene)),
+        work(frame, samples_done),
+        verification(submitted.verify_share, Hash(submitted.submission, index)) {}
+
+  SceneOrder scene;
+  FrameWork work;
+  FailureBook failures;
+  Verification verification;
+
+ private:
+  static SceneOrder OrderFor(const JobSpec& job, const FrameOrder& order, bool has_one_scene) {
+    return {SceneKey(job.package, order.scene_file, order.options),
+            job.package,
+            order.scene_file,
+            order.options,
+            order.spec,
+            has_one_scene};
+  }
+};
+
+// Where a job stands between its first unit and its last.
+enum class JobPhase {
+  kOpen,     // there are units to hand out
+  kTail,     // every unit that is left is held by a worker
+  kRendered  // all are done
+};
+
+// The scheduler's part of a job; empty unless the job is open.
+struct JobSchedule {
+  bool has_one_scene = true;  // all frames are of the same file
+  std::map<uint32_t, ActiveFrame> active;
+  std::set<uint32_t> ahead;     // frames that are not begun
+  double load_s = 0;            // that a worker takes to get a scene of it ready; 0: not known
+  double measured_cost = 0;     // of all its frames, in seconds on a worker of speed 1
+  double measured_samples = 0;  // pixel samples that cost that
+
+  bool HasOpen() const {
+    if (!ahead.empty()) return true;
+    for (const auto& [index, frame] : active) {
+      if (frame.work.HasOpen()) return true;
+    }
+    return false;
+  }
+  bool is_rendered() const { return active.empty() && ahead.empty(); }
+};
+
+// The moments that divide the time of a job, as the farm's counters stood then.
+struct JobClock {
+  FarmCounters begun, tail, rendered, ended;
+  JobPhase phase = JobPhase::kOpen;
+  double render_s = 0, waste_s = 0;  // of slots, on this job
+};
+
+// What came in for a job and what became of it; the farm's part.
+struct JobResults {
+  struct Progress {
+    Instant at{};
+    uint64_t samples = 0;
+  };
+  uint64_t samples_done = 0, samples_total = 0;  // pixel samples
+  uint64_t samples_accepted = 0;                 // by this process, duplicates included
+  std::deque<Progress> progress;                 // of the last seconds
+  std::map<uint32_t, Merger> mergers;            // of frames begun and not complete
+  std::set<uint32_t> loading;                    // frames whose earlier sums are on their way from the spool
+  std::set<uint32_t> writing;                    // frames that are complete and not written
+  std::map<uint32_t, Digest> files;              // of frames that are written
+  std::map<uint32_t, uint64_t> frame_samples;    // pixel samples of frames that are complete
+
+  std::map<WorkUnit, std::vector<Vote>> votes;  // of units that are verified and not decided
+  std::map<WorkerId, uint64_t> unconfirmed;     // units merged of each worker, if some are verified
+  uint64_t units_verified = 0, units_disputed = 0, units_suspect = 0;
+};
+
+struct Job {
+  JobId id{};
+  std::shared_ptr<const JobSpec> submitted;
+  std::shared_ptr<const JobSpec> spec;  // as submitted, or extended since
+  JobState state = JobState::kWaiting;
+  std::string reason;
+  bool is_paused = false;  // by the user
+  int32_t priority = 0;
+  Instant began{}, ended{};
+  // Frames without results since their job was extended: samples per pixel whose sums are in the spool alone.
+  std::map<uint32_t, uint32_t> in_spool;
+
+  JobSchedule schedule;
+  JobResults results;
+  JobClock clock;
+
+  // Makes the frame active.
+  ActiveFrame& Begin(uint32_t frame) {
+    schedule.ahead.erase(frame);
+    const auto done = in_spool.find(frame);
+    return schedule.active
+        .try_emplace(frame, *submitted, frame, spec->frames[frame].spec,
+                     done == in_spool.end() ? 0 : done->second, schedule.has_one_scene)
+        .first->second;
+  }
+};
+
+}  // namespace tessera

@@ -1,0 +1,55 @@
+// The jobs with work to hand out, in the order of their priority, and how long their units should be. Jobs of
+// equal priority share the farm's time. Owned by the scheduler.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "coordinator/core/schedule/job.h"
+
+namespace tessera {
+
+class JobQueue {
+ public:
+  using Priorities = std::map<int, std::set<JobId>, std::greater<int>>;
+
+  // The record must stay where it is until Remove.
+  void Add(Job& job);
+  void Remove(Job& job);
+  // A paused job is known but not runnable.
+  void SetPaused(Job& job, bool is_paused);
+  void SetPriority(Job& job, int priority);
+
+  // Returns nullptr if there is no such open job.
+  Job* Find(JobId id);
+  const Job* Find(JobId id) const;
+  Job& At(JobId id) { return *open_.at(id); }
+  const Job& At(JobId id) const { return *open_.at(id); }
+  // The frame of the unit if it is open; begins it, as a result of a former process's lease may be the first.
+  ActiveFrame* FindFrame(const WorkUnit& unit);
+  // Whether the unit can be a part of an open frame.
+  bool IsKnown(const WorkUnit& unit) const;
+  const std::map<JobId, Job*>& open() const { return open_; }
+  // Jobs that are not paused.
+  const Priorities& runnable() const { return runnable_; }
+
+  // Expected seconds of all open samples on a worker of speed 1; nullopt if some frame was never measured.
+  static std::optional<double> OpenCost(const Job& job);
+  // How long a unit of the job should take on any slot: guided sizing.
+  static double UnitSeconds(const Job& job, int total_slots, double total_speed);
+  // Packages of runnable jobs with open work in the order in which workers will come to them; some more than
+  // kScenesAheadMax.
+  std::vector<Digest> PackagesAhead() const;
+
+ private:
+  void Register(const Job& job) { runnable_[job.priority].insert(job.id); }
+  void Unregister(const Job& job);
+
+  std::map<JobId, Job*> open_;
+  Priorities runnable_;
+};
+
+}  // namespace tessera

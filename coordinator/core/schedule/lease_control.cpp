@@ -1,0 +1,103 @@
+#include "coordinator/core/schedule/lease_control.h"
+
+#include "coordinator/core/schedule/policy.h"
+
+namespace tessera {
+
+LeaseRecord& LeaseControl::Grant(Instant now, WorkerRecord& worker, Job& job, ActiveFrame& frame,
+                                 const WorkUnit& unit, LeaseId id) {
+  constexpr auto kDuration = std::chrono::duration_cast<std::chrono::milliseconds>(kLeaseDuration);
+  const PixelBounds bounds = job.spec->frames[unit.frame].spec.TileBounds(static_cast<int>(unit.tile));
+  LeaseRecord& record =
+      state_.leases.Add(now, {worker.id, worker.slots, worker.speed},
+                        {id, unit, bounds, frame.work.Pixels(unit.tile), frame.scene.key, kDuration},
+                        frame.work.Cost({unit.tile, unit.range}));
+  state_.workers.Announce(worker, id);
+  ++state_.counters.leases_granted;
+  frame.verification.Hold({unit.tile, unit.range}, worker.id);
+  UpdateRoom(worker);
+  return record;
+}
+
+void LeaseControl::End(LeaseId id) {
+  const LeaseRecord& record = state_.leases.At(id);
+  const WorkUnit unit = record.lease.unit;
+  WorkerRecord& worker = state_.workers.At(record.worker);
+  std::erase(worker.pending.leases, id);
+  state_.leases.Remove(id);
+  ActiveFrame& frame = state_.jobs.At(unit.job).schedule.active.at(unit.frame);
+  frame.verification.Release({unit.tile, unit.range}, worker.id);
+  UpdateRoom(worker);
+}
+
+void LeaseControl::Return(LeaseId id) {
+  const LeaseRecord& record = state_.leases.At(id);
+  const WorkUnit unit = record.lease.unit;
+  ++state_.counters.leases_retried;
+  CountGivenUp(record);
+  End(id);
+  state_.idle.UnblockAll();
+  ActiveFrame& frame = state_.jobs.At(unit.job).schedule.active.at(unit.frame);
+  const TileSamples samples{unit.tile, unit.range};
+  if (frame.verification.IsVerifying(samples) && !frame.verification.Abandon(samples)) return;
+  Reopen(unit, frame);
+}
+
+void LeaseControl::Revoke(LeaseId id) {
+  state_.workers.Revoke(state_.workers.At(state_.leases.At(id).worker), id);
+  Return(id);
+}
+
+void LeaseControl::DropDone(LeaseId id) {
+  const LeaseRecord& record = state_.leases.At(id);
+  ++state_.counters.leases_moot;
+  CountGivenUp(record);
+  state_.workers.Drop(state_.workers.At(record.worker), id);
+  End(id);
+}
+
+void LeaseControl::ReturnAllOf(WorkerId worker) {
+  const std::set<LeaseId> leases = state_.leases.OfWorker(worker);
+  for (const LeaseId lease : leases) Return(lease);
+}
+
+void LeaseControl::RevokeAllOf(const Job& job) {
+  for (const LeaseId lease : state_.leases.OfJob(job.id)) {
+    const LeaseRecord& record = state_.leases.At(lease);
+    CountGivenUp(record);
+    state_.workers.Revoke(state_.workers.At(record.worker), lease);
+    End(lease);
+  }
+}
+
+void LeaseControl::Reopen(const WorkUnit& unit, ActiveFrame& frame) {
+  std::vector<SampleRange> held = frame.verification.UnitsOf(unit.tile);
+  for (const auto& [lease, range] : state_.leases.OfTile(unit)) held.push_back(range);
+  frame.work.GiveBack({unit.tile, unit.range}, held);
+}
+
+bool LeaseControl::HasRoom(const WorkerRecord& worker) const {
+  const int held = static_cast<int>(state_.leases.OfWorker(worker.id).size());
+  if (held < worker.slots * kUnitsPerSlotMin) return true;
+  return held < worker.slots * kUnitsPerSlotMax &&
+         state_.leases.QueueSeconds(worker.id, worker.speed) < worker.slots * kPrefetchDuration_s;
+}
+
+void LeaseControl::UpdateRoom(WorkerRecord& worker) {
+  state_.workers.UpdateSlotUse(worker, state_.leases.OfWorker(worker.id).size());
+  if (worker.may_work() && HasRoom(worker)) {
+    state_.idle.Add(worker.id);
+  } else {
+    state_.idle.Remove(worker.id);
+  }
+}
+
+// The lease is about to end without a result: what its holder has probably done on it was in vain.
+void LeaseControl::CountGivenUp(const LeaseRecord& record) {
+  const double seconds = Seconds(state_.workers.occupancy().at() - record.expected_start);
+  if (seconds <= 0) return;
+  state_.counters.waste_s += seconds;
+  state_.given_up.push_back({record.lease.unit.job, seconds});
+}
+
+}  // namespace tessera

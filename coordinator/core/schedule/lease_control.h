@@ -1,0 +1,42 @@
+// Grants, ends and returns leases, and keeps in agreement what depends on them: the samples that are open,
+// the units that are verified, what workers are to be told, and which workers have room. Owned by the
+// scheduler.
+#pragma once
+
+#include "coordinator/core/schedule/schedule_state.h"
+
+namespace tessera {
+
+class LeaseControl {
+ public:
+  explicit LeaseControl(ScheduleState& state) : state_(state) {}
+
+  // The samples must have been taken out of the open ones, or belong to a unit that is verified.
+  LeaseRecord& Grant(Instant now, WorkerRecord& worker, Job& job, ActiveFrame& frame, const WorkUnit& unit,
+                     LeaseId id);
+  // The lease ends; its samples stay as they are.
+  void End(LeaseId id);
+  // The lease ends and its samples are open again. A unit that is verified stays whole as long as another
+  // worker has rendered it or holds it.
+  void Return(LeaseId id);
+  // The same, and the holder is told to drop it.
+  void Revoke(LeaseId id);
+  // The lease ends because its samples came in from elsewhere; the holder is told to drop it.
+  void DropDone(LeaseId id);
+  void ReturnAllOf(WorkerId worker);
+  // All leases of a job that ends.
+  void RevokeAllOf(const Job& job);
+  // Opens the samples again, as far as they are neither done nor held.
+  void Reopen(const WorkUnit& unit, ActiveFrame& frame);
+
+  bool HasRoom(const WorkerRecord& worker) const;
+  // Call after every change of what the worker holds or may do.
+  void UpdateRoom(WorkerRecord& worker);
+
+ private:
+  void CountGivenUp(const LeaseRecord& record);
+
+  ScheduleState& state_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,114 @@
+// All leases that are held: who holds what until when, and when it is expected to end. Pure bookkeeping with
+// an index by worker, by tile and by job; it decides nothing. Owned by the scheduler.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <vector>
+
+#include "coordinator/core/schedule/instant.h"
+#include "proto/terms.h"
+
+namespace tessera {
+
+struct LeaseRecord {
+  Lease lease;
+  WorkerId worker{};
+  std::optional<double>
+      cost;               // in seconds on a worker of speed 1; nullopt if nothing of the frame is measured
+  double duration_s = 0;  // expected when granted
+  Instant deadline{};
+  Instant expected_start{}, expected_end{};
+  Instant announced_at{};
+  bool is_announced = false;  // part of an answer that was given
+  bool is_listed = false;     // by the worker's last state
+  bool has_started = false;   // according to the worker's last state
+
+  // Whether its holder is rendering it, as far as is known.
+  bool HasProbablyStarted(Instant now) const;
+  // A lease that was not announced waits for certain.
+  bool IsWaiting(Instant now) const { return !is_announced || !HasProbablyStarted(now); }
+  // When the unit may be done. One that is late has been late for some time, so it may be for as long again.
+  Instant LikelyEnd(Instant now) const;
+};
+
+class LeaseTable {
+ public:
+  // The worker that gets a lease.
+  struct Holder {
+    WorkerId worker{};
+    int slots = 1;
+    double speed = 1;
+  };
+  // What a job has of the farm.
+  struct JobShare {
+    size_t leases = 0;
+    double seconds = 0;                    // expected durations together
+    std::map<WorkerId, uint32_t> holders;  // and how many leases each holds
+  };
+
+  // `epoch` differs for every process that works on a data directory, so lease ids never meet again.
+  explicit LeaseTable(uint32_t epoch) : epoch_(epoch) {}
+
+  LeaseId NextId() { return LeaseId{uint64_t{epoch_} << 32 | next_++}; }
+  // Whether this process or a former one may have given the id.
+  bool MayHaveGiven(LeaseId id) const;
+
+  // A new lease, the last in its holder's queue.
+  LeaseRecord& Add(Instant now, const Holder& holder, Lease lease, std::optional<double> cost);
+  // The lease must be there.
+  void Remove(LeaseId id);
+  // The worker's state lists the lease.
+  static void Renew(Instant now, LeaseRecord& record, const HeldLease& held);
+
+  // Returns nullptr if there is no such lease.
+  LeaseRecord* Find(LeaseId id);
+  LeaseRecord& At(LeaseId id) { return records_.at(id); }
+  const LeaseRecord& At(LeaseId id) const { return records_.at(id); }
+  bool Has(LeaseId id) const { return records_.contains(id); }
+  bool IsHeldBy(LeaseId id, WorkerId worker) const;
+  size_t size() const { return records_.size(); }
+  bool empty() const { return records_.empty(); }
+
+  // ---- Of a worker ----
+  // In the order granted.
+  const std::set<LeaseId>& OfWorker(WorkerId worker) const;
+  // How long a worker of this speed takes for all of them on one slot.
+  double QueueSeconds(WorkerId worker, double speed) const;
+  // One of the worker's slots became free: the first lease that waits starts now.
+  void StartNext(Instant now, WorkerId worker);
+  void ForgetWorker(WorkerId worker) { queues_.erase(worker); }
+
+  // ---- Of a tile and a job ----
+  const std::map<LeaseId, SampleRange>& OfTile(const WorkUnit& unit) const;
+  // By frame, tile and age.
+  std::vector<LeaseId> OfJob(JobId job) const;
+  const JobShare& ShareOf(JobId job) const;
+
+  // ---- Of all ----
+  std::vector<LeaseId> Expired(Instant now) const;
+  // At most `count_max` leases that are likely to end last, the last first.
+  std::vector<LeaseId> LastToEnd(Instant now, size_t count_max) const;
+
+ private:
+  using TileKey = std::tuple<JobId, uint32_t, uint32_t>;
+  struct Queue {
+    std::set<LeaseId> leases;
+    LeaseId started{};  // those up to here have started or are next, by estimate
+    double cost = 0;    // of those whose cost is known
+    int unknown = 0;    // leases whose cost is not known
+  };
+  static double SecondsOf(const Queue& queue, double speed);
+  static TileKey KeyOf(const WorkUnit& unit) { return {unit.job, unit.frame, unit.tile}; }
+
+  uint32_t epoch_;
+  uint64_t next_ = 1;
+  std::map<LeaseId, LeaseRecord> records_;
+  std::map<WorkerId, Queue> queues_;
+  std::map<TileKey, std::map<LeaseId, SampleRange>> tiles_;
+  std::map<JobId, JobShare> shares_;
+};
+
+}  // namespace tessera

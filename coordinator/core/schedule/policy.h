@@ -1,0 +1,109 @@
+// Every number that the scheduler decides by, with its reason.
+#pragma once
+
+#include <cstdint>
+
+#include "coordinator/core/schedule/instant.h"
+
+namespace tessera {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+// ---- Sizes of units ----
+// A unit costs about 0.2 ms besides its rendering (encode, send, check, merge): 15 ms keeps that near 1 %.
+constexpr double kUnitDurationMin_s = 0.015;
+// Longer units save nothing more, delay previews, and lose more when a worker dies.
+constexpr double kUnitDurationMax_s = 1.0;
+// The first samples of each tile: short, so that the whole image is visible soon.
+constexpr double kFirstPassDuration_s = kUnitDurationMin_s;
+// Guided sizing: a unit is this part of what is left for one slot. Each slot holds two units, so at 4 about
+// half of the rest stays open, and the last units of all slots end together.
+constexpr double kGuidedDivisor = 4;
+// What the coordinator merges with ease. Farms whose many slots would exceed it with short units get longer
+// ones.
+constexpr double kResultsPerSecondMax = 1000;
+// At the end of a frame the rate may be exceeded for a moment. Sizes are rounded down to powers of two, which
+// makes half as many units again; beyond what is merged in time, the units that end last wait longest.
+constexpr double kResultsPerSecondBurst = 1500;
+// Assumed for a unit of a frame that was never measured: long enough that only one waits after the one that
+// runs.
+constexpr double kUnknownUnitDuration_s = 1.0;
+
+// ---- What a worker holds ----
+// At least one that runs and one that waits, so that no slot waits for a round trip.
+constexpr int kUnitsPerSlotMin = 2;
+// More short units wait, until they fill the round trip of a slow network.
+constexpr double kPrefetchDuration_s = 0.1;
+constexpr int kUnitsPerSlotMax = 16;
+// Frames of one job that are rendered or merged at the same time: each holds a picture in memory.
+constexpr uint32_t kFramesActiveMax = 16;
+
+// How much a new measurement of a scene's loading time counts: the first loads also fetch files.
+constexpr double kLoadGain = 0.3;
+// Scenes whose files a worker fetches while it renders others: those of the next jobs by priority.
+constexpr size_t kScenesAheadMax = 2;
+constexpr Instant kPrefetchInterval = seconds(1);  // jobs take longer or need no prefetch
+
+// ---- Leases ----
+// Workers call every 2 s. One that has been silent for this long hangs or is cut off; a loaded machine may
+// miss some calls.
+constexpr Instant kWorkerSilenceMax = seconds(10);
+// A lease that was sent and never listed was lost on the way. Well above the interval of calls.
+constexpr Instant kLeaseUnlistedMax = seconds(6);
+// A lease that was listed and no longer is, though the worker lives.
+constexpr Instant kLeaseDuration = seconds(10);
+// A lease that a call does not list is sent again after this: earlier the answer with it may still be on its
+// way.
+constexpr Instant kAnnounceAgain = milliseconds(250);
+// Leases taken away on purpose that are remembered for each worker: more than states on their way can list.
+constexpr size_t kRevokedKeptMax = 256;
+// How long an idle call of a worker waits here. When it breaks the worker has died, so a call is open nearly
+// always.
+constexpr Instant kParkMax = seconds(2);
+// How long a worker that has gone is remembered, with its measured speed, in case it returns.
+constexpr Instant kWorkerForgotten = seconds(60);
+// A drain or a quarantine must not end by a short absence.
+constexpr Instant kBlockForgotten = std::chrono::hours(24);
+constexpr size_t kWorkersMax = 100'000;
+
+// ---- The tail ----
+// How often idle workers look for units to take from slower ones.
+constexpr Instant kTailInterval = milliseconds(50);
+// Moving a unit that has not started costs a message only.
+constexpr double kStealGain = 1.2;
+// A copy of a running unit wastes one of the two: it must promise to end clearly sooner.
+constexpr double kBackupGain = 1.5;
+// Message and scheduling noise: added to what a new holder is expected to take.
+constexpr double kHandoverDuration_s = 0.02;
+// Holders of the same samples, including the first.
+constexpr int kCopiesMax = 2;
+// At most this many pieces are made of a straggler's range, if as many slots are idle.
+constexpr int kSplitMax = 8;
+
+// ---- Failure ----
+// Different workers that fail a unit before its job fails: two workers may be broken, after three it is the
+// unit. A farm that never has three workers sets a smaller number (SchedulerOptions).
+constexpr int kAttemptsMaxDefault = 3;
+// How long to wait for another worker if all connected ones have failed a unit.
+constexpr Instant kPoisonGrace = seconds(60);
+// Units that a worker failed and others finished, or results refused, before it is quarantined.
+constexpr int kStrikesMax = 3;
+// Accepted units in a row after which a worker's strikes are forgiven.
+constexpr int kForgivenessUnits = 1000;
+// Failures kept per frame: far more than are needed to decide.
+constexpr size_t kFailuresKeptMax = 1000;
+
+// ---- Jobs ----
+constexpr size_t kOpenJobsMax = 10'000;
+// Ended jobs that are kept, with their pictures.
+constexpr size_t kEndedJobsMax = 10'000;
+
+// ---- Speed ----
+// How much a new measurement of a worker's speed counts once there are several.
+constexpr double kSpeedGain = 0.2;
+// Shorter units cannot be measured well: they count in proportion.
+constexpr double kSpeedUnitDuration_s = 0.01;
+constexpr double kSpeedMin = 0.01, kSpeedMax = 100;
+
+}  // namespace tessera

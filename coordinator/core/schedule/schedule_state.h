@@ -1,0 +1,34 @@
+// What the parts of the scheduler work on together. Each member is a part of its own, documented in its
+// header.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "coordinator/core/schedule/counters.h"
+#include "coordinator/core/schedule/idle_workers.h"
+#include "coordinator/core/schedule/job_queue.h"
+#include "coordinator/core/schedule/lease_table.h"
+#include "coordinator/core/schedule/worker_roster.h"
+
+namespace tessera {
+
+// Seconds of slots that were spent on units of a job and given up.
+struct GivenUpTime {
+  JobId job{};
+  double seconds = 0;
+};
+
+struct ScheduleState {
+  explicit ScheduleState(uint32_t epoch) : leases(epoch) {}
+
+  JobQueue jobs;
+  WorkerRoster workers;
+  LeaseTable leases;
+  IdleWorkers idle;
+  FarmCounters counters;
+  std::vector<GivenUpTime> given_up;
+  std::vector<std::string> log;  // "event key=value ..."
+};
+
+}  // namespace tessera

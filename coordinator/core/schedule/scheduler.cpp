@@ -1,0 +1,161 @@
+#include "coordinator/core/schedule/scheduler.h"
+
+#include <fmt/format.h>
+
+#include "coordinator/core/schedule/policy.h"
+#include "renderer/util/check.h"
+
+namespace tessera {
+namespace {
+
+constexpr Instant kExpiryInterval = milliseconds(250);  // far below any expiry
+constexpr Instant kIdleInterval = seconds(1);
+
+}  // namespace
+
+Scheduler::Scheduler(SchedulerOptions options)
+    : state_(options.epoch),
+      leases_(state_),
+      scenes_(state_),
+      dispatcher_(state_, leases_, scenes_),
+      tail_(state_, leases_),
+      failures_(state_, leases_, options.attempts_max),
+      votes_(state_, leases_, failures_, options.attempts_max),
+      units_(state_, leases_, failures_, votes_),
+      sync_(state_, leases_, scenes_, dispatcher_, votes_) {}
+
+void Scheduler::Advance(Instant now) {
+  if (now >= expiry_due_) {
+    expiry_due_ = now + kExpiryInterval;
+    sync_.Expire(now);
+    failures_.FailWhatAllFailed(now);
+  }
+  dispatcher_.Preempt(now);
+  dispatcher_.Dispatch(now);
+  tail_.Relieve(now);
+  scenes_.Prefetch(now);
+  state_.workers.occupancy().Advance(now, state_.counters);
+}
+
+Instant Scheduler::TickInterval() const {
+  if (!state_.idle.blocked().empty() && !state_.leases.empty()) return kTailInterval;
+  return state_.workers.empty() && state_.jobs.open().empty() ? kIdleInterval : kExpiryInterval;
+}
+
+void Scheduler::AddJob(Job& job, const std::set<uint32_t>& finished) {
+  job.schedule = {};
+  for (uint32_t f = 0; f < job.spec->frames.size(); ++f) {
+    if (!finished.contains(f)) job.schedule.ahead.insert(f);
+    job.schedule.has_one_scene &= job.spec->frames[f].scene_file == job.spec->frames[0].scene_file;
+  }
+  state_.jobs.Add(job);
+  dispatcher_.AnnounceJob();
+}
+
+void Scheduler::ExtendJob(Job& job, std::shared_ptr<const JobSpec> spec) {
+  for (uint32_t f = 0; f < spec->frames.size(); ++f) {
+    const uint32_t samples = spec->frames[f].spec.samples_per_pixel;
+    if (samples == job.spec->frames[f].spec.samples_per_pixel) continue;
+    if (const auto active = job.schedule.active.find(f); active != job.schedule.active.end()) {
+      active->second.work.Extend(samples);
+    } else {
+      job.schedule.ahead.insert(f);
+    }
+  }
+  job.spec = std::move(spec);
+  state_.idle.UnblockAll();
+}
+
+void Scheduler::RemoveJob(Job& job) {
+  if (state_.jobs.Find(job.id) == nullptr) return;
+  leases_.RevokeAllOf(job);
+  scenes_.StopRequests(job);
+  state_.jobs.Remove(job);
+  job.schedule = {};
+  state_.idle.UnblockAll();  // workers that waited for a scene of this job may load another
+}
+
+void Scheduler::SetPaused(Instant now, Job& job, bool is_paused) {
+  if (job.is_paused == is_paused) return;
+  state_.jobs.SetPaused(job, is_paused);
+  if (!is_paused) {
+    dispatcher_.AnnounceJob();
+    return;
+  }
+  scenes_.StopRequests(job);
+  for (const LeaseId lease : state_.leases.OfJob(job.id)) {
+    if (state_.leases.At(lease).IsWaiting(now)) leases_.Revoke(lease);
+  }
+}
+
+void Scheduler::SetPriority(Job& job, int priority) {
+  if (job.priority == priority) return;
+  state_.jobs.SetPriority(job, priority);
+  if (job.is_paused) return;
+  dispatcher_.AnnounceJob();
+}
+
+void Scheduler::Unblock(WorkerRecord& worker) {
+  state_.idle.Remove(worker.id);
+  leases_.UpdateRoom(worker);
+}
+
+void Scheduler::Drain(WorkerId id) {
+  WorkerRecord* const worker = state_.workers.Find(id);
+  if (worker == nullptr || !state_.workers.Drain(*worker)) return;
+  Unblock(*worker);
+  state_.log.push_back(fmt::format("worker_drained worker={:016x} name=\"{}\"", Number(id), worker->name));
+}
+
+void Scheduler::Release(WorkerId id) {
+  WorkerRecord* const worker = state_.workers.Find(id);
+  if (worker == nullptr || !state_.workers.Release(*worker)) return;
+  Unblock(*worker);
+  state_.log.push_back(fmt::format("worker_released worker={:016x} name=\"{}\"", Number(id), worker->name));
+}
+
+bool Scheduler::IsTrusted(WorkerId id) const {
+  const WorkerRecord* const worker = state_.workers.Find(id);
+  return worker == nullptr || !worker->is_quarantined();
+}
+
+bool Scheduler::IsFull(WorkerId worker) const {
+  return state_.workers.is_full() && state_.workers.Find(worker) == nullptr;
+}
+
+bool Scheduler::IsComplete(const Job& job, uint32_t frame) const {
+  return !job.schedule.active.contains(frame) && !job.schedule.ahead.contains(frame);
+}
+
+void Scheduler::CountAccepted(WorkerId id, uint64_t pixel_samples, double render_seconds) {
+  ++state_.counters.units_accepted;
+  state_.counters.samples_accepted += pixel_samples;
+  state_.counters.render_s += render_seconds;
+  if (WorkerRecord* const worker = state_.workers.Find(id)) worker->pace.Accept(pixel_samples);
+}
+
+uint32_t Scheduler::WorkersOf(JobId job) const {
+  return static_cast<uint32_t>(state_.leases.ShareOf(job).holders.size());
+}
+
+std::string Scheduler::Obstacle(JobId id) const {
+  const Job* const job = state_.jobs.Find(id);
+  if (job == nullptr) return {};
+  const std::set<std::string>& tags = job->spec->required_tags;
+  if (tags.empty() && state_.workers.total_slots() == 0) return state_.workers.WhyNoneFor(tags);
+  if (tags.empty() && job->spec->verify_share <= 0) return {};  // the common case is cheap
+  const std::set<WorkerId> able = state_.workers.AbleFor(tags);
+  if (able.empty()) return state_.workers.WhyNoneFor(tags);
+  size_t stuck = 0;
+  for (const auto& [index, frame] : job->schedule.active) stuck += frame.verification.CountStuck(able);
+  if (stuck == 0) return {};
+  return fmt::format("{} unit{} to be verified by another worker: connect one more", stuck,
+                     stuck == 1 ? " waits" : "s wait");
+}
+
+JobPhase Scheduler::PhaseOf(const Job& job) const {
+  if (state_.jobs.Find(job.id) == nullptr || job.schedule.is_rendered()) return JobPhase::kRendered;
+  return job.schedule.HasOpen() ? JobPhase::kOpen : JobPhase::kTail;
+}
+
+}  // namespace tessera

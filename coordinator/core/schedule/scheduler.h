@@ -1,0 +1,148 @@
+// The scheduler: a pure state machine that decides which worker renders which unit when. Each call is an
+// event with the time it happens; decisions are fetched as values. Same calls, same decisions. Not thread
+// safe: one thread calls it.
+//
+// It conducts its parts, one file each: the lease table, the worker roster, the job queue and idle workers
+// hold what is known (schedule_state.h); lease control, scene locality, dispatcher, tail relief, failure
+// handling, vote counting and worker sync change it. The numbers it decides by are in policy.h.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coordinator/core/schedule/dispatcher.h"
+#include "coordinator/core/schedule/failure_handling.h"
+#include "coordinator/core/schedule/lease_control.h"
+#include "coordinator/core/schedule/scene_locality.h"
+#include "coordinator/core/schedule/schedule_state.h"
+#include "coordinator/core/schedule/tail_relief.h"
+#include "coordinator/core/schedule/unit_completion.h"
+#include "coordinator/core/schedule/vote_counting.h"
+#include "coordinator/core/schedule/worker_sync.h"
+
+namespace tessera {
+
+struct SchedulerOptions {
+  // Differs for every process that works on a data directory, so that lease ids never meet again.
+  uint32_t epoch = 1;
+  // Different workers that may fail a unit before its job fails.
+  int attempts_max = kAttemptsMaxDefault;
+};
+
+class Scheduler {
+ public:
+  explicit Scheduler(SchedulerOptions options);
+
+  // Where only the call is handed on, the part's header has the contract.
+
+  // ---- Jobs ----
+  // The job is open from now on, all frames except those in `finished`. The record must stay where it is
+  // until RemoveJob.
+  void AddJob(Job& job, const std::set<uint32_t>& finished = {});
+  // Frames of the job have more samples per pixel from now on: `spec` takes the place of the job's. Finished
+  // frames are rendered on.
+  void ExtendJob(Job& job, std::shared_ptr<const JobSpec> spec);
+  void RestoreDone(JobId job, uint32_t frame, TileSamples samples) {
+    units_.RestoreDone(job, frame, samples);
+  }
+  // The leases of the job are void and their holders are told to stop. Does nothing if it is not open.
+  void RemoveJob(Job& job);
+  // While a job is paused nothing of it is leased; leases that wait are taken back, those that run may
+  // finish.
+  void SetPaused(Instant now, Job& job, bool is_paused);
+  // Leases of lower jobs that wait give way to it, those that run do not.
+  void SetPriority(Job& job, int priority);
+  std::vector<FailedJob> TakeFailedJobs() { return failures_.TakeFailedJobs(); }
+
+  // ---- Workers ----
+  void Synchronize(Instant now, const WorkerState& state) { sync_.Synchronize(now, state); }
+  void Disconnect(Instant now, WorkerId worker) { sync_.Disconnect(now, worker); }
+  // From now on the worker gets nothing new and finishes what it holds.
+  void Drain(WorkerId worker);
+  // Ends a drain and a quarantine and forgives the worker's strikes.
+  void Release(WorkerId worker);
+  std::vector<WorkerBlock> TakeBlocks() { return state_.workers.TakeBlocks(); }
+  std::vector<WorkerBlock> Blocks() const { return state_.workers.Blocks(); }
+  void RestoreBlock(Instant now, const WorkerBlock& block) { state_.workers.RestoreBlock(now, block); }
+  // Whether results of the worker count: those of a worker in quarantine do not.
+  bool IsTrusted(WorkerId worker) const;
+  bool IsFull(WorkerId worker) const;
+
+  // ---- Results ----
+  // Whether the unit can be a part of an open frame, whoever holds it.
+  bool IsKnown(const WorkUnit& unit) const { return state_.jobs.IsKnown(unit); }
+  // What of the frame of a known unit is done and wanted.
+  const FrameWork& WorkOf(const WorkUnit& unit) { return state_.jobs.FindFrame(unit)->work; }
+  // Whether all samples of the frame are done.
+  bool IsComplete(const Job& job, uint32_t frame) const;
+  bool Finish(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, double render_seconds) {
+    return units_.Finish(now, worker, lease, unit, render_seconds);
+  }
+  void SetGoal(Job& job, uint32_t frame, uint32_t tile, const TileGoal& goal) {
+    units_.SetGoal(job, frame, tile, goal);
+  }
+  bool NeedsVote(const WorkUnit& unit) { return votes_.NeedsVote(unit); }
+  VoteOutcome RecordVote(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
+                         double render_seconds, const Digest& result) {
+    return units_.RecordVote(now, worker, lease, unit, render_seconds, result);
+  }
+  void RestoreVote(const WorkUnit& unit, const Vote& vote) { votes_.RestoreVote(unit, vote); }
+  std::vector<WorkerId> TakeDistrusted() { return votes_.TakeDistrusted(); }
+  // A result of the worker brought this many pixel samples that are new.
+  void CountAccepted(WorkerId worker, uint64_t pixel_samples, double render_seconds);
+  void FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
+                const std::string& reason) {
+    failures_.FailUnit(now, worker, lease, unit, reason);
+  }
+  void FailScene(Instant now, WorkerId worker, const Digest& scene, const std::string& reason) {
+    failures_.FailScene(now, worker, scene, reason);
+  }
+  void RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
+                    const std::string& reason) {
+    failures_.RefuseResult(now, worker, lease, unit, reason);
+  }
+
+  // ---- Time and decisions ----
+  // Decides. Call it after the events of each batch, and at least every TickInterval() if nothing happens.
+  void Advance(Instant now);
+  Instant TickInterval() const;
+  // Whether there is something to tell the worker.
+  bool HasNews(WorkerId worker) const { return state_.workers.HasNews(worker); }
+  // Workers that HasNews may be true for; all others have none.
+  const std::set<WorkerId>& news() const { return state_.workers.news(); }
+  // What the worker should have and do, besides what its last state listed.
+  WorkerDirective TakeDirective(Instant now, WorkerId worker) { return sync_.TakeDirective(now, worker); }
+  LeaseGrants TakeGrants(Instant now, WorkerId worker) { return sync_.TakeGrants(now, worker); }
+
+  // ---- For people ----
+  std::vector<WorkerStatus> Workers(Instant now) const { return state_.workers.Statuses(now, state_.leases); }
+  uint32_t WorkersOf(JobId job) const;
+  // Why no worker can do anything for the job; empty if one can or the job is not open.
+  std::string Obstacle(JobId job) const;
+  size_t lease_count() const { return state_.leases.size(); }
+  const SlotUse& slot_use() const { return state_.workers.occupancy().now(); }
+  JobPhase PhaseOf(const Job& job) const;
+  std::vector<GivenUpTime> TakeGivenUp() { return std::exchange(state_.given_up, {}); }
+  // Counts what happens here; the farm and the shell count the rest in the same numbers.
+  FarmCounters& counters() { return state_.counters; }
+  const FarmCounters& counters() const { return state_.counters; }
+  // What happened since the last call, one "event key=value ..." each.
+  std::vector<std::string> TakeLog() { return std::exchange(state_.log, {}); }
+
+ private:
+  void Unblock(WorkerRecord& worker);
+
+  ScheduleState state_;
+  LeaseControl leases_;
+  SceneLocality scenes_;
+  Dispatcher dispatcher_;
+  TailRelief tail_;
+  FailureHandling failures_;
+  VoteCounting votes_;
+  UnitCompletion units_;
+  WorkerSync sync_;
+  Instant expiry_due_{};
+};
+
+}  // namespace tessera

@@ -1,0 +1,280 @@
+#include "coordinator/core/schedule/worker_roster.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+namespace tessera {
+
+WorkerRecord* WorkerRoster::Find(WorkerId id) {
+  const auto found = workers_.find(id);
+  return found == workers_.end() ? nullptr : &found->second;
+}
+
+const WorkerRecord* WorkerRoster::Find(WorkerId id) const {
+  const auto found = workers_.find(id);
+  return found == workers_.end() ? nullptr : &found->second;
+}
+
+std::pair<WorkerRecord*, bool> WorkerRoster::Admit(Instant now, const WorkerState& state) {
+  WorkerRecord& worker = workers_[state.worker];
+  const bool is_new = !worker.is_live;
+  if (is_new) {
+    worker.is_live = true;
+    worker.pending.has_notice = worker.is_blocked();
+    if (worker.is_blocked()) news_.insert(state.worker);
+  }
+  worker.id = state.worker;
+  worker.name = state.name;
+  worker.software_version = state.software_version;
+  worker.tags = state.tags;
+  worker.slots = state.slots;
+  worker.is_leaving = state.draining;
+  worker.last_contact = now;
+  return {&worker, is_new};
+}
+
+void WorkerRoster::Disconnect(Instant now, WorkerRecord& worker) {
+  worker.is_live = false;
+  worker.last_contact = now;
+  worker.scenes.clear();
+  worker.wanted.clear();
+  worker.loading_since.clear();
+  worker.prefetch.clear();
+  worker.pending.has_prefetch = false;
+}
+
+std::vector<WorkerId> WorkerRoster::Silent(Instant now) const {
+  std::vector<WorkerId> silent;
+  for (const auto& [id, worker] : workers_) {
+    if (worker.is_live && now - worker.last_contact > kWorkerSilenceMax) silent.push_back(id);
+  }
+  return silent;
+}
+
+std::vector<WorkerId> WorkerRoster::ForgetGone(Instant now) {
+  std::vector<WorkerId> gone;
+  for (const auto& [id, worker] : workers_) {
+    const Instant patience = worker.is_blocked() ? kBlockForgotten : kWorkerForgotten;
+    if (!worker.is_live && now - worker.last_contact > patience) gone.push_back(id);
+  }
+  for (const WorkerId id : gone) {
+    news_.erase(id);
+    workers_.erase(id);
+  }
+  return gone;
+}
+
+void WorkerRoster::MeasureSpeed(WorkerRecord& worker, double cost, double seconds, bool is_tile_measured) {
+  const double observed = cost / seconds;
+  const double first = 1.0 / static_cast<double>(worker.speed_measurements + 1);
+  double gain = std::max(kSpeedGain, first) * std::min(1.0, seconds / kSpeedUnitDuration_s);
+  // A tile that was never measured may differ from the average for reasons of its own.
+  if (!is_tile_measured) gain /= 4;
+  worker.speed = std::clamp(worker.speed * std::pow(observed / worker.speed, gain), kSpeedMin, kSpeedMax);
+  ++worker.speed_measurements;
+  UpdateTotals(worker);
+}
+
+void WorkerRoster::UpdateTotals(WorkerRecord& worker) {
+  const int slots = worker.may_work() ? worker.slots : 0;
+  const double speed = slots * worker.speed;
+  total_slots_ += slots - worker.slots_counted_;
+  total_speed_ = total_slots_ == 0 ? 0 : total_speed_ + speed - worker.speed_counted_;
+  worker.slots_counted_ = slots;
+  worker.speed_counted_ = speed;
+}
+
+void WorkerRoster::UpdateSlotUse(WorkerRecord& worker, size_t lease_count) {
+  SlotUse use;
+  if (worker.is_live) {
+    use.leased = std::min(worker.slots, static_cast<int>(lease_count));
+    const int rest = worker.slots - use.leased;
+    (worker.is_fetching ? use.fetching : worker.is_loading() ? use.loading : use.idle) = rest;
+  }
+  occupancy_.Change(worker.use_counted_, use);
+  worker.use_counted_ = use;
+}
+
+bool WorkerRoster::AddStrike(WorkerRecord& worker) {
+  if (worker.is_quarantined()) return false;
+  worker.units_since_strike = 0;
+  return ++worker.strikes >= kStrikesMax;
+}
+
+void WorkerRoster::CreditUnit(WorkerRecord& worker) {
+  ++worker.units_finished;
+  if (++worker.units_since_strike >= kForgivenessUnits) worker.strikes = 0;
+}
+
+bool WorkerRoster::Quarantine(WorkerRecord& worker, const std::string& reason) {
+  if (worker.is_quarantined()) return false;
+  worker.quarantine = reason;
+  worker.wanted.clear();
+  NoteBlock(worker);
+  return true;
+}
+
+bool WorkerRoster::Drain(WorkerRecord& worker) {
+  if (worker.is_drained) return false;
+  worker.is_drained = true;
+  worker.wanted.clear();
+  NoteBlock(worker);
+  return true;
+}
+
+bool WorkerRoster::Release(WorkerRecord& worker) {
+  if (!worker.is_blocked()) return false;
+  worker.is_drained = false;
+  worker.quarantine.clear();
+  worker.strikes = 0;
+  NoteBlock(worker);
+  return true;
+}
+
+void WorkerRoster::NoteBlock(WorkerRecord& worker) {
+  changed_blocks_.push_back({worker.id, worker.name, worker.is_drained, worker.quarantine});
+  worker.pending.has_notice = true;
+  news_.insert(worker.id);
+  UpdateTotals(worker);
+}
+
+void WorkerRoster::RestoreBlock(Instant now, const WorkerBlock& block) {
+  if (is_full() && !workers_.contains(block.worker)) return;
+  WorkerRecord& worker = workers_[block.worker];
+  worker.id = block.worker;
+  worker.name = block.name;
+  worker.is_drained = block.is_drained;
+  worker.quarantine = block.quarantine;
+  worker.last_contact = now;
+}
+
+std::vector<WorkerBlock> WorkerRoster::Blocks() const {
+  std::vector<WorkerBlock> blocks;
+  for (const auto& [id, worker] : workers_) {
+    if (worker.is_blocked()) blocks.push_back({id, worker.name, worker.is_drained, worker.quarantine});
+  }
+  return blocks;
+}
+
+std::set<WorkerId> WorkerRoster::AbleFor(const std::set<std::string>& tags) const {
+  std::set<WorkerId> able;
+  for (const auto& [id, worker] : workers_) {
+    if (worker.may_work() && worker.has_tags(tags)) able.insert(id);
+  }
+  return able;
+}
+
+// Why the connected workers that have the tags take no work, counted; empty if there are no such workers.
+std::string WorkerRoster::WhyIdle(const std::set<std::string>& tags) const {
+  size_t drained = 0, quarantined = 0, leaving = 0;
+  for (const auto& [id, worker] : workers_) {
+    if (!worker.is_live || !worker.has_tags(tags)) continue;
+    ++(worker.is_quarantined() ? quarantined : worker.is_drained ? drained : leaving);
+  }
+  std::string why;
+  for (const auto& [count, what] : {std::pair(drained, "drained"), std::pair(quarantined, "quarantined"),
+                                    std::pair(leaving, "about to leave")}) {
+    if (count > 0) why += fmt::format("{}{} {}", why.empty() ? "" : ", ", count, what);
+  }
+  return why;
+}
+
+std::string WorkerRoster::WhyNoneFor(const std::set<std::string>& tags) const {
+  const std::string why = WhyIdle(tags);
+  if (tags.empty()) return why.empty() ? "no worker is connected" : "no worker takes work: " + why;
+  const std::string all = fmt::format("{}", fmt::join(tags, ", "));
+  if (!why.empty())
+    return fmt::format("no worker with tag{} {} takes work: {}", tags.size() == 1 ? "" : "s", all, why);
+  std::set<std::string> missing = tags;
+  for (const auto& [id, worker] : workers_) {
+    if (!worker.is_live) continue;
+    for (const std::string& tag : worker.tags) missing.erase(tag);
+  }
+  if (!missing.empty()) return fmt::format("no worker has tag {}", *missing.begin());
+  return fmt::format("no worker has all of the tags {}", all);
+}
+
+void WorkerRoster::Announce(WorkerRecord& worker, LeaseId lease) {
+  worker.pending.leases.push_back(lease);
+  news_.insert(worker.id);
+}
+
+void WorkerRoster::Drop(WorkerRecord& worker, LeaseId lease) {
+  worker.pending.drops.push_back(lease);
+  news_.insert(worker.id);
+}
+
+void WorkerRoster::Revoke(WorkerRecord& worker, LeaseId lease) {
+  Drop(worker, lease);
+  worker.revoked.insert(lease);
+  if (worker.revoked.size() > kRevokedKeptMax) worker.revoked.erase(worker.revoked.begin());
+}
+
+void WorkerRoster::RequestScene(WorkerRecord& worker, const SceneOrder& scene) {
+  worker.wanted = {scene};
+  worker.pending.has_scenes = true;
+  news_.insert(worker.id);
+}
+
+void WorkerRoster::RequestPrefetch(WorkerRecord& worker, std::vector<Digest> packages) {
+  worker.prefetch = std::move(packages);
+  worker.pending.has_prefetch = !worker.prefetch.empty();
+  if (worker.pending.has_prefetch) news_.insert(worker.id);
+}
+
+bool WorkerRoster::HasNews(WorkerId id) const {
+  const auto found = workers_.find(id);
+  return found != workers_.end() && !found->second.pending.empty();
+}
+
+void WorkerRoster::UpdateNews(const WorkerRecord& worker) {
+  if (worker.pending.empty() || !worker.is_live) news_.erase(worker.id);
+}
+
+WorkerDirective WorkerRoster::TakeRequests(Instant now, WorkerRecord& worker) {
+  WorkerDirective directive;
+  for (const SceneOrder& scene : worker.wanted) {
+    if (worker.scenes.contains(scene.key)) continue;
+    directive.scenes.push_back(scene);
+    worker.loading_since.try_emplace(scene.key, now);
+  }
+  if (worker.pending.has_prefetch) directive.prefetch = worker.prefetch;
+  directive.notice = worker.is_quarantined() ? worker.quarantine
+                     : worker.is_drained     ? "drained by the operator"
+                                             : "";
+  worker.pending.has_scenes = worker.pending.has_prefetch = worker.pending.has_notice = false;
+  news_.erase(worker.id);
+  return directive;
+}
+
+std::vector<WorkerStatus> WorkerRoster::Statuses(Instant now, const LeaseTable& leases) const {
+  std::vector<WorkerStatus> all;
+  const double average = total_slots_ > 0 ? total_speed_ / total_slots_ : 1;
+  for (const auto& [id, worker] : workers_) {
+    if (!worker.is_live) continue;
+    WorkerStatus status;
+    status.worker = id;
+    status.name = worker.name;
+    status.slots = worker.slots;
+    status.software_version = worker.software_version;
+    status.leases = static_cast<uint32_t>(leases.OfWorker(id).size());
+    status.units_finished = worker.units_finished;
+    status.units_failed = worker.units_failed;
+    status.speed = worker.speed / average;
+    status.silent = std::chrono::duration_cast<std::chrono::milliseconds>(now - worker.last_contact);
+    status.draining = worker.is_leaving || worker.is_drained;
+    status.quarantined = worker.is_quarantined();
+    status.reason = worker.quarantine;
+    status.utilisation = worker.pace.Utilisation(worker.slots);
+    status.samples_per_second = worker.pace.SamplesPerSecond(now);
+    status.fetching = worker.is_fetching;
+    status.loading = worker.is_loading();
+    status.tags = worker.tags;
+    all.push_back(std::move(status));
+  }
+  return all;
+}
+
+}  // namespace tessera

@@ -1,0 +1,175 @@
+// The workers that the farm knows: who they are, how fast they are, whether they may work, and what they are
+// to be told. Owned by the scheduler. Ordered containers only: order reaches decisions.
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coordinator/core/schedule/instant.h"
+#include "coordinator/core/schedule/lease_table.h"
+#include "coordinator/core/schedule/occupancy.h"
+#include "coordinator/core/schedule/policy.h"
+#include "coordinator/core/schedule/worker_pace.h"
+#include "proto/terms.h"
+
+namespace tessera {
+
+// What goes into the next answer to a worker.
+struct PendingDirective {
+  std::vector<LeaseId> leases;  // not announced yet
+  std::vector<LeaseId> drops;
+  bool has_scenes = false;    // WorkerRecord::wanted has changed
+  bool has_prefetch = false;  // WorkerRecord::prefetch has changed
+  bool has_notice = false;    // whether it may work has changed
+  bool empty() const {
+    return leases.empty() && drops.empty() && !has_scenes && !has_prefetch && !has_notice;
+  }
+};
+
+struct WorkerRecord {
+  WorkerId id{};
+  std::string name, software_version;
+  std::set<std::string> tags;
+  int slots = 1;
+  bool is_live = false;     // connected
+  bool is_leaving = false;  // it said so itself
+  bool is_drained = false;  // by the operator
+  std::string quarantine;   // its reason; empty if the worker is not in quarantine
+  Instant last_contact{};
+  uint64_t sequence = 0;  // of its last state
+
+  double speed = 1;  // relative to the reference machine that costs are expressed in
+  uint64_t speed_measurements = 0;
+  WorkerPace pace;  // of the last minute
+
+  std::map<Digest, bool> scenes;            // listed by the last state; whether each is ready
+  bool is_fetching = false;                 // files of one that is not ready
+  std::vector<SceneOrder> wanted;           // to be loaded
+  std::map<Digest, Instant> loading_since;  // when it was first told to load it
+  std::vector<Digest> prefetch;             // packages whose files are to be fetched meanwhile
+
+  PendingDirective pending;
+  std::set<LeaseId> revoked;  // the latest that were taken away on purpose: not to be taken over again
+
+  uint64_t units_finished = 0, units_failed = 0;
+  int strikes = 0;
+  int units_since_strike = 0;
+
+  bool is_quarantined() const { return !quarantine.empty(); }
+  bool is_blocked() const { return is_drained || is_quarantined(); }
+  bool may_work() const { return is_live && !is_leaving && !is_blocked(); }
+  bool has_tags(const std::set<std::string>& required) const {
+    return std::includes(tags.begin(), tags.end(), required.begin(), required.end());
+  }
+  bool is_loading() const {
+    return std::any_of(scenes.begin(), scenes.end(), [](const auto& scene) { return !scene.second; });
+  }
+  bool has_ready(const Digest& scene) const {
+    const auto found = scenes.find(scene);
+    return found != scenes.end() && found->second;
+  }
+  bool wants(const Digest& scene) const {
+    return std::any_of(wanted.begin(), wanted.end(),
+                       [&](const SceneOrder& order) { return order.key == scene; });
+  }
+
+ private:
+  friend class WorkerRoster;
+  // What the roster has added to its totals for this worker.
+  double speed_counted_ = 0;
+  int slots_counted_ = 0;
+  SlotUse use_counted_;
+};
+
+// Whether a worker is kept from work and why. Neither: it is no longer.
+struct WorkerBlock {
+  WorkerId worker{};
+  std::string name;
+  bool is_drained = false;
+  std::string quarantine;
+};
+
+class WorkerRoster {
+ public:
+  // ---- Records ----
+  // Return nullptr if there is no such worker.
+  WorkerRecord* Find(WorkerId id);
+  const WorkerRecord* Find(WorkerId id) const;
+  WorkerRecord& At(WorkerId id) { return workers_.at(id); }
+  std::map<WorkerId, WorkerRecord>& all() { return workers_; }
+  const std::map<WorkerId, WorkerRecord>& all() const { return workers_; }
+  size_t size() const { return workers_.size(); }
+  bool empty() const { return workers_.empty(); }
+  bool is_full() const { return workers_.size() >= kWorkersMax; }
+
+  // ---- Coming and going ----
+  // Takes over what the state says of the worker itself. True if the worker was not connected before.
+  std::pair<WorkerRecord*, bool> Admit(Instant now, const WorkerState& state);
+  // The worker is not connected any more.
+  void Disconnect(Instant now, WorkerRecord& worker);
+  // Connected workers that have not been heard from for too long.
+  std::vector<WorkerId> Silent(Instant now) const;
+  // Removes those that have been away for too long and returns their ids.
+  std::vector<WorkerId> ForgetGone(Instant now);
+
+  // ---- Speed and slots ----
+  // A unit that would have taken a worker of speed 1 `cost` seconds took this one `seconds`.
+  void MeasureSpeed(WorkerRecord& worker, double cost, double seconds, bool is_tile_measured);
+  // Call after every change of what the totals are made of.
+  void UpdateTotals(WorkerRecord& worker);
+  void UpdateSlotUse(WorkerRecord& worker, size_t lease_count);
+  double total_speed() const { return total_speed_; }  // slots times speed of the workers that may work
+  int total_slots() const { return total_slots_; }     // theirs
+  Occupancy& occupancy() { return occupancy_; }
+  const Occupancy& occupancy() const { return occupancy_; }
+
+  // ---- Blocks ----
+  // The worker did what counts against it; true if it should be put into quarantine.
+  static bool AddStrike(WorkerRecord& worker);
+  static void CreditUnit(WorkerRecord& worker);
+  // Each returns false and does nothing if that is so already.
+  bool Quarantine(WorkerRecord& worker, const std::string& reason);
+  bool Drain(WorkerRecord& worker);
+  bool Release(WorkerRecord& worker);  // from both; forgives its strikes
+  void RestoreBlock(Instant now, const WorkerBlock& block);
+  std::vector<WorkerBlock> Blocks() const;
+  // Blocks that were set or lifted since the last call.
+  std::vector<WorkerBlock> TakeBlocks() { return std::exchange(changed_blocks_, {}); }
+  // Workers that may work on a job that requires these tags.
+  std::set<WorkerId> AbleFor(const std::set<std::string>& tags) const;
+  // Why none may, for people; call it only if that is so.
+  std::string WhyNoneFor(const std::set<std::string>& tags) const;
+
+  // ---- What workers are to be told ----
+  void Announce(WorkerRecord& worker, LeaseId lease);
+  void Drop(WorkerRecord& worker, LeaseId lease);
+  // A drop of what was taken away on purpose, even if a state on its way still lists it.
+  void Revoke(WorkerRecord& worker, LeaseId lease);
+  void RequestScene(WorkerRecord& worker, const SceneOrder& scene);
+  void RequestPrefetch(WorkerRecord& worker, std::vector<Digest> packages);
+  bool HasNews(WorkerId id) const;
+  // Workers that HasNews may be true for; all others have none.
+  const std::set<WorkerId>& news() const { return news_; }
+  // Scenes, prefetch and notice. The leases and drops are the scheduler's to fill in.
+  WorkerDirective TakeRequests(Instant now, WorkerRecord& worker);
+  void UpdateNews(const WorkerRecord& worker);
+
+  std::vector<WorkerStatus> Statuses(Instant now, const LeaseTable& leases) const;
+
+ private:
+  void NoteBlock(WorkerRecord& worker);
+  std::string WhyIdle(const std::set<std::string>& tags) const;
+
+  std::map<WorkerId, WorkerRecord> workers_;
+  std::set<WorkerId> news_;
+  double total_speed_ = 0;
+  int total_slots_ = 0;
+  Occupancy occupancy_;
+  std::vector<WorkerBlock> changed_blocks_;
+};
+
+}  // namespace tessera

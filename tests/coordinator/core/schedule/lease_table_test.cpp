@@ -1,0 +1,101 @@
+#include "coordinator/core/schedule/lease_table.h"
+
+#include <gtest/gtest.h>
+
+#include "coordinator/core/schedule/policy.h"
+
+namespace tessera {
+namespace {
+
+constexpr WorkerId kAnn{1}, kBob{2};
+constexpr JobId kJob{7};
+
+struct TableStage {
+  LeaseId Add(WorkerId worker, uint32_t tile, SampleRange range, std::optional<double> cost = 2.0,
+              double speed = 1) {
+    const LeaseId id = table.NextId();
+    Lease lease;
+    lease.id = id;
+    lease.unit = {kJob, 0, tile, range};
+    table.Add(now, {worker, 1, speed}, lease, cost);
+    return id;
+  }
+  Instant now = seconds(100);
+  LeaseTable table{3};
+};
+
+TEST(LeaseTable, FindsLeasesByWorkerTileAndJob) {
+  TableStage stage;
+  const LeaseId first = stage.Add(kAnn, 5, {0, 4});
+  const LeaseId second = stage.Add(kAnn, 2, {4, 4});
+  const LeaseId third = stage.Add(kBob, 5, {4, 4});
+  EXPECT_EQ(stage.table.OfWorker(kAnn), (std::set{first, second}));
+  EXPECT_EQ(stage.table.OfTile({kJob, 0, 5, {}}).size(), 2u);
+  EXPECT_EQ(stage.table.OfJob(kJob), (std::vector{second, first, third})) << "by tile, then age";
+  EXPECT_EQ(stage.table.ShareOf(kJob).holders, (std::map<WorkerId, uint32_t>{{kAnn, 2}, {kBob, 1}}));
+  EXPECT_DOUBLE_EQ(stage.table.ShareOf(kJob).seconds, 6);
+  stage.table.Remove(first);
+  EXPECT_FALSE(stage.table.Has(first));
+  EXPECT_EQ(stage.table.OfWorker(kAnn), std::set{second});
+  stage.table.Remove(second);
+  stage.table.Remove(third);
+  EXPECT_TRUE(stage.table.empty());
+  EXPECT_EQ(stage.table.ShareOf(kJob).leases, 0u);
+  EXPECT_TRUE(stage.table.OfTile({kJob, 0, 5, {}}).empty());
+}
+
+TEST(LeaseTable, ExpectsALeaseToStartWhenThoseBeforeItEnd) {
+  TableStage stage;
+  const LeaseId first = stage.Add(kAnn, 0, {0, 4}, 2.0, 0.5);
+  const LeaseId second = stage.Add(kAnn, 1, {0, 4}, 1.0, 0.5);
+  EXPECT_EQ(stage.table.At(first).expected_end, stage.now + seconds(4));
+  EXPECT_EQ(stage.table.At(second).expected_start, stage.now + seconds(4));
+  EXPECT_DOUBLE_EQ(stage.table.QueueSeconds(kAnn, 0.5), 6);
+  stage.table.At(second).is_announced = true;
+  EXPECT_TRUE(stage.table.At(second).IsWaiting(stage.now));
+  stage.table.Remove(first);
+  stage.now += seconds(1);
+  stage.table.StartNext(stage.now, kAnn);
+  EXPECT_FALSE(stage.table.At(second).IsWaiting(stage.now));
+  EXPECT_EQ(stage.table.At(second).expected_end, stage.now + seconds(2));
+}
+
+TEST(LeaseTable, ALeaseOfUnknownCostTakesTheDefaultDuration) {
+  TableStage stage;
+  const LeaseId id = stage.Add(kAnn, 0, {0, 1}, std::nullopt);
+  EXPECT_DOUBLE_EQ(stage.table.QueueSeconds(kAnn, 1), kUnknownUnitDuration_s);
+  stage.table.Remove(id);
+  EXPECT_DOUBLE_EQ(stage.table.QueueSeconds(kAnn, 1), 0);
+}
+
+TEST(LeaseTable, ALeaseExpiresUnlessAStateListsIt) {
+  TableStage stage;
+  const LeaseId lost = stage.Add(kAnn, 0, {0, 1});
+  const LeaseId listed = stage.Add(kAnn, 1, {0, 1});
+  const Instant later = stage.now + kLeaseUnlistedMax + milliseconds(1);
+  LeaseTable::Renew(later, stage.table.At(listed), {listed, {}, LeaseStage::kRunning, milliseconds(500)});
+  EXPECT_EQ(stage.table.Expired(later), std::vector{lost});
+  EXPECT_TRUE(stage.table.At(listed).has_started);
+  EXPECT_EQ(stage.table.At(listed).expected_start, later - milliseconds(500));
+  EXPECT_EQ(stage.table.Expired(later + kLeaseDuration + milliseconds(1)).size(), 2u);
+}
+
+TEST(LeaseTable, TheLastToEndIsTheOneThatIsLateLongest) {
+  TableStage stage;
+  const LeaseId shorter = stage.Add(kAnn, 0, {0, 1}, 1.0);
+  const LeaseId longer = stage.Add(kBob, 1, {0, 1}, 3.0);
+  EXPECT_EQ(stage.table.LastToEnd(stage.now, 2), (std::vector{longer, shorter}));
+  // 9 s late: may be there in 9 s more. The other one is 7 s late.
+  EXPECT_EQ(stage.table.LastToEnd(stage.now + seconds(10), 1), std::vector{shorter});
+}
+
+TEST(LeaseTable, KnowsWhichIdsMayHaveBeenGiven) {
+  TableStage stage;
+  const LeaseId given = stage.Add(kAnn, 0, {0, 1});
+  EXPECT_TRUE(stage.table.MayHaveGiven(given));
+  EXPECT_FALSE(stage.table.MayHaveGiven(LeaseId{Number(given) + 1}));
+  EXPECT_TRUE(stage.table.MayHaveGiven(LeaseId{uint64_t{2} << 32 | 99})) << "by a former process";
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,111 @@
+#include "coordinator/core/schedule/worker_roster.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+using testing::ElementsAre;
+
+struct RosterStage {
+  WorkerRecord& Join(uint64_t id, std::set<std::string> tags = {}, int slots = 1) {
+    WorkerState state;
+    state.worker = WorkerId{id};
+    state.name = "w" + std::to_string(id);
+    state.tags = std::move(tags);
+    state.slots = slots;
+    WorkerRecord& worker = *roster.Admit(now, state).first;
+    roster.UpdateTotals(worker);
+    return worker;
+  }
+  Instant now = seconds(100);
+  WorkerRoster roster;
+};
+
+TEST(WorkerRoster, CountsSlotsAndSpeedOfWorkersThatMayWork) {
+  RosterStage stage;
+  stage.Join(1, {}, 4);
+  WorkerRecord& second = stage.Join(2, {}, 2);
+  EXPECT_EQ(stage.roster.total_slots(), 6);
+  stage.roster.MeasureSpeed(second, 10, 5, true);  // twice as fast; the first measurement counts in full
+  EXPECT_DOUBLE_EQ(second.speed, 2);
+  EXPECT_DOUBLE_EQ(stage.roster.total_speed(), 8);
+  EXPECT_TRUE(stage.roster.Drain(second));
+  EXPECT_EQ(stage.roster.total_slots(), 4);
+  EXPECT_TRUE(stage.roster.Release(second));
+  EXPECT_DOUBLE_EQ(stage.roster.total_speed(), 8);
+}
+
+TEST(WorkerRoster, ShortUnitsAndUnmeasuredTilesChangeTheSpeedLess) {
+  RosterStage stage;
+  WorkerRecord& worker = stage.Join(1);
+  stage.roster.MeasureSpeed(worker, 4 * kSpeedUnitDuration_s / 10, kSpeedUnitDuration_s / 10, true);
+  EXPECT_GT(worker.speed, 1.0);
+  EXPECT_LT(worker.speed, 1.2) << "a tenth of the shortest duration that counts in full";
+  WorkerRecord& other = stage.Join(2);
+  stage.roster.MeasureSpeed(other, 4, 1, false);
+  EXPECT_NEAR(other.speed, std::sqrt(2.0), 1e-9) << "a quarter of the gain: 4^(1/4)";
+}
+
+TEST(WorkerRoster, ReportsBlocksOnceAndRestoresThem) {
+  RosterStage stage;
+  WorkerRecord& worker = stage.Join(1);
+  EXPECT_TRUE(stage.roster.Quarantine(worker, "wrong sums"));
+  EXPECT_FALSE(stage.roster.Quarantine(worker, "again"));
+  const auto blocks = stage.roster.TakeBlocks();
+  ASSERT_EQ(blocks.size(), 1u);
+  EXPECT_EQ(blocks[0].quarantine, "wrong sums");
+  EXPECT_TRUE(stage.roster.TakeBlocks().empty());
+  RosterStage after;
+  after.roster.RestoreBlock(after.now, blocks[0]);
+  EXPECT_FALSE(after.Join(1).may_work());
+  EXPECT_TRUE(after.roster.HasNews(WorkerId{1})) << "it is told why";
+}
+
+TEST(WorkerRoster, StrikesInARowLeadToQuarantineAndManyGoodUnitsForgiveThem) {
+  RosterStage stage;
+  WorkerRecord& worker = stage.Join(1);
+  for (int i = 1; i < kStrikesMax; ++i) EXPECT_FALSE(WorkerRoster::AddStrike(worker));
+  for (int i = 0; i < kForgivenessUnits; ++i) WorkerRoster::CreditUnit(worker);
+  EXPECT_EQ(worker.strikes, 0);
+  for (int i = 1; i < kStrikesMax; ++i) EXPECT_FALSE(WorkerRoster::AddStrike(worker));
+  EXPECT_TRUE(WorkerRoster::AddStrike(worker));
+}
+
+TEST(WorkerRoster, ExplainsWhyNoWorkerIsAble) {
+  RosterStage stage;
+  EXPECT_EQ(stage.roster.WhyNoneFor({}), "no worker is connected");
+  WorkerRecord& worker = stage.Join(1, {"gpu"});
+  EXPECT_EQ(stage.roster.WhyNoneFor({"big"}), "no worker has tag big");
+  stage.Join(2, {"big"});
+  EXPECT_EQ(stage.roster.WhyNoneFor({"big", "gpu"}), "no worker has all of the tags big, gpu");
+  stage.roster.Drain(worker);
+  EXPECT_EQ(stage.roster.WhyNoneFor({"gpu"}), "no worker with tag gpu takes work: 1 drained");
+  EXPECT_THAT(stage.roster.AbleFor({"big"}), ElementsAre(WorkerId{2}));
+}
+
+TEST(WorkerRoster, ForgetsWorkersThatAreAwayButBlockedOnesLater) {
+  RosterStage stage;
+  stage.Join(1);
+  WorkerRecord& drained = stage.Join(2);
+  stage.roster.Drain(drained);
+  EXPECT_THAT(stage.roster.Silent(stage.now + kWorkerSilenceMax + milliseconds(1)),
+              ElementsAre(WorkerId{1}, WorkerId{2}));
+  for (auto& [id, worker] : stage.roster.all()) stage.roster.Disconnect(stage.now, worker);
+  const Instant later = stage.now + kWorkerForgotten + milliseconds(1);
+  EXPECT_THAT(stage.roster.ForgetGone(later), ElementsAre(WorkerId{1}));
+  EXPECT_NE(stage.roster.Find(WorkerId{2}), nullptr);
+}
+
+TEST(WorkerRoster, RevokedLeasesAreRememberedUpToALimit) {
+  RosterStage stage;
+  WorkerRecord& worker = stage.Join(1);
+  for (uint64_t i = 1; i <= kRevokedKeptMax + 1; ++i) stage.roster.Revoke(worker, LeaseId{i});
+  EXPECT_EQ(worker.revoked.size(), kRevokedKeptMax);
+  EXPECT_FALSE(worker.revoked.contains(LeaseId{1}));
+  EXPECT_EQ(worker.pending.drops.size(), kRevokedKeptMax + 1);
+}
+
+}  // namespace
+}  // namespace tessera
