@@ -13,6 +13,7 @@ Command ExtendCommand();
 Command FetchCommand();
 Command InfoCommand();
 Command JobsCommand();
+Command KindsCommand();
 Command PauseCommand();
 Command PriorityCommand();
 Command ReleaseCommand();
@@ -27,7 +28,7 @@ Command WorkersCommand();
 using MakeCommandFunction = Command (*)();
 inline constexpr MakeCommandFunction kCommands[] = {
     // On this machine.
-    RenderCommand, InfoCommand, CompareCommand,
+    RenderCommand, InfoCommand, KindsCommand, CompareCommand,
     // Jobs of a farm.
     SubmitCommand, JobsCommand, StatusCommand, WatchCommand, FetchCommand, ExtendCommand, PriorityCommand,
     PauseCommand, ResumeCommand, CancelCommand,

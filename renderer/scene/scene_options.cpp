@@ -10,10 +10,10 @@
 namespace tessera {
 namespace {
 
-// Scenes name structures of pbrt. None changes the picture.
+// Scenes name structures of pbrt. Each is satisfied by any of ours, because none changes the picture.
 constexpr Kind<std::string_view> kSceneAccelerators[] = {
     {"bvh", Support::kSupported, {}},
-    {"kdtree", Support::kMapped, {}, "bvh"},
+    {"kdtree", Support::kSupported, {}},
 };
 constexpr KindTable<std::string_view> kSceneAcceleratorTable("accelerator", kSceneAccelerators);
 

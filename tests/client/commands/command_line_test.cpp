@@ -105,7 +105,7 @@ TEST(VerifyFlag, IsAPercentageWithOrWithoutItsSign) {
 TEST(CommandLine, AcceptsEveryCommandWithItsFlags) {
   for (const char* words :
        {"render s.pbrt -o o.exr --png o.png --workers 3 --threads 2 --in-process --spp 64 --json",
-        "render s.pbrt --verify 5% --workers 2", "info s.pbrt --accelerator bvh --json",
+        "render s.pbrt --verify 5% --workers 2", "info s.pbrt --accelerator bvh --json", "kinds --json",
         "compare a.exr b.exr --tolerance 0.5 --json",
         "submit s.pbrt --coordinator farm:99 --name film --priority -4 --watch --spp 8 --require gpu "
         "--require linux-6 --verify 2.5% --json",
