@@ -40,60 +40,57 @@ double D(uint64_t count) {
 
 void AddResults(const FarmCounters& c, Families& out) {
   const char* const name = "tessera_results_total";
-  const char* const help = "Results that workers returned, by what became of them.";
+  const char* const help = "Results returned by workers, by outcome.";
   out.Counter(name, help, D(c.units_accepted), {{"verdict", "accepted"}});
   out.Counter(name, help, D(c.units_duplicate), {{"verdict", "duplicate"}});
   out.Counter(name, help, D(c.units_obsolete), {{"verdict", "obsolete"}});
   out.Counter(name, help, D(c.units_refused), {{"verdict", "refused"}});
   out.Counter("tessera_units_failed_total", "Units that a worker could not render.", D(c.units_failed));
-  out.Counter("tessera_samples_total", "Pixel samples merged into pictures; its rate is samples per second.",
+  out.Counter("tessera_samples_total", "Pixel samples merged into pictures; the rate is samples per second.",
               D(c.samples_accepted));
-  out.Counter("tessera_samples_wasted_total", "Pixel samples of results that brought nothing new.",
-              D(c.samples_wasted));
+  out.Counter("tessera_samples_wasted_total", "Pixel samples of duplicate results.", D(c.samples_wasted));
 }
 
 void AddLeases(const FarmView& view, Families& out) {
   const FarmCounters& c = view.counters;
-  out.Gauge("tessera_leases", "Units in the hands of workers now.", D(view.leases));
-  out.Counter("tessera_leases_granted_total", "Leases given out.", D(c.leases_granted));
-  out.Counter("tessera_leases_expired_total", "Leases that nobody renewed in time.", D(c.leases_expired));
+  out.Gauge("tessera_leases", "Units leased to workers now.", D(view.leases));
+  out.Counter("tessera_leases_granted_total", "Leases granted.", D(c.leases_granted));
+  out.Counter("tessera_leases_expired_total", "Leases that expired.", D(c.leases_expired));
   out.Counter("tessera_leases_retried_total",
-              "Leases that ended unrendered, for whatever reason: their units were handed out again.",
-              D(c.leases_retried));
-  out.Counter("tessera_leases_moot_total", "Leases taken back because another worker was sooner.",
+              "Leases that ended without a result; their units were leased again.", D(c.leases_retried));
+  out.Counter("tessera_leases_moot_total", "Leases revoked because another worker returned the unit first.",
               D(c.leases_moot));
 }
 
 void AddSlots(const FarmView& view, Families& out) {
   const char* const now = "tessera_slots";
-  const char* const now_help = "Render slots of the farm by what they do now.";
+  const char* const now_help = "Render slots of the farm by current activity.";
   out.Gauge(now, now_help, view.slots.leased, {{"use", "leased"}});
   out.Gauge(now, now_help, view.slots.fetching, {{"use", "fetching"}});
   out.Gauge(now, now_help, view.slots.loading, {{"use", "loading"}});
   out.Gauge(now, now_help, view.slots.idle, {{"use", "idle"}});
   const FarmCounters& c = view.counters;
   const char* const time = "tessera_slot_seconds_total";
-  const char* const time_help = "Time of render slots by what they did.";
+  const char* const time_help = "Time of render slots by activity.";
   out.Counter(time, time_help, c.leased_s, {{"use", "leased"}});
   out.Counter(time, time_help, c.fetching_s, {{"use", "fetching"}});
   out.Counter(time, time_help, c.loading_s, {{"use", "loading"}});
   out.Counter(time, time_help, c.idle_s, {{"use", "idle"}});
   out.Counter("tessera_render_seconds_total", "Time of slots spent on results that were accepted.",
               c.render_s);
-  out.Counter("tessera_wasted_seconds_total", "Time of slots spent on duplicates and on what was given up.",
+  out.Counter("tessera_wasted_seconds_total", "Time of slots spent on results that were not used.",
               c.waste_s);
 }
 
 void AddWorkers(const FarmView& view, Families& out) {
   out.Gauge("tessera_workers", "Workers connected.", D(view.workers.size()));
-  out.Counter("tessera_workers_lost_total", "Times that a worker left or was given up.",
-              D(view.counters.workers_lost));
+  out.Counter("tessera_workers_lost_total", "Workers that left or were lost.", D(view.counters.workers_lost));
   if (view.workers.size() > kWorkersShownMax) return;
   const auto labels = [](const WorkerStatus& worker) {
     return Labels{{"worker", fmt::format("{:016x}", Number(worker.worker))}, {"name", worker.name}};
   };
   for (const WorkerStatus& worker : view.workers) {
-    out.Gauge("tessera_worker_utilisation", "Share of its slots' time that a worker rendered, last minute.",
+    out.Gauge("tessera_worker_utilisation", "Fraction of a worker's slot time spent rendering, last minute.",
               worker.utilisation, labels(worker));
   }
   for (const WorkerStatus& worker : view.workers) {
@@ -108,7 +105,7 @@ void AddJobs(const FarmView& view, Families& out) {
     states[static_cast<JobState>(state)] = 0;
   for (const JobStatus& job : view.jobs) ++states[job.state];
   for (const auto& [state, count] : states) {
-    out.Gauge("tessera_jobs", "Jobs that the coordinator remembers, by state.", count,
+    out.Gauge("tessera_jobs", "Jobs known to the coordinator, by state.", count,
               {{"state", JobStateName(state)}});
   }
   out.Gauge("tessera_samples_left", "Pixel samples of open jobs that are not merged yet.",
@@ -117,19 +114,19 @@ void AddJobs(const FarmView& view, Families& out) {
 
 void AddCoordinator(const FarmView& view, Families& out) {
   const FarmCounters& c = view.counters;
-  out.Counter("tessera_core_seconds_total", "Time the coordinator spent deciding and merging.", c.core_s);
-  out.Counter("tessera_journal_sync_seconds_total", "Time the coordinator waited for its journal's disk.",
-              c.journal_s);
+  out.Counter("tessera_core_seconds_total", "Time the coordinator spent on decisions and merging.", c.core_s);
+  out.Counter("tessera_journal_sync_seconds_total",
+              "Time the coordinator waited for the disk of its journal.", c.journal_s);
   out.Counter("tessera_journal_syncs_total", "Times the journal was synced.", D(c.journal_syncs));
   out.Counter("tessera_picture_seconds_total", "Time spent encoding and writing pictures.", c.picture_s);
   const char* const bytes = "tessera_bytes_total";
-  const char* const help = "Bytes that came to and left the coordinator.";
+  const char* const help = "Bytes received and sent by the coordinator.";
   out.Counter(bytes, help, D(view.traffic.results_in), {{"direction", "in"}, {"what", "results"}});
   out.Counter(bytes, help, D(view.traffic.blobs_in), {{"direction", "in"}, {"what", "blobs"}});
   out.Counter(bytes, help, D(view.traffic.blobs_out), {{"direction", "out"}, {"what", "blobs"}});
   out.Gauge("tessera_intake_bytes", "Bytes of returned results in memory that are not on disk yet.",
             D(view.intake.bytes));
-  out.Gauge("tessera_intake_waiting", "Calls that wait for room in memory to return results.",
+  out.Gauge("tessera_intake_waiting", "Calls that wait for memory to return results.",
             D(view.intake.waiting));
   out.Gauge("tessera_blob_bytes", "Bytes of scene files kept on disk.", D(view.blob_bytes));
 }

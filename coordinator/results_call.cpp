@@ -17,7 +17,8 @@ grpc::Status Refusal(const char* what) {
 }
 
 Result<std::vector<ReturnedUnit>> ReadResults(const proto::ResultsRequest& request) {
-  if (request.results_size() > kResultsPerCallMax) return BadInput("message refused: results are too many");
+  if (request.results_size() > kResultsPerCallMax)
+    return BadInput("message refused: too many results in one call");
   std::vector<ReturnedUnit> units;
   for (const proto::UnitResult& result : request.results()) {
     const auto unit = ReadWorkUnit(result.unit());
@@ -57,7 +58,7 @@ ResultsCall::ResultsCall(CoreThread& core, ResultsIntake& intake, CallId id, pro
 
 void ResultsCall::OnReadDone(bool ok) {
   if (!ok) {
-    Finish(Refusal(bytes_ == 0 ? "results are not announced" : "announced results are missing"));
+    Finish(Refusal(bytes_ == 0 ? "results were not announced" : "announced results are missing"));
   } else if (bytes_ == 0) {
     Announced();
   } else {
@@ -69,7 +70,7 @@ void ResultsCall::Announced() {
   if (request_->worker() == 0) return Finish(Refusal("worker is missing"));
   if (request_->bytes() == 0) return Finish(Refusal("bytes of the results are missing"));
   if (request_->bytes() > static_cast<uint64_t>(kMessageBytesMax))
-    return Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "the results are more than the message limit"});
+    return Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "the results exceed the message limit"});
   worker_ = WorkerId{request_->worker()};
   bytes_ = request_->bytes();
   intake_.Enter(id_, bytes_, [this] {
@@ -81,7 +82,7 @@ void ResultsCall::Announced() {
 // Here, so that checking and copying pixels uses many threads.
 void ResultsCall::Received() {
   bytes_in_ += request_->ByteSizeLong();
-  if (request_->ByteSizeLong() > bytes_) return Finish(Refusal("results are more than announced"));
+  if (request_->ByteSizeLong() > bytes_) return Finish(Refusal("more results than announced"));
   auto units = ReadResults(*request_);
   request_.reset();
   if (!units) return Finish(ToStatus(units.error()));

@@ -21,7 +21,7 @@ class ResultsIntake {
  public:
   explicit ResultsIntake(uint64_t bytes_max) : bytes_max_(bytes_max) {}
 
-  // Calls `admitted` as soon as there is room for so many bytes, at once or later and from another thread.
+  // Calls `admitted` when there is room for that many bytes: immediately, or later from another thread.
   // More than all the room there is are admitted alone.
   void Enter(CallId call, uint64_t bytes, std::function<void()> admitted);
   // Gives the room of an admitted call to others.

@@ -17,7 +17,7 @@ class WatchStream final : public grpc::ServerWriteReactor<proto::JobStatus> {
   class Link {
    public:
     // Sends the status, or keeps it until the one before is sent: a slow client misses some, never the last.
-    // Without a status the coordinator ends. False if the client is gone.
+    // Without a status the coordinator is shutting down. False if the client is gone.
     bool Offer(const JobStatus* status, bool last);
     void Finish(const grpc::Status& status);
 

@@ -33,7 +33,7 @@ const char* ParseFileLine(std::string_view line, std::string_view& path, Package
     return "expected a size after the digest";
   if (file.size > kBlobBytesMax) return "the size is beyond the limit";
   path = line.substr(static_cast<size_t>(end + 1 - line.data()));
-  if (!IsPackagePath(path)) return "the path is not one inside a package";
+  if (!IsPackagePath(path)) return "the path is not inside the package";
   return nullptr;
 }
 
@@ -68,7 +68,7 @@ Result<ScenePackage> DecodeScenePackage(std::string_view manifest) {
   ScenePackage package;
   for (int number = 2; !rest.empty(); ++number) {
     const auto line = TakeLine(rest);
-    if (!line) return BadInput(fmt::format("manifest:{}: cut short", number));
+    if (!line) return BadInput(fmt::format("manifest:{}: truncated", number));
     std::string_view path;
     PackageFile file;
     if (const char* const wrong = ParseFileLine(*line, path, file)) {

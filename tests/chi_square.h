@@ -118,7 +118,7 @@ struct Cell {
 constexpr double kExpectedMin =
     5;  // counts below are pooled: the statistic is not chi-square distributed there
 
-// Pools the cells of low expected count, then sums the statistic. Nothing if all mass is in one pool.
+// Pools the cells of low expected count, then sums the statistic. Returns 0 if all mass is in one pool.
 inline double PooledPValue(std::vector<Cell> cells, std::string& text) {
   std::stable_sort(cells.begin(), cells.end(),
                    [](const Cell& a, const Cell& b) { return a.expected < b.expected; });

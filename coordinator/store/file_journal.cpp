@@ -16,7 +16,7 @@ namespace {
 
 constexpr RecordFormat kFormat{"TSRJ", 2, kFactBytesMax};
 constexpr const char* kRemedy =
-    "to go on with what precedes the damage, truncate the file there; to go on without any job, move it away";
+    "to keep the records before the damage, truncate the file there; to start without any jobs, move it away";
 
 }  // namespace
 

@@ -38,7 +38,7 @@ Result<std::unique_ptr<FileSpool>> FileSpool::Open(const std::string& path, Run 
                                                    uint64_t segment_bytes_min) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (error) return Failed(fmt::format("{}: cannot be made: {}", path, error.message()));
+  if (error) return Failed(fmt::format("{}: cannot be created: {}", path, error.message()));
   std::unique_ptr<FileSpool> spool(new FileSpool(path, std::move(run), segment_bytes_min));
   spool->Scan();
   return spool;

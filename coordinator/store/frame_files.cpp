@@ -21,7 +21,7 @@ namespace {
 constexpr size_t kHeadBytes = 12;
 constexpr RecordFormat kFormat{"TSRS", 1, static_cast<uint64_t>(kResultBytesMax) + kHeadBytes};
 constexpr const char* kRemedy =
-    "move the file away to go on without the results in it: they are rendered again";
+    "move the file away to continue without its results, which are then rendered again";
 
 Result<TileNode> DecodeNode(std::string_view payload) {
   const size_t sums_bytes = payload.size() - std::min(payload.size(), kHeadBytes);
@@ -31,7 +31,7 @@ Result<TileNode> DecodeNode(std::string_view payload) {
   node.range.begin = in.Read32();
   node.range.size = in.Read32();
   if (!in.ok() || !node.range.IsDyadic() || sums_bytes % sizeof(float) != 0)
-    return Failed("holds something else than sums of samples");
+    return Failed("does not contain sums of samples");
   std::vector<float> sums(sums_bytes / sizeof(float));
   std::memcpy(sums.data(), payload.data() + kHeadBytes, sums_bytes);
   node.sums = std::move(sums);
@@ -109,7 +109,7 @@ Result<std::unique_ptr<RecordLog>> FrameFiles::BeginSegment() {
   std::error_code error;
   if (std::filesystem::create_directories(folder_, error))
     SyncFolder(std::filesystem::path(folder_).parent_path().string());
-  if (error) return Failed(fmt::format("{}: cannot be made: {}", folder_, error.message()));
+  if (error) return Failed(fmt::format("{}: cannot be created: {}", folder_, error.message()));
   const std::lock_guard lock(mutex_);
   const uint64_t newest = segments_.empty() ? 0 : segments_.back().number;
   const uint64_t number = std::max({newest + 1, base_next_, uint64_t{1}});

@@ -76,7 +76,7 @@ Result<uint64_t> ReadLog(const std::string& path, const RecordFormat& format, co
   if (!bytes) return bytes.error();
   const std::string_view all = *bytes;
   if (!all.starts_with(FileHeader(format)))
-    return Failed(path + ": is not a file that this version of tessera-coordinator writes there");
+    return Failed(path + ": is not a file of this version of tessera-coordinator");
   size_t good = kFileHeaderBytes;
   std::vector<std::string_view> payloads;
   while (const auto found = RecordAt(all.substr(good), format.payload_bytes_max)) {

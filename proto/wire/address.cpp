@@ -24,7 +24,7 @@ Result<Address> ParseUnix(const std::string& text, const std::string& what) {
   address.path = text.substr(kUnixPrefix.size());
   if (address.path.empty()) return BadAddress(text, what, "no path");
   if (address.path.size() > kSocketPathMax) {
-    return BadAddress(text, what, fmt::format("a socket's path has at most {} bytes", kSocketPathMax));
+    return BadAddress(text, what, fmt::format("the path of a socket has at most {} bytes", kSocketPathMax));
   }
   return address;
 }
@@ -69,7 +69,7 @@ Result<Address> ParseAddress(const std::string& text, const std::string& what) {
   std::string port;
   if (!SplitHost(text, address.host, port)) return BadAddress(text, what, "not of that form");
   if (address.host.empty()) return BadAddress(text, what, "no host");
-  if (address.host.size() > kHostBytesMax) return BadAddress(text, what, "the host's name is too long");
+  if (address.host.size() > kHostBytesMax) return BadAddress(text, what, "the host name is too long");
   const char* const end = port.data() + port.size();
   const auto [stop, error] = std::from_chars(port.data(), end, address.port);
   if (error != std::errc() || stop != end || address.port < 0 || address.port > 65535) {

@@ -86,7 +86,7 @@ Error ToError(const grpc::Status& status, const std::string& what) {
 }
 
 grpc::Status CoordinatorEnds() {
-  return {grpc::StatusCode::UNAVAILABLE, "the coordinator ends"};
+  return {grpc::StatusCode::UNAVAILABLE, "the coordinator is shutting down"};
 }
 
 bool IsTransient(const grpc::Status& status) {

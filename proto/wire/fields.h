@@ -29,7 +29,7 @@ Result<std::set<std::string>> ReadTags(const Repeated& words, const char* field)
   if (static_cast<size_t>(words.size()) > kTagsMax) return BadField(field, "are too many");
   std::set<std::string> tags;
   for (const std::string& word : words) {
-    if (!IsTag(word)) return BadField(field, "hold something that is no tag");
+    if (!IsTag(word)) return BadField(field, "contain an invalid tag");
     tags.insert(word);
   }
   return tags;

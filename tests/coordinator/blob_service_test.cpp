@@ -47,7 +47,8 @@ TEST_F(Services, AnUploadThatWasCutShortGoesOnWhereItStopped) {
     writer->WritesDone();
     return writer->Finish();
   };
-  EXPECT_EQ(send_rest(2'500'000).error_code(), StatusCode::UNAVAILABLE) << "so much is not there";
+  EXPECT_EQ(send_rest(2'500'000).error_code(), StatusCode::UNAVAILABLE)
+      << "the part that was sent before is missing";
   EXPECT_TRUE(send_rest(2'000'000).ok());
   EXPECT_TRUE(coordinator->blobs().Has(Sha256(bytes)));
 }

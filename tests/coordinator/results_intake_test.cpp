@@ -132,7 +132,7 @@ TEST_F(Services, ResultsThatAreNotWhatWasAnnouncedAreRefused) {
   };
   EXPECT_THAT(refusal(0, 100).error_message(), HasSubstr("worker is missing"));
   EXPECT_THAT(refusal(7, 0).error_message(), HasSubstr("bytes of the results are missing"));
-  EXPECT_THAT(refusal(7, 3).error_message(), HasSubstr("more than announced"));
+  EXPECT_THAT(refusal(7, 3).error_message(), HasSubstr("more results than announced"));
   EXPECT_EQ(refusal(7, 3).error_code(), StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(refusal(7, kMessageBytesMax + 1).error_code(), StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_TRUE(refusal(7, 100).ok());

@@ -90,7 +90,7 @@ TEST_F(Controls, ADrainedWorkerGetsNoWorkUntilItIsReleased) {
   const std::string job = Submit(BoxScene(), {});
   EXPECT_THAT(Ask({"workers"}).output, HasSubstr("drained"));
   EXPECT_EQ(Figure(job, "workers"), 0);
-  EXPECT_THAT(Ask({"status", job}).output, HasSubstr("no worker takes work: 1 drained"));
+  EXPECT_THAT(Ask({"status", job}).output, HasSubstr("no worker accepts work: 1 drained"));
   EXPECT_EQ(Ask({"release", "tired"}).code, 0);
   EXPECT_EQ(Ask({"watch", job}).code, 0);
   const Outcome nobody = Ask({"drain", "nobody"});

@@ -40,7 +40,7 @@ TEST(ScenePackage, RefusesManifestsItWouldNotWrite) {
   } table[] = {
       {"", "manifest:1"},
       {"tessera-package 2\n", "manifest:1"},
-      {first + kDigest + " 1 a", "manifest:2: cut short"},
+      {first + kDigest + " 1 a", "manifest:2: truncated"},
       {first + kDigest.substr(1) + " 1 a\n", "manifest:2"},
       {first + "g" + kDigest.substr(1) + " 1 a\n", "64 hexadecimal digits"},
       {first + kDigest + " x a\n", "size"},

@@ -196,7 +196,7 @@ TEST(DecodeImage, SizesBeyondTheLimitsAreRefusedBeforeMemoryIsAskedFor) {
   EXPECT_THAT(MessageOf("Pf\n100000 1\n-1\n", "a.pfm"), testing::HasSubstr("picture too large: 100000x1"));
   EXPECT_THAT(MessageOf("PF\n60000 60000\n-1\n", "a.pfm"), testing::HasSubstr("picture too large"));
   EXPECT_THAT(MessageOf("Pf\n-3 4\n-1\n", "a.pfm"), testing::HasSubstr("its size is -3x4"));
-  // Within the absolute limit, but no run of so few bytes can describe so many pixels.
+  // Within the absolute limit, but a run this short cannot describe this number of pixels.
   const std::string bomb =
       "qoif" + BigEndian32(20000) + BigEndian32(20000) + std::string("\x03\x00", 2) + "\xfd";
   EXPECT_EQ(MessageOf(bomb, "a.qoi"), "a.qoi: damaged picture: 15 bytes cannot hold 20000x20000 pixels");
