@@ -17,7 +17,7 @@ uint64_t SamplesOf(const JobSpec& spec) {
 // One node of each tile for each power of two in the number of samples.
 uint64_t SumsBytes(const FrameSpec& spec) {
   const auto terms = static_cast<uint64_t>(std::popcount(spec.samples_per_pixel));
-  return static_cast<uint64_t>(spec.crop.area()) * spec.channels.size() * sizeof(float) * terms;
+  return static_cast<uint64_t>(spec.crop.area()) * spec.Layout().shape().floats_max() * sizeof(float) * terms;
 }
 
 bool IsExtendable(const FrameOrder& frame) {

@@ -1,17 +1,14 @@
 #include "coordinator/core/fact.h"
 
-#include <fmt/format.h>
-
-#include <bit>
-
 #include "coordinator/core/byte_codec.h"
+#include "coordinator/core/job_codec.h"
 
 namespace tessera {
 namespace {
 
 enum class Kind : uint32_t {
   kCoordinatorStarted = 1,
-  kJobSubmitted = 2,
+  kJobSubmittedByNames = 2,  // before channels had types
   kJobEnded = 4,
   kJobExtended = 8,
   kJobsForgotten = 10,
@@ -22,98 +19,13 @@ enum class Kind : uint32_t {
   kOpinionHeard = 20,
   kUnitsCounted = 21,
   kFrameFinished = 22,
+  kJobSubmitted = 23,
 };
 
-void Add(ByteWriter& out, const Digest& digest) {
-  out.AddText({reinterpret_cast<const char*>(digest.bytes.data()), digest.bytes.size()});
-}
-
-bool Read(ByteReader& in, Digest& digest) {
-  const std::string bytes = in.ReadText();
-  if (bytes.size() != digest.bytes.size()) return false;
-  std::copy(bytes.begin(), bytes.end(), digest.bytes.begin());
-  return true;
-}
-
-void Add(ByteWriter& out, const FrameSpec& spec) {
-  for (const int value : {spec.width, spec.height, spec.crop.x0, spec.crop.y0, spec.crop.x1, spec.crop.y1}) {
-    out.Add32(static_cast<uint32_t>(value));
-  }
-  out.Add32(spec.samples_per_pixel);
-  out.Add32(static_cast<uint32_t>(spec.tile_size));
-  out.Add32(static_cast<uint32_t>(spec.exr_type));
-  out.Add64(spec.channels.size());
-  for (const std::string& channel : spec.channels) out.AddText(channel);
-  out.Add64(spec.attributes.size());
-  for (const auto& [name, value] : spec.attributes) {
-    out.AddText(name);
-    out.AddText(value);
-  }
-  out.Add64(std::bit_cast<uint64_t>(spec.noise_threshold));
-  out.Add32(spec.samples_aov ? 1 : 0);
-}
-
-bool Read(ByteReader& in, FrameSpec& spec) {
-  for (int* value : {&spec.width, &spec.height, &spec.crop.x0, &spec.crop.y0, &spec.crop.x1, &spec.crop.y1}) {
-    *value = static_cast<int>(in.Read32());
-  }
-  spec.samples_per_pixel = in.Read32();
-  spec.tile_size = static_cast<int>(in.Read32());
-  const uint32_t exr_type = in.Read32();
-  if (exr_type > static_cast<uint32_t>(ExrType::kFloat)) return false;
-  spec.exr_type = static_cast<ExrType>(exr_type);
-  spec.channels.clear();
-  for (uint64_t n = in.ReadCount(8); n > 0; --n) spec.channels.push_back(in.ReadText());
-  for (uint64_t n = in.ReadCount(16); n > 0; --n) {
-    std::string name = in.ReadText();
-    spec.attributes[std::move(name)] = in.ReadText();
-  }
-  spec.noise_threshold = std::bit_cast<double>(in.Read64());
-  const uint32_t samples_aov = in.Read32();
-  if (samples_aov > 1) return false;
-  spec.samples_aov = samples_aov == 1;
-  return in.ok() && spec.Check().has_value();
-}
-
-void Add(ByteWriter& out, const JobSpec& spec) {
-  out.Add64(spec.submission);
-  out.AddText(spec.name);
-  out.Add32(static_cast<uint32_t>(spec.priority));
-  Add(out, spec.package);
-  out.Add64(spec.frames.size());
-  for (const FrameOrder& frame : spec.frames) {
-    out.AddText(frame.scene_file);
-    out.AddText(frame.options);
-    out.Add32(static_cast<uint32_t>(frame.number));
-    out.Add32(frame.extendable ? 1 : 0);
-    Add(out, frame.spec);
-  }
-  out.Add64(spec.required_tags.size());
-  for (const std::string& tag : spec.required_tags) out.AddText(tag);
-  out.Add64(std::bit_cast<uint64_t>(spec.verify_share));
-}
-
-bool Read(ByteReader& in, JobSpec& spec) {
-  spec.submission = in.Read64();
-  spec.name = in.ReadText();
-  spec.priority = static_cast<int32_t>(in.Read32());
-  if (!Read(in, spec.package)) return false;
-  for (uint64_t n = in.ReadCount(16); n > 0; --n) {
-    FrameOrder& frame = spec.frames.emplace_back();
-    frame.scene_file = in.ReadText();
-    frame.options = in.ReadText();
-    frame.number = static_cast<int32_t>(in.Read32());
-    frame.extendable = in.Read32() != 0;
-    if (!Read(in, frame.spec)) return false;
-  }
-  for (uint64_t n = in.ReadCount(8); n > 0; --n) {
-    const std::string tag = in.ReadText();
-    if (!IsTag(tag) || spec.required_tags.size() >= kTagsMax) return false;
-    spec.required_tags.insert(tag);
-  }
-  spec.verify_share = std::bit_cast<double>(in.Read64());
-  if (!IsShare(spec.verify_share)) return false;
-  return in.ok() && !spec.frames.empty() && spec.frames.size() <= static_cast<size_t>(kFramesPerJobMax);
+void Add(ByteWriter& out, const JobSubmitted& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kJobSubmitted));
+  out.Add64(Number(fact.job));
+  AddJobSpec(out, *fact.spec);
 }
 
 void Add(ByteWriter& out, const CoordinatorStarted& fact) {
@@ -121,17 +33,11 @@ void Add(ByteWriter& out, const CoordinatorStarted& fact) {
   out.Add32(fact.epoch);
 }
 
-void Add(ByteWriter& out, const JobSubmitted& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kJobSubmitted));
-  out.Add64(Number(fact.job));
-  Add(out, *fact.spec);
-}
-
 void Add(ByteWriter& out, const FrameFinished& fact) {
   out.Add32(static_cast<uint32_t>(Kind::kFrameFinished));
   out.Add64(Number(fact.job));
   out.Add32(fact.frame);
-  Add(out, fact.file);
+  AddDigest(out, fact.file);
   out.Add64(fact.samples);
 }
 
@@ -188,7 +94,7 @@ void Add(ByteWriter& out, const OpinionHeard& fact) {
   }
   out.Add64(Number(fact.worker));
   out.AddText(fact.name);
-  Add(out, fact.result);
+  AddDigest(out, fact.result);
 }
 
 void Add(ByteWriter& out, const UnitsCounted& fact) {
@@ -218,24 +124,27 @@ std::optional<Fact> ReadOpinionHeard(ByteReader& in) {
   }
   fact.worker = WorkerId{in.Read64()};
   fact.name = in.ReadText();
-  if (!Read(in, fact.result) || !fact.unit.range.IsDyadic()) return std::nullopt;
+  if (!ReadDigest(in, fact.result) || !fact.unit.range.IsDyadic()) return std::nullopt;
   return fact;
 }
 
 std::optional<Fact> ReadFact(ByteReader& in) {
-  switch (static_cast<Kind>(in.Read32())) {
+  const auto kind = static_cast<Kind>(in.Read32());
+  switch (kind) {
     case Kind::kCoordinatorStarted: return CoordinatorStarted{in.Read32()};
+    case Kind::kJobSubmittedByNames:
     case Kind::kJobSubmitted: {
       const JobId job{in.Read64()};
       JobSpec spec;
-      if (!Read(in, spec)) return std::nullopt;
+      if (!(kind == Kind::kJobSubmitted ? ReadJobSpec(in, spec) : ReadJobSpecByNames(in, spec)))
+        return std::nullopt;
       return JobSubmitted{job, std::make_shared<const JobSpec>(std::move(spec))};
     }
     case Kind::kFrameFinished: {
       FrameFinished fact;
       fact.job = JobId{in.Read64()};
       fact.frame = in.Read32();
-      if (!Read(in, fact.file)) return std::nullopt;
+      if (!ReadDigest(in, fact.file)) return std::nullopt;
       fact.samples = in.Read64();
       return fact;
     }

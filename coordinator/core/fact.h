@@ -90,8 +90,9 @@ using Fact =
     std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended, JobsForgotten,
                  FrameResumed, JobPaused, JobPriorityChanged, WorkerBarred, OpinionHeard, UnitsCounted>;
 
-// A 32-bit number that tells the kind, then its members in order, integers little-endian, texts and lists
-// preceded by a 64-bit length. New kinds get new numbers; the meaning of a number never changes.
+// A 32-bit number of the kind, then its members in order (byte_codec.h), texts and lists preceded by a 64-bit
+// length. The meaning of a number never changes: a kind whose members change gets another number, and those
+// it had before are still read. Kind 2, a submitted job whose channels are names, is no longer written.
 std::string EncodeFact(const Fact& fact);
 // An error for anything that EncodeFact does not write.
 Result<Fact> DecodeFact(std::string_view bytes);

@@ -75,11 +75,12 @@ std::string ResultAcceptance::Mismatch(const Job& job, const ReturnedUnit& retur
     return fmt::format("holds samples {} instead of {}", tile.range.Text(), unit.range.Text());
   if (tile.bounds != spec.TileBounds(static_cast<int>(unit.tile)))
     return "holds other pixels than the tile's";
-  if (tile.channels != spec.channel_count())
-    return fmt::format("has {} channels instead of {}", tile.channels, spec.channel_count());
+  const ChannelLayout layout = spec.Layout();
+  if (tile.shape != layout.shape())
+    return fmt::format("has {} channels instead of {}", tile.shape.stride(), layout.shape().stride());
   if (!spec.IsAdaptive()) return {};
   const FrameWork& work = state_.scheduler.WorkOf(unit);
-  const bool fits = work.IsDone({unit.tile, unit.range}) || HasExactly(spec, work.Pixels(unit.tile), tile);
+  const bool fits = work.IsDone({unit.tile, unit.range}) || HasExactly(layout, work.Pixels(unit.tile), tile);
   return fits ? "" : "holds samples of other pixels than those requested";
 }
 

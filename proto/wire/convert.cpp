@@ -53,13 +53,31 @@ void Write(SampleRange value, proto::SampleRange& message) {
 
 namespace {
 
+Result<Channel> ReadChannel(const proto::Channel& message) {
+  if (!IsText(message.name(), kNameBytesMax)) return BadField("channel", "is not a name");
+  if (message.type() > static_cast<uint32_t>(ChannelType::kIds))
+    return BadField("channel", "is of an unknown type");
+  if (message.merge_rule() > static_cast<uint32_t>(MergeRule::kIdWeights))
+    return BadField("channel", "has an unknown merge rule");
+  return Channel{message.name(), static_cast<ChannelType>(message.type()),
+                 static_cast<MergeRule>(message.merge_rule()), message.is_written()};
+}
+
 Result<void> ReadChannels(const proto::FrameSpec& message, FrameSpec& spec) {
-  if (message.channels_size() > kChannelsMax) return BadField("channels", "are too many");
+  if (message.channels_size() > kChannelsMax || message.channel_names_size() > kChannelsMax)
+    return BadField("channels", "are too many");
   spec.channels.clear();
-  for (const std::string& channel : message.channels()) {
-    if (!IsText(channel, kNameBytesMax) || channel.empty()) return BadField("channel", "is not a name");
-    spec.channels.push_back(channel);
+  for (const proto::Channel& channel : message.channels()) {
+    auto read = ReadChannel(channel);
+    if (!read) return read.error();
+    spec.channels.push_back(std::move(*read));
   }
+  if (!spec.channels.empty()) return {};
+  for (const std::string& name : message.channel_names()) {
+    if (!IsText(name, kNameBytesMax)) return BadField("channel", "is not a name");
+  }
+  spec.channels = ChannelsFromNames({message.channel_names().begin(), message.channel_names().end()},
+                                    message.writes_samples());
   return {};
 }
 
@@ -92,10 +110,9 @@ Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message) {
   }
   spec.exr_type = message.exr_type() == proto::EXR_TYPE_FLOAT ? ExrType::kFloat : ExrType::kHalf;
   spec.noise_threshold = message.noise_threshold();
-  spec.samples_aov = message.samples_aov();
   if (const auto checked = spec.Check(); !checked) return checked.error();
-  const int64_t sums = int64_t{spec.tile_size} * spec.tile_size * spec.channel_count();
-  if (sums * static_cast<int64_t>(sizeof(float)) > kResultBytesMax) {
+  const auto pixels = static_cast<size_t>(spec.tile_size) * static_cast<size_t>(spec.tile_size);
+  if (pixels * spec.Layout().shape().floats_max() * sizeof(float) > static_cast<size_t>(kResultBytesMax)) {
     return BadField("tile_size", "times the number of channels is more than one message may hold");
   }
   return spec;
@@ -107,10 +124,15 @@ void Write(const FrameSpec& value, proto::FrameSpec& message) {
   Write(value.crop, *message.mutable_crop());
   message.set_samples_per_pixel(value.samples_per_pixel);
   message.set_tile_size(value.tile_size);
-  for (const std::string& channel : value.channels) message.add_channels(channel);
+  for (const Channel& channel : value.channels) {
+    proto::Channel& written = *message.add_channels();
+    written.set_name(channel.name);
+    written.set_type(static_cast<uint32_t>(channel.type));
+    written.set_merge_rule(static_cast<uint32_t>(channel.rule));
+    written.set_is_written(channel.is_written);
+  }
   message.set_exr_type(value.exr_type == ExrType::kFloat ? proto::EXR_TYPE_FLOAT : proto::EXR_TYPE_HALF);
   message.set_noise_threshold(value.noise_threshold);
-  message.set_samples_aov(value.samples_aov);
   for (const auto& [name, text] : value.attributes) (*message.mutable_attributes())[name] = text;
 }
 

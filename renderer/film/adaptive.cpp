@@ -12,32 +12,23 @@ namespace {
 constexpr double kRelativeFloor = 0.01;  // added to the square of a mean, as relMSE has it
 constexpr double kTileShare = 0.25;      // of the tile's mean in what a pixel is judged by
 
-// The channels that decide: those of colour.
-std::vector<size_t> ColorChannels(const FrameSpec& spec) {
-  std::vector<size_t> places;
-  for (size_t c = 0; c < spec.channels.size(); ++c) {
-    if (IsColorChannel(spec.channels[c])) places.push_back(c);
-  }
-  return places;
-}
-
 double Mean(double sum, double weight) {
   return weight != 0 ? sum / weight : 0;
 }
 
-// What the two halves say of one pixel.
-double PixelNoise(const std::vector<size_t>& colors, size_t channels, const float* left, const float* right) {
-  const double left_weight = left[channels - 1];
-  const double right_weight = right[channels - 1];
+// q of one pixel (adaptive.h), from its sums in the two halves.
+double PixelNoise(const ChannelLayout& layout, const float* left, const float* right) {
+  const double left_weight = left[layout.weight()];
+  const double right_weight = right[layout.weight()];
   double total = 0;
-  for (const size_t c : colors) {
+  for (const size_t c : layout.colors()) {
     const double left_sum = left[c];
     const double right_sum = right[c];
     const double mean = Mean(left_sum + right_sum, left_weight + right_weight);
     const double error = (Mean(left_sum, left_weight) - Mean(right_sum, right_weight)) / 2;
     total += error * error / (mean * mean + kRelativeFloor);
   }
-  return total / static_cast<double>(colors.size());
+  return total / static_cast<double>(layout.colors().size());
 }
 
 // Row 16 of Pascal's triangle from its middle on: the weights of pixels by their distance. Their standard
@@ -98,21 +89,18 @@ std::vector<SampleRange> UnitPartition(const FrameSpec& spec, uint32_t samples) 
   return ranges;
 }
 
-std::vector<double> EstimateNoise(const FrameSpec& spec, const TileHalves& halves) {
-  const size_t channels = spec.channels.size();
-  const size_t pixels = halves.left.size() / channels;
-  TESSERA_CHECK(spec.IsAdaptive() && pixels > 0 && halves.left.size() == halves.right.size());
-  TESSERA_CHECK(halves.left.size() % channels == 0 && pixels % static_cast<size_t>(halves.width) == 0);
-  const std::vector<size_t> colors = ColorChannels(spec);
+std::vector<double> EstimateNoise(const ChannelLayout& layout, const TileHalves& halves) {
+  const size_t stride = layout.shape().stride();
+  const size_t pixels = halves.left.size() / stride;
+  TESSERA_CHECK(layout.samples() && pixels > 0 && halves.left.size() == halves.right.size());
+  TESSERA_CHECK(halves.left.size() % stride == 0 && pixels % static_cast<size_t>(halves.width) == 0);
   std::vector<double> open(pixels, 0.0);  // 1: has not stopped
   std::vector<double> noise(pixels, 0.0);
   double open_count = 0, noise_sum = 0;
   for (size_t p = 0; p < pixels; ++p) {
-    const float* left = &halves.left[p * channels];
-    const float* right = &halves.right[p * channels];
-    if (SamplesOf(spec, halves, p) != static_cast<float>(halves.samples)) continue;
+    if (SamplesOf(layout, halves, p) != static_cast<float>(halves.samples)) continue;
     open[p] = 1;
-    noise[p] = PixelNoise(colors, channels, left, right);
+    noise[p] = PixelNoise(layout, &halves.left[p * stride], &halves.right[p * stride]);
     open_count += 1;
     noise_sum += noise[p];
   }
@@ -125,39 +113,28 @@ std::vector<double> EstimateNoise(const FrameSpec& spec, const TileHalves& halve
   return noise;
 }
 
-PixelMask NoisyPixels(const FrameSpec& spec, const TileHalves& halves) {
-  const double limit = spec.noise_threshold * spec.noise_threshold * halves.samples / kThresholdSamples;
-  const std::vector<double> noise = EstimateNoise(spec, halves);
+PixelMask NoisyPixels(const ChannelLayout& layout, double noise_threshold, const TileHalves& halves) {
+  const double limit = noise_threshold * noise_threshold * halves.samples / kThresholdSamples;
+  const std::vector<double> noise = EstimateNoise(layout, halves);
   std::vector<bool> noisy(noise.size());
   for (size_t p = 0; p < noise.size(); ++p) {
-    noisy[p] = SamplesOf(spec, halves, p) == static_cast<float>(halves.samples) && !(noise[p] < limit);
+    noisy[p] = SamplesOf(layout, halves, p) == static_cast<float>(halves.samples) && !(noise[p] < limit);
   }
   return PixelMask::Of(noisy);
 }
 
-float SamplesOf(const FrameSpec& spec, const float* pixel_sums) {
-  return pixel_sums[spec.MeanCount()];
+float SamplesOf(const ChannelLayout& layout, const TileHalves& halves, size_t pixel) {
+  const size_t place = pixel * layout.shape().stride() + *layout.samples();
+  return halves.left[place] + halves.right[place];
 }
 
-float SamplesOf(const FrameSpec& spec, const TileHalves& halves, size_t pixel) {
-  const size_t place = pixel * spec.channels.size();
-  return SamplesOf(spec, &halves.left[place]) + SamplesOf(spec, &halves.right[place]);
-}
-
-void KeepPixels(const FrameSpec& spec, const PixelMask& pixels, std::vector<float>& sums) {
-  if (pixels.HasAll()) return;
-  const size_t channels = spec.channels.size();
-  for (size_t p = 0; p < sums.size() / channels; ++p) {
-    if (!pixels.Has(p)) std::fill_n(&sums[p * channels], channels, 0.0f);
-  }
-}
-
-bool HasExactly(const FrameSpec& spec, const PixelMask& pixels, const RadianceTile& tile) {
-  const size_t channels = spec.channels.size();
-  for (size_t p = 0; p < tile.sums.size() / channels; ++p) {
-    const float* sums = &tile.sums[p * channels];
-    const bool fits = pixels.Has(p) ? SamplesOf(spec, sums) == static_cast<float>(tile.range.size)
-                                    : std::all_of(sums, sums + channels, [](float sum) { return sum == 0; });
+bool HasExactly(const ChannelLayout& layout, const PixelMask& pixels, const RadianceTile& tile) {
+  const size_t stride = layout.shape().stride();
+  for (size_t p = 0; p < static_cast<size_t>(tile.bounds.area()); ++p) {
+    const float* values = &tile.sums[p * stride];
+    const bool fits = pixels.Has(p)
+                          ? values[*layout.samples()] == static_cast<float>(tile.range.size)
+                          : std::all_of(values, values + stride, [](float value) { return value == 0; });
     if (!fits) return false;
   }
   return true;

@@ -27,6 +27,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "renderer/film/frame_spec.h"
@@ -65,27 +66,24 @@ bool IsUnitRange(const FrameSpec& spec, SampleRange range);
 // Samples [0, samples) of the frame as the largest ranges that can be units, in order.
 std::vector<SampleRange> UnitPartition(const FrameSpec& spec, uint32_t samples);
 
-// The sums of the two halves of the first `samples` samples of a tile of an adaptive frame, every channel of
-// the frame, pixel by pixel.
+// The two halves of the first `samples` samples of a tile of an adaptive frame: the records of its pixels
+// (channel_layout.h).
 struct TileHalves {
   uint32_t samples = 0;
   int width = 0;  // of the tile, in pixels
-  const std::vector<float>& left;
-  const std::vector<float>& right;
+  std::span<const float> left;
+  std::span<const float> right;
 };
 
 // The relMSE that the sum of the two halves is expected to have at each pixel; 0 where the pixel has stopped
 // before.
-std::vector<double> EstimateNoise(const FrameSpec& spec, const TileHalves& halves);
+std::vector<double> EstimateNoise(const ChannelLayout& layout, const TileHalves& halves);
 // The pixels that want more samples.
-PixelMask NoisyPixels(const FrameSpec& spec, const TileHalves& halves);
+PixelMask NoisyPixels(const ChannelLayout& layout, double noise_threshold, const TileHalves& halves);
 
-// How many samples a pixel of an adaptive frame has, by its sums.
-float SamplesOf(const FrameSpec& spec, const float* pixel_sums);
-float SamplesOf(const FrameSpec& spec, const TileHalves& halves, size_t pixel);
-// Takes all others out of the sums of a tile.
-void KeepPixels(const FrameSpec& spec, const PixelMask& pixels, std::vector<float>& sums);
+// The number of samples that a pixel of an adaptive frame has in both halves.
+float SamplesOf(const ChannelLayout& layout, const TileHalves& halves, size_t pixel);
 // Whether a tile of an adaptive frame has all samples of its range of these pixels, and nothing of others.
-bool HasExactly(const FrameSpec& spec, const PixelMask& pixels, const RadianceTile& tile);
+bool HasExactly(const ChannelLayout& layout, const PixelMask& pixels, const RadianceTile& tile);
 
 }  // namespace tessera

@@ -12,14 +12,18 @@
 
 namespace tessera {
 
-// A finished or partly finished picture: values (sums divided by weights), channels without the weight "W".
+// A finished or partly finished picture: the channels that the frame writes, by PictureChannels.
 struct FramePicture {
-  PixelBounds bounds;  // data window
-  std::vector<std::string> channels;
-  std::vector<float> values;   // [(y * width + x) * channels + c]
-  std::vector<float> samples;  // of each pixel, if the frame asks for it: those its values are made of
-  uint32_t samples_min = 0;    // of the pixel that has the fewest
+  PixelBounds bounds;                 // data window
+  std::vector<std::string> channels;  // their names
+  std::vector<float> values;          // [(y * width + x) * channels + c]
+  uint32_t samples_min = 0;           // of the pixel that has the fewest
+
+  // The values of one channel, pixel by pixel; empty if the picture does not have it.
+  std::vector<float> Channel(const std::string& name) const;
 };
+
+class TilePainter;
 
 // Immutable once built; may be read on any thread.
 class FrameSnapshot {
@@ -36,7 +40,7 @@ class FrameSnapshot {
   FramePicture Picture() const;
 
  private:
-  void Paint(int tile, FramePicture& picture) const;
+  void Paint(int tile, const TilePainter& painter, FramePicture& picture) const;
 
   FrameSpec spec_;
   std::vector<TileNodes> tiles_;

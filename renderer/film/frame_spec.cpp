@@ -11,7 +11,7 @@
 namespace tessera {
 namespace {
 
-constexpr size_t kNameSizeMax = 255;  // of channels and attributes: what OpenEXR can write
+constexpr size_t kNameSizeMax = 255;  // of an attribute: what OpenEXR can write
 
 // Attributes that describe the file itself: the writer sets them.
 constexpr std::array<std::string_view, 15> kReservedAttributes{
@@ -23,35 +23,16 @@ bool IsName(const std::string& name) {
   return !name.empty() && name.size() <= kNameSizeMax && name.find('\0') == std::string::npos;
 }
 
-Result<void> CheckChannels(const std::vector<std::string>& channels) {
-  if (channels.size() < 2 || channels.size() > kChannelsMax) {
-    return BadInput(fmt::format("a frame has 2 to {} channels, not {}", kChannelsMax, channels.size()));
-  }
-  if (channels.back() != "W") return BadInput("the last channel of a frame must be the filter weight W");
-  std::vector<std::string> sorted = channels;
-  std::sort(sorted.begin(), sorted.end());
-  if (!std::all_of(sorted.begin(), sorted.end(), IsName))
-    return BadInput("a channel's name is empty or too long");
-  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-  if (twice != sorted.end())
-    return BadInput(fmt::format("channel \"{}\" appears twice in the frame", *twice));
-  return {};
-}
-
 Result<void> CheckAdaptive(const FrameSpec& spec) {
   if (!(spec.noise_threshold >= 0 && spec.noise_threshold <= kNoiseThresholdMax)) {
     return BadInput(fmt::format("the noise threshold is {}; it must be 0 (none) to {}", spec.noise_threshold,
                                 kNoiseThresholdMax));
   }
-  if (spec.IsAdaptive() && std::ranges::none_of(spec.channels, IsColorChannel))
-    return BadInput("a noise threshold needs a channel R, G or B to look at");
-  const auto counts = std::ranges::find(spec.channels, kSamplesChannel);
-  if (spec.IsAdaptive() && counts != spec.channels.end() - 2) {
-    return BadInput(
-        fmt::format("the last channel but one of an adaptive frame must be \"{}\"", kSamplesChannel));
-  }
-  if (!spec.IsAdaptive() && spec.samples_aov && counts != spec.channels.end())
-    return BadInput(fmt::format("channel \"{}\" appears twice in the frame", kSamplesChannel));
+  if (!spec.IsAdaptive()) return {};
+  const ChannelLayout layout = spec.Layout();
+  if (layout.colors().empty()) return BadInput("a noise threshold needs a channel R, G or B to look at");
+  if (!layout.samples())
+    return BadInput(fmt::format("an adaptive frame needs the channel \"{}\"", kSamplesChannel));
   return {};
 }
 
@@ -77,10 +58,6 @@ int64_t CeilDivide(int64_t a, int64_t b) {
 }
 
 }  // namespace
-
-bool IsColorChannel(const std::string& name) {
-  return name == "R" || name == "G" || name == "B";
-}
 
 Result<void> FrameSpec::Check() const {
   if (width < 1 || height < 1 || width > kResolutionMax || height > kResolutionMax) {
@@ -114,9 +91,9 @@ Result<void> FrameSpec::Check() const {
 }
 
 void FrameSpec::SetNoiseThreshold(double threshold) {
-  TESSERA_CHECK(!IsAdaptive());
   noise_threshold = threshold;
-  if (IsAdaptive()) channels.insert(channels.end() - 1, kSamplesChannel);
+  if (IsAdaptive() && std::ranges::find(channels, kSamplesChannel, &Channel::name) == channels.end())
+    AddChannel(channels, SamplesChannel(false));
 }
 
 int FrameSpec::TileCount() const {

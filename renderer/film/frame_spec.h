@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "renderer/film/channel.h"
+#include "renderer/film/channel_layout.h"
 #include "renderer/film/sample_range.h"
 #include "renderer/util/result.h"
 
@@ -15,7 +17,6 @@ namespace tessera {
 constexpr int kResolutionMax = 1 << 16;  // pixels per axis: what OpenEXR readers commonly take
 constexpr int kTileSizeMax = 256;        // pixels: a unit's result stays far below the message limit
 constexpr int kTileSizeDefault = 32;     // pixels: small enough to share 192x108 over 8 threads
-constexpr int kChannelsMax = 256;
 constexpr int64_t kFramePixelsMax = int64_t{1} << 28;  // of one crop: 16k x 16k, a few GB of sums
 constexpr int64_t kTileCountMax = int64_t{1} << 22;    // bounds the bookkeeping of a frame
 constexpr size_t kAttributesMax = 64;
@@ -36,34 +37,26 @@ struct PixelBounds {
 enum class ExrType { kHalf, kFloat };
 
 constexpr double kNoiseThresholdMax = 1;  // no estimate is larger: film/adaptive.h
-constexpr const char* kSamplesChannel = "samples";
-// Whether it is one of R, G and B.
-bool IsColorChannel(const std::string& name);
 
-// Immutable after Check. The sums of a pixel have the channels `channels`, of which the last is always the
-// filter weight "W": written values are the sums of the others divided by it. In adaptive frames the one
-// before it is always "samples", which counts the samples that the pixel has: it is not written as a mean.
+// Immutable after Check.
 struct FrameSpec {
   int width = 0, height = 0;  // of the whole picture: the display window
   PixelBounds crop;           // what is rendered: the data window
   uint32_t samples_per_pixel = 0;
   int tile_size = kTileSizeDefault;
-  std::vector<std::string> channels{"R", "G", "B", "W"};
+  std::vector<Channel> channels = ColorsAndWeight({"R", "G", "B"});
   ExrType exr_type = ExrType::kHalf;
   // Pixels whose noise is below this stop early (film/adaptive.h); 0: every pixel gets all samples.
   double noise_threshold = 0;
-  bool samples_aov = false;  // the picture gets a channel "samples": how many each pixel got
   std::map<std::string, std::string> attributes;  // of the EXR header; nothing that differs between runs
 
   bool operator==(const FrameSpec&) const = default;
   // Whether all is within the limits.
   Result<void> Check() const;
   bool IsAdaptive() const { return noise_threshold > 0; }
-  // The frame becomes adaptive, and counts the samples of its pixels. Not of a frame that is adaptive.
+  // Makes the frame adaptive if the threshold is above 0: it then counts the samples of its pixels.
   void SetNoiseThreshold(double threshold);
-  // How many channels, the first, are written as means.
-  size_t MeanCount() const { return channels.size() - (IsAdaptive() ? 2 : 1); }
-  int channel_count() const { return static_cast<int>(channels.size()); }
+  ChannelLayout Layout() const { return {channels, IsAdaptive()}; }
   // Tiles cover the crop row by row; the last of a row or column may be smaller.
   int TileCount() const;
   PixelBounds TileBounds(int tile) const;

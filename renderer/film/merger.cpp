@@ -4,19 +4,17 @@
 
 #include <algorithm>
 
+#include "renderer/film/merge_rules.h"
+
 namespace tessera {
 namespace {
 
-// sum = left + right, value by value: the parent of two siblings. `sum` may be one of them.
-void AddSiblings(const std::vector<float>& left, const std::vector<float>& right, std::vector<float>& sum) {
-  for (size_t i = 0; i < sum.size(); ++i) sum[i] = left[i] + right[i];
-}
-
 // The sums without those of pixels that are not in the mask.
-SharedSums OnlyPixels(const FrameSpec& spec, const PixelMask& pixels, const SharedSums& sums) {
+SharedSums OnlyPixels(const PixelShape& shape, size_t pixel_count, const PixelMask& pixels,
+                      const SharedSums& sums) {
   if (pixels.HasAll()) return sums;
   std::vector<float> kept = *sums;
-  KeepPixels(spec, pixels, kept);
+  KeepPixels(shape, pixel_count, pixels, kept);
   return kept;
 }
 
@@ -41,10 +39,10 @@ void AppendMissing(const Nodes& nodes, SampleRange range, std::vector<SampleRang
 }
 
 // The pixels that have every sample of both halves.
-PixelMask FullPixels(const FrameSpec& spec, const TileHalves& halves) {
-  std::vector<bool> full(halves.left.size() / spec.channels.size());
+PixelMask FullPixels(const ChannelLayout& layout, const TileHalves& halves) {
+  std::vector<bool> full(halves.left.size() / layout.shape().stride());
   for (size_t p = 0; p < full.size(); ++p) {
-    full[p] = SamplesOf(spec, halves, p) == static_cast<float>(halves.samples);
+    full[p] = SamplesOf(layout, halves, p) == static_cast<float>(halves.samples);
   }
   return PixelMask::Of(full);
 }
@@ -58,7 +56,7 @@ uint32_t SampleCount(const Nodes& nodes) {
 
 }  // namespace
 
-Merger::Merger(FrameSpec spec) : spec_(std::move(spec)) {
+Merger::Merger(FrameSpec spec) : spec_(std::move(spec)), layout_(spec_.Layout()) {
   TESSERA_CHECK(spec_.Check().has_value());
   partition_ = DyadicPartition(spec_.samples_per_pixel);
   tiles_.resize(static_cast<size_t>(spec_.TileCount()));
@@ -75,19 +73,17 @@ Result<Merger::Outcome> Merger::Add(int tile, RadianceTile result) {
     return Failed(fmt::format("tile {} is not one of the frame's {}", tile, spec_.TileCount()));
   if (result.bounds != spec_.TileBounds(tile))
     return Failed(fmt::format("tile {}: its bounds are wrong", tile));
-  if (result.channels != spec_.channel_count())
-    return Failed(fmt::format("tile {}: its channels are not the frame's {}", tile, spec_.channel_count()));
+  if (result.shape != layout_.shape())
+    return Failed(fmt::format("tile {}: its channels are not those of the frame", tile));
   return Add(TileNode{static_cast<uint32_t>(tile), result.range, std::move(result.sums)});
 }
 
 Result<void> Merger::Check(const TileNode& node) const {
   if (node.tile >= tiles_.size())
     return Failed(fmt::format("tile {} is not one of the frame's {}", node.tile, tiles_.size()));
-  const int64_t area = spec_.TileBounds(static_cast<int>(node.tile)).area();
-  if (static_cast<int64_t>(node.sums->size()) != area * spec_.channel_count()) {
-    return Failed(
-        fmt::format("tile {}: its channels are not the frame's {}", node.tile, spec_.channel_count()));
-  }
+  const auto pixels = static_cast<size_t>(spec_.TileBounds(static_cast<int>(node.tile)).area());
+  if (auto ok = CheckValues(layout_.shape(), pixels, *node.sums); !ok)
+    return Failed(fmt::format("tile {}: {}", node.tile, ok.error().message));
   if (!node.range.IsDyadic() || !IsInside(partition_, node.range))
     return Failed(fmt::format("tile {}: samples {} are no part of the frame", node.tile, node.range.Text()));
   return {};
@@ -100,23 +96,25 @@ Result<Merger::Outcome> Merger::Add(TileNode node) {
 
   Tile& tile = tiles_[node.tile];
   const PixelBounds bounds = spec_.TileBounds(index);
-  const auto pixels = static_cast<uint64_t>(bounds.area());
+  const auto pixels = static_cast<size_t>(bounds.area());
   samples_merged_ -= SamplesOfNodes(tile.nodes, pixels);
   samples_total_ -= tile.samples_total;
   // What was wanted of earlier samples is there.
-  if (spec_.IsAdaptive() && node.range.begin > 0) node.sums = OnlyPixels(spec_, tile.goal.pixels, node.sums);
-  Insert(tile.nodes, node.range, std::move(node.sums));
-  Decide(tile, bounds.width());
+  if (spec_.IsAdaptive() && node.range.begin > 0)
+    node.sums = OnlyPixels(layout_.shape(), pixels, tile.goal.pixels, node.sums);
+  Insert(tile.nodes, pixels, node.range, std::move(node.sums));
+  Decide(tile, bounds.width(), pixels);
   samples_merged_ += SamplesOfNodes(tile.nodes, pixels);
   samples_total_ += tile.samples_total;
   return Outcome::kMerged;
 }
 
-uint64_t Merger::SamplesOfNodes(const Nodes& nodes, uint64_t pixels) const {
-  if (!spec_.IsAdaptive()) return SampleCount(nodes) * pixels;
+uint64_t Merger::SamplesOfNodes(const Nodes& nodes, size_t pixels) const {
+  if (!spec_.IsAdaptive()) return uint64_t{SampleCount(nodes)} * pixels;
   double count = 0;  // exact: whole numbers far below 2^53
   for (const auto& [range, sums] : nodes) {
-    for (size_t p = 0; p < sums->size(); p += spec_.channels.size()) count += SamplesOf(spec_, &(*sums)[p]);
+    const float* samples = sums->data() + *layout_.samples();
+    for (size_t p = 0; p < pixels; ++p) count += samples[p * layout_.shape().stride()];
   }
   return static_cast<uint64_t>(count);
 }
@@ -126,7 +124,7 @@ bool Merger::IsDecision(SampleRange range) const {
   return range.begin == 0 && range.size > FirstUnitMax(spec_);
 }
 
-void Merger::Insert(Nodes& nodes, SampleRange range, SharedSums sums) const {
+void Merger::Insert(Nodes& nodes, size_t pixels, SampleRange range, SharedSums sums) const {
   std::erase_if(nodes, [&](const auto& node) { return range.Contains(node.first); });
   // Siblings become their parent as long as the parent is a part of the frame's sum.
   std::vector<float> parent;  // empty as long as there is none
@@ -136,14 +134,15 @@ void Merger::Insert(Nodes& nodes, SampleRange range, SharedSums sums) const {
     const SharedSums other = std::move(sibling->second);
     nodes.erase(sibling);
     if (parent.empty()) parent = *sums;
-    AddSiblings(range.IsLeft() ? parent : *other, range.IsLeft() ? *other : parent, parent);
+    MergeSiblings(layout_.shape(), pixels, range.IsLeft() ? parent : *other, range.IsLeft() ? *other : parent,
+                  parent);
     range = range.Parent();
   }
   nodes.emplace(range, parent.empty() ? std::move(sums) : SharedSums(std::move(parent)));
 }
 
 // Takes the decisions that the nodes allow, in order of the doublings.
-void Merger::Decide(Tile& tile, int width) const {
+void Merger::Decide(Tile& tile, int width, size_t pixels) const {
   Nodes& nodes = tile.nodes;
   while (true) {
     const auto left = nodes.begin();
@@ -155,17 +154,19 @@ void Merger::Decide(Tile& tile, int width) const {
       tile.goal = NextGoal(spec_, tile.goal.samples, {});
     const auto right = nodes.find(left->first.Sibling());
     if (right == nodes.end()) return;
-    const TileHalves halves{whole.size, width, *left->second, *right->second};
+    const size_t records = pixels * layout_.shape().stride();
+    const TileHalves halves{whole.size, width, std::span(*left->second).first(records),
+                            std::span(*right->second).first(records)};
     if (tile.goal.samples == whole.size && !tile.goal.is_final) {
-      GoOn(tile, halves, NoisyPixels(spec_, halves));
+      GoOn(tile, halves, NoisyPixels(layout_, spec_.noise_threshold, halves));
       if (tile.goal.samples == whole.size) return;
     } else if (whole.size == spec_.samples_per_pixel) {
-      tile.goal.pixels = FullPixels(spec_, halves);
+      tile.goal.pixels = FullPixels(layout_, halves);
       tile.samples_total = SamplesToCome(halves, tile.goal.pixels);
     }
     if (!nodes.contains(whole.Sibling())) return;
     std::vector<float> sums = *left->second;
-    AddSiblings(sums, *right->second, sums);
+    MergeSiblings(layout_.shape(), pixels, sums, *right->second, sums);
     nodes.erase(left, std::next(right));
     nodes.emplace(whole, std::move(sums));
   }
@@ -175,21 +176,22 @@ void Merger::Decide(Tile& tile, int width) const {
 void Merger::GoOn(Tile& tile, const TileHalves& halves, PixelMask pixels) const {
   tile.samples_total = SamplesToCome(halves, pixels);
   const auto beyond = std::next(tile.nodes.begin(), 2);
-  if (pixels.Count(halves.left.size() / spec_.channels.size()) == 0) {
+  const size_t pixel_count = halves.left.size() / layout_.shape().stride();
+  if (pixels.Count(pixel_count) == 0) {
     tile.nodes.erase(beyond, tile.nodes.end());
     tile.goal = {halves.samples, true, {}};
     return;
   }
   for (auto node = beyond; node != tile.nodes.end(); ++node)
-    node->second = OnlyPixels(spec_, pixels, node->second);
+    node->second = OnlyPixels(layout_.shape(), pixel_count, pixels, node->second);
   tile.goal = NextGoal(spec_, halves.samples, std::move(pixels));
 }
 
-// Of a tile: as many as `pixels` may come to, and what the others have.
+// Pixel samples of a tile: as many as `pixels` may get, and what the others have.
 uint64_t Merger::SamplesToCome(const TileHalves& halves, const PixelMask& pixels) const {
   double count = 0;
-  for (size_t p = 0; p < halves.left.size() / spec_.channels.size(); ++p) {
-    count += pixels.Has(p) ? static_cast<double>(spec_.samples_per_pixel) : SamplesOf(spec_, halves, p);
+  for (size_t p = 0; p < halves.left.size() / layout_.shape().stride(); ++p) {
+    count += pixels.Has(p) ? static_cast<double>(spec_.samples_per_pixel) : SamplesOf(layout_, halves, p);
   }
   return static_cast<uint64_t>(count);
 }

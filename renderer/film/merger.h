@@ -1,10 +1,10 @@
-// Adds radiance tiles into a frame, and says of an adaptive frame which samples it still wants. All of that
-// depends on the set of tiles added, never on their order or copies.
+// Merges radiance tiles into a frame and knows which samples of an adaptive frame are still wanted. Both
+// depend on the set of tiles added, never on their order or on copies.
 //
-// The two halves of a doubling of an adaptive frame, from which it is decided which pixels stop there, are
-// kept apart until the next doubling is whole: so a merger that is given the nodes of another comes to the
-// same decisions, and nothing but nodes needs to be kept anywhere. Pixels that have stopped are zeros in the
-// nodes that follow, and each pixel's channel "samples" says how many it has.
+// It is decided from the two halves of a doubling of an adaptive frame which pixels stop there. The halves
+// are kept apart until the next doubling is whole: so a merger that is given the nodes of another comes to
+// the same decisions, and nothing but nodes needs to be kept anywhere. Pixels that have stopped are zeros in
+// the nodes that follow, and each pixel's channel "samples" counts those it has.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@
 
 namespace tessera {
 
-// Sums of samples `range` of every pixel of a tile, as RadianceTile has them: a node of its tree.
+// The values of samples `range` of every pixel of a tile, as RadianceTile has them: a node of its tree.
 struct TileNode {
   uint32_t tile = 0;
   SampleRange range;
@@ -35,10 +35,11 @@ class Merger {
   explicit Merger(FrameSpec spec);
 
   const FrameSpec& spec() const { return spec_; }
+  const ChannelLayout& layout() const { return layout_; }
   // Adds the node `result.range` of tile `tile`, of a unit or of another merger. kDuplicate if all its
   // samples are there already, or if the tile has stopped before them. A node that covers nodes already there
   // replaces them: it is their sum. Samples beyond a stop of their pixels are dropped. Refuses bounds, range
-  // or channel count that are not the frame's.
+  // or channels that are not the frame's.
   Result<Outcome> Add(int tile, RadianceTile result);
   // The same for sums that others may hold as well.
   Result<Outcome> Add(TileNode node);
@@ -74,13 +75,14 @@ class Merger {
   };
   Result<void> Check(const TileNode& node) const;
   bool IsDecision(SampleRange range) const;
-  void Insert(Nodes& nodes, SampleRange range, SharedSums sums) const;
-  void Decide(Tile& tile, int width) const;
+  void Insert(Nodes& nodes, size_t pixels, SampleRange range, SharedSums sums) const;
+  void Decide(Tile& tile, int width, size_t pixels) const;
   void GoOn(Tile& tile, const TileHalves& halves, PixelMask pixels) const;
-  uint64_t SamplesOfNodes(const Nodes& nodes, uint64_t pixels) const;
+  uint64_t SamplesOfNodes(const Nodes& nodes, size_t pixels) const;
   uint64_t SamplesToCome(const TileHalves& halves, const PixelMask& pixels) const;
 
   FrameSpec spec_;
+  ChannelLayout layout_;
   std::vector<SampleRange> partition_;
   std::vector<Tile> tiles_;
   uint64_t samples_merged_ = 0, samples_total_ = 0;

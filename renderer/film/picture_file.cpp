@@ -86,11 +86,9 @@ std::vector<half> ToHalf(const std::vector<float>& values) {
 Result<void> CheckPicture(const FrameSpec& spec, const FramePicture& picture) {
   if (picture.bounds != spec.crop) return Failed("the picture is not of the frame's crop");
   const size_t count = static_cast<size_t>(picture.bounds.area()) * picture.channels.size();
-  if (picture.channels.empty() || picture.values.size() != count) {
-    return Failed("the picture's values do not fill its window");
-  }
-  if (!picture.samples.empty() && picture.samples.size() != static_cast<size_t>(picture.bounds.area()))
-    return Failed("the picture's samples do not fill its window");
+  if (picture.values.size() != count) return Failed("the picture's values do not fill its window");
+  if (!std::ranges::equal(picture.channels, PictureChannels(spec.channels), {}, {}, &PictureChannel::name))
+    return Failed("the picture's channels are not those that the frame writes");
   return spec.Check();
 }
 
@@ -99,24 +97,19 @@ std::string EncodeChecked(const FrameSpec& spec, const FramePicture& picture) {
   Imf::Header header(display, ToBox(picture.bounds));
   header.compression() = Imf::ZIP_COMPRESSION;
   for (const auto& [name, value] : spec.attributes) header.insert(name, Imf::StringAttribute(value));
-  const bool is_half = spec.exr_type == ExrType::kHalf;
-  std::vector<half> halves;
-  if (is_half) halves = ToHalf(picture.values);
-  const char* base = is_half ? reinterpret_cast<const char*>(halves.data())
-                             : reinterpret_cast<const char*>(picture.values.data());
-  const size_t size = is_half ? sizeof(half) : sizeof(float);
-  const Imf::PixelType type = is_half ? Imf::HALF : Imf::FLOAT;
+  const std::vector<half> halves =
+      spec.exr_type == ExrType::kHalf ? ToHalf(picture.values) : std::vector<half>();
   Imf::FrameBuffer buffer;
-  const size_t channels = picture.channels.size();
-  for (size_t c = 0; c < channels; ++c) {
-    header.channels().insert(picture.channels[c], Imf::Channel(type));
-    char* first = const_cast<char*>(base) + c * size;  // OpenEXR only reads when it writes a file
-    buffer.insert(picture.channels[c], ValueSlice(type, first, size, picture.bounds, channels));
-  }
-  if (!picture.samples.empty()) {  // counts stay exact, whatever the type of the rest
-    header.channels().insert(kSamplesChannel, Imf::Channel(Imf::FLOAT));
-    char* first = const_cast<char*>(reinterpret_cast<const char*>(picture.samples.data()));
-    buffer.insert(kSamplesChannel, ValueSlice(Imf::FLOAT, first, sizeof(float), picture.bounds, 1));
+  const std::vector<PictureChannel> channels = PictureChannels(spec.channels);
+  for (size_t c = 0; c < channels.size(); ++c) {
+    const bool is_half = spec.exr_type == ExrType::kHalf && !channels[c].is_exact;
+    const Imf::PixelType type = is_half ? Imf::HALF : Imf::FLOAT;
+    const void* first = is_half ? static_cast<const void*>(&halves[c]) : &picture.values[c];
+    // OpenEXR only reads when it writes a file.
+    char* const base = const_cast<char*>(static_cast<const char*>(first));
+    header.channels().insert(channels[c].name, Imf::Channel(type));
+    buffer.insert(channels[c].name, ValueSlice(type, base, is_half ? sizeof(half) : sizeof(float),
+                                               picture.bounds, channels.size()));
   }
   MemoryOutput output;
   {

@@ -5,35 +5,47 @@
 #include <string_view>
 #include <vector>
 
+#include "renderer/film/channel_layout.h"
 #include "renderer/film/frame_spec.h"
+#include "renderer/film/pixel_mask.h"
 #include "renderer/util/digest.h"
 
 namespace tessera {
 
-// Sums over the samples of `range` of every channel of every pixel of `bounds`; sums[(y * width + x) *
-// channels + c] with x, y from the corner of the bounds. Each pixel's sum is the node `range` of its tree.
+// The samples of `range` of every pixel of `bounds`, row by row, merged over the tree: each pixel's values
+// are the node `range` of its tree. The frame's ChannelLayout says which channel is where in `sums`.
 struct RadianceTile {
   PixelBounds bounds;
   SampleRange range;
-  int channels = 0;
+  PixelShape shape;
   std::vector<float> sums;
 
   bool operator==(const RadianceTile&) const = default;
 };
 
-// Bytes of a tile: "TSRT", version, bounds, range, channel count, count of pixels held, then, if not all are,
-// a mask of those (pixel_mask.h), then the sums of those held, all little-endian, then the first 8 bytes of
-// the SHA-256 of all before. Pixels that are not held are zeros: the unit was not asked for them. One codec
-// for the wire, the spool and the tests.
+// Bytes of a tile, little-endian:
+//   "TSRT"
+//   version  2: all channels are sums; 3: there are others
+//   bounds (4 x 32 bits), range (2 x 32 bits)
+//   shape    version 2: the number of sums; version 3: the numbers of sums, nearest values and sets of ids
+//   count of pixels held; if not all are held, a mask of those (pixel_mask.h)
+//   the records of those held, then the entries of their sets of ids (channel_layout.h)
+//   the first 8 bytes of the SHA-256 of everything before
+// Pixels that are not held are zeros: the unit was not asked for them. A tile does not name its channels: it
+// answers a unit of a frame whose list of channels both ends have compared before. A version is chosen by
+// what the tile holds, so that new kinds of channels leave the bytes of all other tiles as they are.
 std::string EncodeRadianceTile(const RadianceTile& tile);
-// Refuses a wrong size, version, check sum, a range that is not dyadic, a mask that does not fit, and sums
-// that are not finite.
+// Refuses a wrong size, version or checksum, a range that is not dyadic, a mask that does not fit, and values
+// that CheckValues refuses or that are not finite.
 Result<RadianceTile> DecodeRadianceTile(std::string_view bytes);
 
-// Samples of single pixels that the tile has: of those with anything but zeros.
+// The number of pixel samples in the tile: those of pixels with anything but zeros.
 uint64_t PixelSamples(const RadianceTile& tile);
 
-// Of the encoded bytes: two renderings of a unit must have the same.
+// Sets all pixels that the mask does not have to zero.
+void KeepPixels(const PixelMask& kept, RadianceTile& tile);
+
+// Of the encoded bytes: two renderings of a unit must agree.
 Digest RadianceTileDigest(const RadianceTile& tile);
 
 }  // namespace tessera

@@ -149,7 +149,7 @@ Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const Integrat
   data.frame.exr_type = film.exr_type;
   data.frame.SetNoiseThreshold(options_.noise_threshold);
   data.frame.tile_size = options_.tile_size.value_or(kTileSizeDefault);
-  data.frame.samples_aov = options_.aovs.contains(kSamplesChannel);
+  if (options_.aovs.contains(kSamplesChannel)) AddChannel(data.frame.channels, SamplesChannel(true));
   data.summary.camera = scene_.camera.kind;
   data.summary.film = scene_.film.kind;
   data.summary.filter = scene_.filter.kind;

@@ -1,6 +1,6 @@
 #include <array>
 
-#include "renderer/film/dyadic_sum.h"
+#include "renderer/film/tile_builder.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/scene_data.h"
 
@@ -10,14 +10,20 @@ namespace {
 // Renders samples of single pixels on one thread.
 class PixelRenderer {
  public:
-  PixelRenderer(const Scene::Data& data, RenderStatistics* statistics)
-      : data_(data), sampler_(data.sampler.sampler), statistics_(*statistics) {}
+  PixelRenderer(const Scene::Data& data, const ChannelLayout& layout, RenderStatistics* statistics)
+      : data_(data),
+        sampler_(data.sampler.sampler),
+        rgb_{*layout.SlotOf("R"), *layout.SlotOf("G"), *layout.SlotOf("B")},
+        weight_(layout.weight()),
+        statistics_(*statistics) {}
 
-  // The sums R G B W of samples `range` of pixel (x, y).
-  Float4 Render(int x, int y, SampleRange range) {
-    sum_.Clear();
-    for (uint32_t index = range.begin; index < range.end(); ++index) sum_.Add(Sample(x, y, index));
-    return sum_.Node();
+  // Renders samples `range` of pixel (x, y).
+  void Render(int x, int y, SampleRange range, TileBuilder& tile) {
+    for (uint32_t index = range.begin; index < range.end(); ++index) {
+      Sample(x, y, index, tile.Values());
+      tile.AddSample();
+    }
+    tile.EndPixel();
   }
 
   void ReportRays() {
@@ -27,7 +33,7 @@ class PixelRenderer {
   }
 
  private:
-  Float4 Sample(int x, int y, uint32_t index) {
+  void Sample(int x, int y, uint32_t index, float* values) {
     sampler_.StartSample(x, y, index);
     const FilterSample filter = data_.filter.Sample(sampler_.Get2D());
     SampledWavelengths wavelengths = SampledWavelengths::SampleVisible(sampler_.Get1D());
@@ -39,18 +45,22 @@ class PixelRenderer {
     const PathContext context{data_.world, data_.estimator.path, wavelengths, sampler_, rays_};
     const SampledSpectrum radiance = EstimateRadiance(context, data_.estimator, ray);
     const Rgb rgb = data_.sensor.ToRgb(radiance, wavelengths);
+    values[weight_] = filter.weight;
     if (!IsFinite(rgb)) {
       ++statistics_.discarded_samples;
-      return {0, 0, 0, filter.weight};
+      return;
     }
-    return Float4(rgb.x, rgb.y, rgb.z, 1) * filter.weight;
+    values[rgb_[0]] = rgb.x * filter.weight;
+    values[rgb_[1]] = rgb.y * filter.weight;
+    values[rgb_[2]] = rgb.z * filter.weight;
   }
 
   const Scene::Data& data_;
   Sampler sampler_;
+  const std::array<size_t, 3> rgb_;  // positions of the channels
+  const size_t weight_;
   RayCounts rays_;
   RenderStatistics& statistics_;
-  DyadicSum<Float4> sum_;
 };
 
 }  // namespace
@@ -60,24 +70,22 @@ std::optional<RadianceTile> Scene::Render(PixelBounds bounds, const PixelMask& p
   TESSERA_CHECK(data_->world.accelerator != nullptr);
   TESSERA_CHECK(range.IsDyadic() && bounds.width() > 0 && bounds.height() > 0);
   RenderStatistics own;
-  PixelRenderer renderer(*data_, statistics != nullptr ? statistics : &own);
-  const FrameSpec& frame = data_->frame;
-  RadianceTile tile{bounds, range, frame.channel_count(), {}};
-  tile.sums.reserve(static_cast<size_t>(bounds.area()) * frame.channels.size());
+  const ChannelLayout layout = data_->frame.Layout();
+  PixelRenderer renderer(*data_, layout, statistics != nullptr ? statistics : &own);
+  TileBuilder tile(layout, bounds, range);
   size_t pixel = 0;
   for (int y = bounds.y0; y < bounds.y1; ++y) {
     for (int x = bounds.x0; x < bounds.x1; ++x, ++pixel) {
       if (stop != nullptr && stop->load(std::memory_order_relaxed)) return std::nullopt;
-      const bool wanted = pixels.Has(pixel);
-      alignas(16) std::array<float, 4> rgbw{};
-      if (wanted) _mm_store_ps(rgbw.data(), renderer.Render(x, y, range).v);
-      tile.sums.insert(tile.sums.end(), rgbw.begin(), rgbw.end() - 1);
-      if (frame.IsAdaptive()) tile.sums.push_back(wanted ? static_cast<float>(range.size) : 0.0f);
-      tile.sums.push_back(rgbw.back());
+      if (pixels.Has(pixel)) {
+        renderer.Render(x, y, range, tile);
+      } else {
+        tile.SkipPixel();
+      }
     }
   }
   renderer.ReportRays();
-  return tile;
+  return tile.Take();
 }
 
 }  // namespace tessera

@@ -20,14 +20,14 @@ namespace {
 constexpr std::chrono::seconds kPatience{60};
 constexpr std::chrono::milliseconds kWait{1000};  // of a state in the coordinator
 constexpr size_t kResultsPerCall = 16;
-constexpr int kChannels = 4;  // of a picture without extras: R, G, B and the weight
+constexpr uint32_t kChannels = 4;  // of a picture without extras: R, G, B and the weight
 
 // Made-up sums, the same for every tile: what they are makes no difference to who merges them.
 RadianceTile MakeTile(const Lease& lease) {
   RadianceTile tile;
   tile.bounds = lease.bounds;
   tile.range = lease.unit.range;
-  tile.channels = kChannels;
+  tile.shape = {kChannels};
   tile.sums.resize(static_cast<size_t>(lease.bounds.area()) * kChannels);
   for (size_t i = 0; i < tile.sums.size(); ++i)
     tile.sums[i] = static_cast<float>(lease.unit.range.size) * (0.1f + static_cast<float>(i % 97) * 0.01f);

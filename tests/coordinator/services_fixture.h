@@ -97,7 +97,7 @@ class Services : public testing::Test {
   grpc::Status Return(uint64_t job, uint32_t tile, SampleRange range, proto::ResultsAnswer& answer,
                       float value = 0.5f) {
     const int x0 = static_cast<int>(tile) * 8;
-    RadianceTile radiance{{x0, 0, x0 + 8, 8}, range, 4, {}};
+    RadianceTile radiance{{x0, 0, x0 + 8, 8}, range, {4}, {}};
     for (int pixel = 0; pixel < 64; ++pixel) {
       for (int c = 0; c < 3; ++c) radiance.sums.push_back(value * static_cast<float>(range.size));
       radiance.sums.push_back(static_cast<float>(range.size));

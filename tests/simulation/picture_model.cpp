@@ -13,7 +13,7 @@ FrameSpec SmallFrame(int width, int height, int tile_size, uint32_t samples_per_
   spec.crop = {0, 0, width, height};
   spec.tile_size = tile_size;
   spec.samples_per_pixel = samples_per_pixel;
-  spec.channels = {"R", "W"};
+  spec.channels = ColorsAndWeight({"R"});
   return spec;
 }
 
@@ -21,7 +21,7 @@ FrameSpec SmallFrame(int width, int height, int tile_size, uint32_t samples_per_
 RadianceTile RenderModel(uint64_t seed, const FrameSpec& spec, uint32_t tile_index, const PixelMask& pixels,
                          SampleRange range) {
   const PixelBounds bounds = spec.TileBounds(static_cast<int>(tile_index));
-  RadianceTile tile{bounds, range, spec.channel_count(), {}};
+  RadianceTile tile{bounds, range, spec.Layout().shape(), {}};
   for (int y = bounds.y0; y < bounds.y1; ++y) {
     for (int x = bounds.x0; x < bounds.x1; ++x) {
       DyadicSum<float> radiance, weight;
@@ -37,7 +37,7 @@ RadianceTile RenderModel(uint64_t seed, const FrameSpec& spec, uint32_t tile_ind
       tile.sums.push_back(weight.Node());
     }
   }
-  if (spec.IsAdaptive()) KeepPixels(spec, pixels, tile.sums);
+  if (spec.IsAdaptive()) KeepPixels(pixels, tile);
   return tile;
 }
 

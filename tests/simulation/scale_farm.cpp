@@ -66,7 +66,7 @@ void ScaleFarm::Submit() {
   frame.crop = {0, 0, frame.width, frame.height};
   frame.tile_size = options_.tile_size / kReduction;
   frame.samples_per_pixel = options_.samples_per_pixel;
-  frame.channels = {"R", "W"};
+  frame.channels = ColorsAndWeight({"R"});
   spec->frames.push_back({"scene.pbrt", "", frame, 0});
   double cost = 0;
   for (int tile = 0; tile < frame.TileCount(); ++tile) {

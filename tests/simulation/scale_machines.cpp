@@ -146,7 +146,7 @@ void ScaleFarm::ReturnResults(size_t m) {
           std::vector<ReturnedUnit> units;
           for (const FinishedUnit& unit : sent) {
             const PixelBounds bounds = spec_->frames[0].spec.TileBounds(static_cast<int>(unit.unit.tile));
-            RadianceTile tile{bounds, unit.unit.range, 2, {}};
+            RadianceTile tile{bounds, unit.unit.range, {2}, {}};
             tile.sums.resize(static_cast<size_t>(bounds.area()) * 2);
             units.push_back({unit.lease, unit.unit, unit.render_seconds, std::move(tile)});
           }

@@ -50,7 +50,7 @@ FrameSpec Simulation::DrawFrame() {
   FrameSpec frame = SmallFrame(width, height, 8, samples);
   if (options_.noise_threshold == 0 || random_.Chance(0.5)) return frame;
   frame.SetNoiseThreshold(options_.noise_threshold);
-  frame.samples_aov = true;
+  AddChannel(frame.channels, SamplesChannel(true));
   frame.samples_per_pixel += kDecisionSamplesMin;  // so that there is something to decide
   return frame;
 }
@@ -156,11 +156,12 @@ void Simulation::CheckGrant(const Lease& lease) {
     Violation("leased though its tile stops before: " + unit.Text());
   if (!reference.spec().IsAdaptive()) return;
   const FramePicture& picture = jobs_[submission - 1].pictures[unit.frame];
+  const std::vector<float> samples = picture.Channel(kSamplesChannel);
   size_t pixel = 0;
   for (int y = lease.bounds.y0; y < lease.bounds.y1; ++y) {
     for (int x = lease.bounds.x0; x < lease.bounds.x1; ++x, ++pixel) {
       const auto place = static_cast<size_t>(y * picture.bounds.width() + x);
-      if (lease.pixels.Has(pixel) != (picture.samples[place] >= static_cast<float>(unit.range.end())))
+      if (lease.pixels.Has(pixel) != (samples[place] >= static_cast<float>(unit.range.end())))
         return Violation("leased with other pixels than are wanted: " + unit.Text());
     }
   }
@@ -183,8 +184,7 @@ void Simulation::CheckPicture(const FinishedPicture& finished) {
   const FramePicture& wanted = ModelOf(finished.job)->pictures[finished.frame];
   Trace(fmt::format("picture job={} frame={}", Number(finished.job), finished.frame));
   const FramePicture picture = finished.snapshot.Picture();
-  if (picture.values != wanted.values || picture.samples != wanted.samples)
-    Violation("a picture is not the reference");
+  if (picture.values != wanted.values) Violation("a picture is not the reference");
 }
 
 // I4: a new process of the coordinator knows what the former told.

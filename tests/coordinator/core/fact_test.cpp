@@ -22,7 +22,7 @@ Fact Submitted() {
   frame.samples_per_pixel = 100;
   frame.exr_type = ExrType::kFloat;
   frame.SetNoiseThreshold(0.07);
-  frame.samples_aov = true;
+  AddChannel(frame.channels, SamplesChannel(true));
   frame.attributes = {{"a", "b"}, {"c", ""}};
   spec->frames = {{"x.pbrt", "spp=3\n", frame, -1, true}, {"y.pbrt", "", frame, 2}};
   return JobSubmitted{JobId{12}, spec};

@@ -22,7 +22,7 @@ class ReportStage : public testing::Test {
     frame.crop = {0, 0, 8, 8};
     frame.tile_size = 8;
     frame.samples_per_pixel = 4;
-    frame.channels = {"R", "W"};
+    frame.channels = ColorsAndWeight({"R"});
     spec->frames = {{"scene", "", frame, 0}};
     worker.worker = WorkerId{1};
     worker.slots = 2;
@@ -42,7 +42,7 @@ class ReportStage : public testing::Test {
     Say();
   }
   void Return(SampleRange range, double render_seconds) {
-    RadianceTile tile{{0, 0, 8, 8}, range, 2, {}};
+    RadianceTile tile{{0, 0, 8, 8}, range, {2}, {}};
     tile.sums.assign(128, static_cast<float>(range.size));
     farm.ReturnResults(now, CallId{++calls}, WorkerId{1},
                        {{LeaseId{0}, {job, 0, 0, range}, render_seconds, tile}});

@@ -19,14 +19,14 @@ inline std::shared_ptr<JobSpec> SmallJob(uint64_t submission, int frames = 1) {
   frame.crop = {0, 0, 8, 8};
   frame.tile_size = 8;
   frame.samples_per_pixel = 4;
-  frame.channels = {"R", "W"};
+  frame.channels = ColorsAndWeight({"R"});
   for (int f = 0; f < frames; ++f) spec->frames.push_back({"s" + std::to_string(f), "", frame, f});
   return spec;
 }
 
 // All sums are those of ones, and so are counts of samples.
-inline RadianceTile Ones(SampleRange range, int channels = 2) {
-  RadianceTile tile{{0, 0, 8, 8}, range, channels, {}};
+inline RadianceTile Ones(SampleRange range, uint32_t channels = 2) {
+  RadianceTile tile{{0, 0, 8, 8}, range, {channels}, {}};
   tile.sums.assign(static_cast<size_t>(64 * channels), static_cast<float>(range.size));
   return tile;
 }

@@ -45,7 +45,7 @@ TEST(Farm, WrongResultsAreRefusedWithTheirReason) {
   RadianceTile wrong_bounds = Ones({0, 2});
   wrong_bounds.bounds = {0, 0, 8, 4};
   RadianceTile wrong_channels = Ones({0, 2});
-  wrong_channels.channels = 4;
+  wrong_channels.shape = {4};
   const struct {
     Result<RadianceTile> tile;
     SampleRange range;
@@ -318,7 +318,7 @@ TEST(Farm, AResultOfOtherPixelsThanRequestedIsRefused) {
   const SampleRange next{kDecisionSamplesMin, kDecisionSamplesMin};
   RadianceTile tile = halves(next);
   EXPECT_EQ(stage.Return(job, next, tile, 0, 0, 3), Verdict::kRefused);
-  KeepPixels(spec->frames[0].spec, pixels, tile.sums);
+  KeepPixels(pixels, tile);
   EXPECT_EQ(stage.Return(job, next, tile, 0, 0, 4), Verdict::kAccepted);
   EXPECT_EQ(stage.Status(job).samples_done, kDecisionSamplesMin * (64u + pixels.Count(64)));
 }

@@ -24,7 +24,7 @@ inline std::shared_ptr<JobSpec> Job(uint32_t samples, int frames = 1, bool exten
   frame.crop = {0, 0, 4, 4};
   frame.tile_size = 2;
   frame.samples_per_pixel = samples;
-  frame.channels = {"R", "W"};
+  frame.channels = ColorsAndWeight({"R"});
   frame.attributes = {{kSamplesAttribute, std::to_string(samples)}, {kSamplerAttribute, "zsobol"}};
   for (int f = 0; f < frames; ++f)
     spec->frames.push_back({"s" + std::to_string(f), "", frame, f, extendable});
@@ -38,12 +38,12 @@ inline float Value(uint64_t place, SampleRange range) {
 
 inline RadianceTile Rendered(const FrameSpec& spec, uint32_t frame, uint32_t tile, SampleRange range,
                              const PixelMask& pixels = {}) {
-  RadianceTile rendered{spec.TileBounds(static_cast<int>(tile)), range, spec.channel_count(), {}};
+  RadianceTile rendered{spec.TileBounds(static_cast<int>(tile)), range, spec.Layout().shape(), {}};
   for (uint32_t i = 0; i < 8; ++i) {
     if (spec.IsAdaptive() && i % 2 == 1) rendered.sums.push_back(static_cast<float>(range.size));
     rendered.sums.push_back(Value(Hash(frame, tile, i), range));
   }
-  if (spec.IsAdaptive()) KeepPixels(spec, pixels, rendered.sums);
+  if (spec.IsAdaptive()) KeepPixels(pixels, rendered);
   return rendered;
 }
 

@@ -25,7 +25,7 @@ FrameSpec GoodFrame() {
   spec.tile_size = 16;
   spec.exr_type = ExrType::kFloat;
   spec.SetNoiseThreshold(0.07);
-  spec.samples_aov = true;
+  AddChannel(spec.channels, SamplesChannel(true));
   spec.attributes = {{"seed", "7"}, {"scene", "x"}};
   return spec;
 }
@@ -181,8 +181,8 @@ TEST(Convert, RefusesHostileFrames) {
       {"no tiles", [](auto& m) { m.set_tile_size(0); }},
       {"huge tiles", [](auto& m) { m.set_tile_size(1 << 20); }},
       {"no channels", [](auto& m) { m.clear_channels(); }},
-      {"nameless channel", [](auto& m) { m.set_channels(0, ""); }},
-      {"channel of two lines", [](auto& m) { m.set_channels(0, "a\nb"); }},
+      {"nameless channel", [](auto& m) { m.mutable_channels(0)->clear_name(); }},
+      {"channel of two lines", [](auto& m) { m.mutable_channels(0)->set_name("a\nb"); }},
       {"unknown type", [](auto& m) { m.set_exr_type(static_cast<proto::ExrType>(9)); }},
       {"negative threshold", [](auto& m) { m.set_noise_threshold(-0.1); }},
       {"large threshold", [](auto& m) { m.set_noise_threshold(1.5); }},
@@ -190,24 +190,36 @@ TEST(Convert, RefusesHostileFrames) {
        [](auto& m) { m.set_noise_threshold(std::numeric_limits<double>::quiet_NaN()); }},
       {"threshold without colour",
        [](auto& m) {
-         m.clear_channels();
-         m.add_channels("depth");
-         m.add_channels("W");
+         for (int c = 0; c < 3; ++c) m.mutable_channels(c)->set_name("c" + std::to_string(c));
        }},
-      {"samples twice", [](auto& m) { m.set_channels(0, kSamplesChannel); }},
+      {"samples twice", [](auto& m) { m.mutable_channels(0)->set_name(kSamplesChannel); }},
+      {"channel of an unknown type", [](auto& m) { m.mutable_channels(0)->set_type(6); }},
+      {"channel of an unknown rule", [](auto& m) { m.mutable_channels(0)->set_merge_rule(3); }},
+      {"names of channels without a weight",
+       [](auto& m) {
+         m.clear_channels();
+         m.add_channel_names("R");
+         m.add_channel_names(kSamplesChannel);
+       }},
       {"attribute without name", [](auto& m) { (*m.mutable_attributes())[""] = "x"; }},
       {"long attribute",
        [](auto& m) { (*m.mutable_attributes())["x"] = std::string(kAttributesBytesMax, 'x'); }},
       {"too many channels",
        [](auto& m) {
-         for (int i = 0; i < kChannelsMax; ++i) m.add_channels("W");
+         for (int i = 0; i < kChannelsMax; ++i) m.add_channels()->set_name("c" + std::to_string(i));
        }},
       {"results beyond a message",
        [](auto& m) {
          m.set_tile_size(kTileSizeMax);
-         m.clear_channels();
-         for (int i = 0; i < 99; ++i) m.add_channels("c" + std::to_string(i));
-         m.add_channels("W");
+         for (int i = 0; i < 99; ++i) m.add_channels()->set_name("c" + std::to_string(i));
+       }},
+      {"ids beyond a message",
+       [](auto& m) {
+         m.set_tile_size(kTileSizeMax);
+         proto::Channel& ids = *m.add_channels();
+         ids.set_name("crypto");
+         ids.set_type(static_cast<uint32_t>(ChannelType::kIds));
+         ids.set_merge_rule(static_cast<uint32_t>(MergeRule::kIdWeights));
        }},
   };
   for (const auto& [what, spoil] : table) {
@@ -218,6 +230,16 @@ TEST(Convert, RefusesHostileFrames) {
     ASSERT_FALSE(read) << what;
     EXPECT_EQ(read.error().kind, ErrorKind::kBadInput) << what;
   }
+}
+
+TEST(Convert, ChannelsOfNamesAloneAreRead) {
+  const FrameSpec frame = GoodFrame();
+  proto::FrameSpec message;
+  Write(frame, message);
+  message.clear_channels();
+  for (const Channel& channel : frame.channels) message.add_channel_names(channel.name);
+  message.set_writes_samples(true);
+  EXPECT_EQ(ReadFrameSpec(message).value(), frame);
 }
 
 TEST(Convert, RefusesHostileUnits) {

@@ -20,30 +20,30 @@ inline FrameSpec AdaptiveSpec(uint32_t samples, double threshold) {
   spec.tile_size = 8;
   spec.samples_per_pixel = samples;
   spec.SetNoiseThreshold(threshold);
-  spec.samples_aov = true;
+  AddChannel(spec.channels, SamplesChannel(true));
   return spec;
 }
 
 // Samples lie around 1, the farther the greater the tile's index, and the farther right in the tile.
 inline RadianceTile RenderNoise(const FrameSpec& spec, int tile, SampleRange range,
                                 const PixelMask& pixels = {}) {
-  RadianceTile result{spec.TileBounds(tile), range, spec.channel_count(), {}};
-  const size_t first_count = spec.MeanCount();
+  RadianceTile result{spec.TileBounds(tile), range, spec.Layout().shape(), {}};
+  const size_t samples = spec.Layout().samples().value_or(3), weight = spec.Layout().weight();
   for (int y = result.bounds.y0; y < result.bounds.y1; ++y) {
     for (int x = result.bounds.x0; x < result.bounds.x1; ++x) {
       const float spread = 0.01f * static_cast<float>((1 << tile) * (1 + x - result.bounds.x0));
-      for (int c = 0; c < result.channels; ++c) {
+      for (size_t c = 0; c < result.shape.sums; ++c) {
         DyadicSum<float> sum;
         for (uint32_t s = range.begin; s < range.end(); ++s) {
           const uint64_t h = Hash(static_cast<uint64_t>(x), y, s, c);
           const float noise = UniformFloat(static_cast<uint32_t>(h)) * 2 - 1;
-          sum.Add(static_cast<size_t>(c) < first_count ? 1 + spread * noise : 1);
+          sum.Add(c != samples && c != weight ? 1 + spread * noise : 1);
         }
         result.sums.push_back(sum.Node());
       }
     }
   }
-  KeepPixels(spec, pixels, result.sums);
+  KeepPixels(pixels, result);
   return result;
 }
 
@@ -51,11 +51,12 @@ inline RadianceTile RenderNoise(const FrameSpec& spec, int tile, SampleRange ran
 inline PixelMask WantedPixels(const FrameSpec& spec, const FramePicture& finished, int tile,
                               SampleRange range) {
   const PixelBounds bounds = spec.TileBounds(tile);
+  const std::vector<float> samples = finished.Channel(kSamplesChannel);
   std::vector<bool> wanted;
   for (int y = bounds.y0; y < bounds.y1; ++y) {
     for (int x = bounds.x0; x < bounds.x1; ++x) {
       const int place = (y - spec.crop.y0) * spec.crop.width() + (x - spec.crop.x0);
-      wanted.push_back(finished.samples[static_cast<size_t>(place)] >= static_cast<float>(range.end()));
+      wanted.push_back(samples[static_cast<size_t>(place)] >= static_cast<float>(range.end()));
     }
   }
   return PixelMask::Of(wanted);

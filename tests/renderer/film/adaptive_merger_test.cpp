@@ -24,7 +24,6 @@ void ExpectEqual(const Merger& a, const Merger& b) {
   EXPECT_EQ(a.Complete(), b.Complete());
   EXPECT_EQ(a.node_count(), b.node_count());
   EXPECT_EQ(a.Picture().values, b.Picture().values);
-  EXPECT_EQ(a.Picture().samples, b.Picture().samples);
 }
 
 TEST(AdaptiveMerger, TilesStopEachWhereItsNoiseAllows) {
@@ -45,14 +44,15 @@ TEST(AdaptiveMerger, PixelsOfATileStopEachWhereItsNoiseAllows) {
   const FrameSpec spec = AdaptiveSpec(256, kThreshold);
   const Merger merger = MergeWhatIsWanted(spec);
   const FramePicture picture = merger.Picture();
+  const std::vector<float> counts = picture.Channel(kSamplesChannel);
   uint64_t sum = 0;
-  for (const float samples : picture.samples) sum += static_cast<uint64_t>(samples);
+  for (const float samples : counts) sum += static_cast<uint64_t>(samples);
   EXPECT_EQ(merger.samples_merged(), sum);
   EXPECT_EQ(merger.samples_total(), sum);
   int mixed = 0;  // rows of tiles
   for (int y = 0; y < spec.crop.height(); ++y) {
     for (int x = 0; x + 7 < spec.crop.width(); x += 8) {
-      const float* row = &picture.samples[static_cast<size_t>(y * spec.crop.width() + x)];
+      const float* row = &counts[static_cast<size_t>(y * spec.crop.width() + x)];
       mixed += row[0] < row[7];
       EXPECT_LE(row[0], row[7]) << "the right is the noisier: row " << y << ", tile at " << x;
     }
@@ -81,16 +81,19 @@ TEST(AdaptiveMerger, AnyCutOrderAndCopiesGiveTheSameStopsAndBits) {
   }
 }
 
-TEST(AdaptiveMerger, AStoppedPixelIsThatOfAFrameOfSoManySamples) {
+TEST(AdaptiveMerger, AStoppedPixelIsThatOfAFrameOfAsManySamples) {
   const FramePicture picture = MergeWhatIsWanted(AdaptiveSpec(256, kThreshold)).Picture();
-  const std::set<float> counts(picture.samples.begin(), picture.samples.end());
+  const std::vector<float> stops = picture.Channel(kSamplesChannel);
+  const std::set<float> counts(stops.begin(), stops.end());
   EXPECT_GE(counts.size(), 3u);
   for (const float count : counts) {
     const auto samples = static_cast<uint32_t>(count);
     const FramePicture uniform = MergeWhatIsWanted(AdaptiveSpec(samples, 0)).Picture();
-    for (size_t pixel = 0; pixel < picture.samples.size(); ++pixel) {
-      if (picture.samples[pixel] != count) continue;
-      EXPECT_EQ(picture.values[pixel * 3], uniform.values[pixel * 3]);
+    const std::vector<float> stopped = picture.Channel("R"), whole = uniform.Channel("R");
+    for (size_t pixel = 0; pixel < stops.size(); ++pixel) {
+      if (stops[pixel] == count) {
+        EXPECT_EQ(stopped[pixel], whole[pixel]);
+      }
     }
   }
 }
@@ -99,7 +102,7 @@ TEST(AdaptiveMerger, WithoutThresholdEveryPixelGetsAllSamples) {
   const Merger merger = MergeWhatIsWanted(AdaptiveSpec(100, 0));
   EXPECT_TRUE(merger.Complete());
   EXPECT_EQ(merger.samples_merged(), 100u * 23 * 15);
-  EXPECT_THAT(merger.Picture().samples, testing::Each(100.0f));
+  EXPECT_THAT(merger.Picture().Channel(kSamplesChannel), testing::Each(100.0f));
   EXPECT_EQ(merger.node_count(), 6u * DyadicPartition(100).size());
 }
 
@@ -172,8 +175,8 @@ TEST(AdaptiveMerger, APreviewSaysHowManySamplesItShows) {
   for (const SampleRange range : {SampleRange{0, 8}, {8, 8}, {16, 4}, {24, 8}})
     ASSERT_TRUE(merger.Add(0, RenderNoise(spec, 0, range)));
   const FramePicture picture = merger.Picture();
-  EXPECT_EQ(picture.samples.front(), 20.0f);
-  EXPECT_EQ(picture.samples.back(), 0.0f);
+  EXPECT_EQ(picture.Channel(kSamplesChannel).front(), 20.0f);
+  EXPECT_EQ(picture.Channel(kSamplesChannel).back(), 0.0f);
   EXPECT_EQ(picture.values.back(), 0.0f);
 }
 

@@ -67,7 +67,7 @@ TEST(Adaptive, UnitsCoverTheSamplesWithoutGapOrOverlap) {
 // Sums of a tile of one row: pixels of half a doubling of `samples`, R alone, with these means.
 FrameSpec RowSpec() {
   FrameSpec spec = AdaptiveSpec(100, 0);
-  spec.channels = {"R", "W"};
+  spec.channels = ColorsAndWeight({"R"});
   spec.SetNoiseThreshold(0.1);
   return spec;
 }
@@ -83,12 +83,12 @@ std::vector<float> Row(uint32_t samples, const std::vector<float>& means) {
 
 std::vector<double> Noise(const FrameSpec& spec, uint32_t samples, int width, const std::vector<float>& left,
                           const std::vector<float>& right) {
-  return EstimateNoise(spec, {samples, width, left, right});
+  return EstimateNoise(spec.Layout(), {samples, width, left, right});
 }
 
 TEST(Adaptive, TheEstimateOfAPixelIsThatOfItsFormula) {
   FrameSpec spec = AdaptiveSpec(100, 0);
-  spec.channels = {"R", "depth", "G", "W"};
+  spec.channels = ColorsAndWeight({"R", "depth", "G"});
   spec.SetNoiseThreshold(0.1);
   // Means of halves: R 1 and 2, G 0 and 0.5; depth is not looked at.
   const std::vector<float> left{8, 800, 0, 8, 8};
@@ -150,7 +150,8 @@ TEST(Adaptive, TheThresholdIsThatOfAPixelWithAsManySamplesAsItSays) {
   for (const auto& [samples, wanted] : {std::pair{static_cast<uint32_t>(n * 0.98) / 2 * 2, 2u},
                                         std::pair{static_cast<uint32_t>(n * 1.02) / 2 * 2, 0u}}) {
     const std::vector<float> left = Row(samples, {0.8f, 0.8f}), right = Row(samples, {1.2f, 1.2f});
-    EXPECT_EQ(NoisyPixels(spec, {samples, 2, left, right}).Count(2), wanted) << samples;
+    EXPECT_EQ(NoisyPixels(spec.Layout(), spec.noise_threshold, {samples, 2, left, right}).Count(2), wanted)
+        << samples;
   }
 }
 
@@ -159,7 +160,7 @@ TEST(Adaptive, APixelThatHasStoppedDoesNotBeginAgain) {
   const std::vector<float> left = Row(32, {0.1f, 0.1f, 0.1f});
   std::vector<float> right = Row(32, {2, 2, 2});
   std::fill_n(&right[3], 3, 0.0f);
-  const PixelMask noisy = NoisyPixels(spec, {32, 3, left, right});
+  const PixelMask noisy = NoisyPixels(spec.Layout(), spec.noise_threshold, {32, 3, left, right});
   EXPECT_TRUE(noisy.Has(0) && noisy.Has(2));
   EXPECT_FALSE(noisy.Has(1));
 }
@@ -185,15 +186,15 @@ TEST(Adaptive, WhatHasNoWeightIsBlackAndExtremesStayFinite) {
 
 TEST(Adaptive, ATileMustHaveThePixelsAskedForAndNoOthers) {
   const FrameSpec spec = RowSpec();
-  RadianceTile tile{{0, 0, 2, 1}, {0, 16}, 3, Row(32, {0.5f, 0.7f})};
+  RadianceTile tile{{0, 0, 2, 1}, {0, 16}, {3}, Row(32, {0.5f, 0.7f})};
   const PixelMask first = PixelMask::Of({true, false});
-  EXPECT_TRUE(HasExactly(spec, {}, tile));
-  EXPECT_FALSE(HasExactly(spec, first, tile)) << "too much";
-  KeepPixels(spec, first, tile.sums);
-  EXPECT_TRUE(HasExactly(spec, first, tile));
-  EXPECT_FALSE(HasExactly(spec, {}, tile)) << "too little";
+  EXPECT_TRUE(HasExactly(spec.Layout(), {}, tile));
+  EXPECT_FALSE(HasExactly(spec.Layout(), first, tile)) << "too much";
+  KeepPixels(first, tile);
+  EXPECT_TRUE(HasExactly(spec.Layout(), first, tile));
+  EXPECT_FALSE(HasExactly(spec.Layout(), {}, tile)) << "too little";
   tile.sums[1] = 15;
-  EXPECT_FALSE(HasExactly(spec, first, tile)) << "a sample is missing";
+  EXPECT_FALSE(HasExactly(spec.Layout(), first, tile)) << "a sample is missing";
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ FrameSpec TwoTiles() {
   spec.crop = {0, 0, 4, 2};
   spec.tile_size = 2;
   spec.samples_per_pixel = 4;
-  spec.channels = {"R", "W"};
+  spec.channels = ColorsAndWeight({"R"});
   return spec;
 }
 

@@ -72,30 +72,22 @@ TEST(FrameSpec, EveryLimitIsCheckedWithAMessageThatNamesIt) {
          s.tile_size = 1;
        },
        "more than the limit"},
-      {"no channels", [](FrameSpec& s) { s.channels = {"W"}; }, "channels"},
-      {"no weight",
-       [](FrameSpec& s) {
-         s.channels = {"R", "G", "B"};
-       },
-       "W"},
+      {"no channels", [](FrameSpec& s) { s.channels = ColorsAndWeight({}); }, "channels"},
+      {"no weight", [](FrameSpec& s) { s.channels.pop_back(); }, "filter weight"},
       {"double channel",
        [](FrameSpec& s) {
-         s.channels = {"R", "R", "W"};
+         s.channels = ColorsAndWeight({"R", "R"});
        },
        "twice"},
       {"adaptive frame that does not count its samples", [](FrameSpec& s) { s.noise_threshold = 0.1; },
-       "last channel but one"},
-      {"adaptive frame that counts elsewhere",
+       "needs the channel \"samples\""},
+      {"adaptive frame without colour",
        [](FrameSpec& s) {
-         s.noise_threshold = 0.1;
-         s.channels = {"samples", "R", "W"};
+         s.channels = ColorsAndWeight({"albedo.R"});
+         s.SetNoiseThreshold(0.1);
        },
-       "last channel but one"},
-      {"unnamed channel",
-       [](FrameSpec& s) {
-         s.channels = {"", "W"};
-       },
-       "channel"},
+       "R, G or B"},
+      {"unnamed channel", [](FrameSpec& s) { s.channels = ColorsAndWeight({""}); }, "channel"},
       {"unnamed attribute", [](FrameSpec& s) { s.attributes[""] = "x"; }, "attribute"},
       {"reserved attribute", [](FrameSpec& s) { s.attributes["dataWindow"] = "x"; }, "reserved"},
       {"long attribute", [](FrameSpec& s) { s.attributes["a"] = std::string(kAttributeSizeMax, 'x'); },

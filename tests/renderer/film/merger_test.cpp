@@ -31,10 +31,10 @@ float SampleValue(int x, int y, uint32_t sample, int channel) {
 }
 
 RadianceTile RenderUnit(const FrameSpec& spec, int tile, SampleRange range) {
-  RadianceTile result{spec.TileBounds(tile), range, spec.channel_count(), {}};
+  RadianceTile result{spec.TileBounds(tile), range, spec.Layout().shape(), {}};
   for (int y = result.bounds.y0; y < result.bounds.y1; ++y) {
     for (int x = result.bounds.x0; x < result.bounds.x1; ++x) {
-      for (int c = 0; c < result.channels; ++c) {
+      for (int c = 0; c < static_cast<int>(result.shape.sums); ++c) {
         DyadicSum<float> sum;
         for (uint32_t s = range.begin; s < range.end(); ++s) sum.Add(SampleValue(x, y, s, c));
         result.sums.push_back(sum.Node());
@@ -173,7 +173,7 @@ TEST(Merger, RefusesWhatIsNotOfTheFrame) {
   bad.range = {1, 2};
   EXPECT_FALSE(merger.Add(0, bad));
   bad = good;
-  bad.channels = 3;
+  bad.shape = {3};
   EXPECT_FALSE(merger.Add(0, bad));
   bad = good;
   bad.sums.pop_back();

@@ -96,16 +96,26 @@ TEST_F(PictureFile, HalvesAreRoundedAndClampedToTheLargestOne) {
 }
 
 TEST_F(PictureFile, CountsOfSamplesStayExactBesideHalves) {
-  const FrameSpec spec = Spec(ExrType::kHalf);
-  FramePicture picture = Picture(spec);
-  picture.samples.assign(static_cast<size_t>(spec.crop.area()), 65537.0f);
-  picture.samples[7] = 3;
+  FrameSpec spec = Spec(ExrType::kHalf);
+  AddChannel(spec.channels, SamplesChannel(true));
+  FramePicture picture{spec.crop, {"R", "G", "B", "samples"}, {}};
+  picture.values.assign(static_cast<size_t>(spec.crop.area()) * 4, 65537.0f);
+  picture.values[7 * 4 + 3] = 3;
   const auto loaded = SaveAndLoad(EncodeExr(spec, picture).value());
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_THAT(loaded->channels, testing::UnorderedElementsAre("R", "G", "B", "samples"));
   EXPECT_EQ(ValueOf(*loaded, "samples", 0), 65537.0f);
   EXPECT_EQ(ValueOf(*loaded, "samples", 7), 3.0f);
-  picture.samples.pop_back();
+  EXPECT_EQ(ValueOf(*loaded, "R", 0), 65504.0f);
+}
+
+TEST_F(PictureFile, APictureOfOtherChannelsThanTheFrameWritesIsRefused) {
+  const FrameSpec spec = Spec(ExrType::kHalf);
+  FramePicture picture = Picture(spec);
+  picture.values.pop_back();
+  EXPECT_FALSE(EncodeExr(spec, picture));
+  picture = Picture(spec);
+  picture.channels = {"R", "G", "Z"};
   EXPECT_FALSE(EncodeExr(spec, picture));
 }
 

@@ -15,7 +15,7 @@ RadianceTile SmallTile() {
   RadianceTile tile;
   tile.bounds = {30, 40, 33, 42};
   tile.range = {12, 4};
-  tile.channels = 4;
+  tile.shape = {4};
   for (int i = 0; i < 24; ++i) tile.sums.push_back(static_cast<float>(i) * 0.37f - 2.0f);
   return tile;
 }
@@ -118,11 +118,11 @@ TEST(RadianceTileCodec, ChecksEveryFieldEvenWhenTheCheckSumIsRight) {
       {28, -4, "dyadic"},
       {32, 0, "channels"},
       {32, 257, "channels"},
-      {32, 5, "bytes of sums"},
-      {32, 3, "bytes of sums"},
-      {36, 5, "bytes of sums"},
-      {36, 7, "bytes of sums"},
-      {36, -1, "bytes of sums"},
+      {32, 5, "bytes of values"},
+      {32, 3, "bytes of values"},
+      {36, 5, "bytes of values"},
+      {36, 7, "bytes of values"},
+      {36, -1, "bytes of values"},
       {40, 0x7f800000, "not finite"},
       {40, 0x7fc00000, "not finite"},
   };

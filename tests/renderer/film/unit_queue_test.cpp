@@ -41,7 +41,6 @@ TEST(UnitQueue, GivesTheSamePictureHoweverUnitsAreCutAndFinished) {
       for (const bool latest_first : {false, true}) {
         const FramePicture picture = RenderFrame(spec, samples_max, 5, latest_first);
         EXPECT_EQ(picture.values, reference.values) << threshold << ' ' << samples_max;
-        EXPECT_EQ(picture.samples, reference.samples);
       }
     }
   }

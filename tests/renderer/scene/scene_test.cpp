@@ -230,14 +230,14 @@ TEST(Scene, RendersThePixelsAskedFor) {
   const auto scene = LoadText(Room(), options);
   ASSERT_TRUE(scene);
   const PixelBounds bounds = scene->frame().TileBounds(0);
-  const size_t channels = scene->frame().channels.size();
+  const size_t channels = scene->frame().Layout().shape().stride();
   std::vector<bool> chosen(static_cast<size_t>(bounds.area()));
   for (size_t i = 0; i < chosen.size(); i += 3) chosen[i] = true;
   const auto whole = scene->Render(bounds, {}, {8, 4}, nullptr);
   const auto part = scene->Render(bounds, PixelMask::Of(chosen), {8, 4}, nullptr);
   ASSERT_TRUE(whole && part);
-  EXPECT_TRUE(HasExactly(scene->frame(), {}, *whole));
-  EXPECT_TRUE(HasExactly(scene->frame(), PixelMask::Of(chosen), *part));
+  EXPECT_TRUE(HasExactly(scene->frame().Layout(), {}, *whole));
+  EXPECT_TRUE(HasExactly(scene->frame().Layout(), PixelMask::Of(chosen), *part));
   for (size_t i = 0; i < part->sums.size(); ++i)
     ASSERT_EQ(part->sums[i], chosen[i / channels] ? whole->sums[i] : 0.0f) << i;
 }

@@ -1,0 +1,175 @@
+#include "coordinator/core/job_codec.h"
+
+#include <algorithm>
+#include <bit>
+#include <string>
+#include <vector>
+
+namespace tessera {
+namespace {
+
+constexpr uint32_t kVersion = 1;  // of all three records
+
+void AddFrameSpec(ByteWriter& out, const FrameSpec& spec) {
+  ByteWriter body;
+  for (const int value : {spec.width, spec.height, spec.crop.x0, spec.crop.y0, spec.crop.x1, spec.crop.y1}) {
+    body.Add32(static_cast<uint32_t>(value));
+  }
+  body.Add32(spec.samples_per_pixel);
+  body.Add32(static_cast<uint32_t>(spec.tile_size));
+  body.Add32(static_cast<uint32_t>(spec.exr_type));
+  body.Add64(spec.channels.size());
+  for (const Channel& channel : spec.channels) {
+    body.AddText(channel.name);
+    body.Add32(static_cast<uint32_t>(channel.type));
+    body.Add32(static_cast<uint32_t>(channel.rule));
+    body.Add32(channel.is_written ? 1 : 0);
+  }
+  body.Add64(spec.attributes.size());
+  for (const auto& [name, value] : spec.attributes) {
+    body.AddText(name);
+    body.AddText(value);
+  }
+  body.Add64(std::bit_cast<uint64_t>(spec.noise_threshold));
+  out.AddRecord(kVersion, kVersion, body.Take());
+}
+
+bool ReadSizes(ByteReader& in, FrameSpec& spec) {
+  for (int* value : {&spec.width, &spec.height, &spec.crop.x0, &spec.crop.y0, &spec.crop.x1, &spec.crop.y1}) {
+    *value = static_cast<int>(in.Read32());
+  }
+  spec.samples_per_pixel = in.Read32();
+  spec.tile_size = static_cast<int>(in.Read32());
+  const uint32_t exr_type = in.Read32();
+  if (exr_type > static_cast<uint32_t>(ExrType::kFloat)) return false;
+  spec.exr_type = static_cast<ExrType>(exr_type);
+  return true;
+}
+
+bool ReadChannel(ByteReader& in, Channel& channel) {
+  channel.name = in.ReadText();
+  const uint32_t type = in.Read32(), rule = in.Read32(), written = in.Read32();
+  channel.type = static_cast<ChannelType>(type);
+  channel.rule = static_cast<MergeRule>(rule);
+  channel.is_written = written == 1;
+  return type <= static_cast<uint32_t>(ChannelType::kIds) &&
+         rule <= static_cast<uint32_t>(MergeRule::kIdWeights) && written <= 1;
+}
+
+void ReadAttributes(ByteReader& in, FrameSpec& spec) {
+  for (uint64_t n = in.ReadCount(16); n > 0; --n) {
+    std::string name = in.ReadText();
+    spec.attributes[std::move(name)] = in.ReadText();
+  }
+}
+
+bool ReadFrameSpec(ByteReader& in, FrameSpec& spec) {
+  auto record = in.ReadRecord(kVersion);
+  if (!record || !ReadSizes(record->body, spec)) return false;
+  spec.channels.clear();
+  for (uint64_t n = record->body.ReadCount(20); n > 0; --n) {
+    if (!ReadChannel(record->body, spec.channels.emplace_back())) return false;
+  }
+  ReadAttributes(record->body, spec);
+  spec.noise_threshold = std::bit_cast<double>(record->body.Read64());
+  return record->IsReadBy(kVersion) && spec.Check().has_value();
+}
+
+bool ReadFrameSpecByNames(ByteReader& in, FrameSpec& spec) {
+  if (!ReadSizes(in, spec)) return false;
+  std::vector<std::string> names;
+  for (uint64_t n = in.ReadCount(8); n > 0; --n) names.push_back(in.ReadText());
+  ReadAttributes(in, spec);
+  spec.noise_threshold = std::bit_cast<double>(in.Read64());
+  const uint32_t writes_samples = in.Read32();
+  spec.channels = ChannelsFromNames(names, writes_samples == 1);
+  return writes_samples <= 1 && in.ok() && spec.Check().has_value();
+}
+
+void AddFrameOrder(ByteWriter& out, const FrameOrder& frame) {
+  ByteWriter body;
+  body.AddText(frame.scene_file);
+  body.AddText(frame.options);
+  body.Add32(static_cast<uint32_t>(frame.number));
+  body.Add32(frame.extendable ? 1 : 0);
+  AddFrameSpec(body, frame.spec);
+  out.AddRecord(kVersion, kVersion, body.Take());
+}
+
+// What both forms begin with.
+void ReadFrameHead(ByteReader& in, FrameOrder& frame) {
+  frame.scene_file = in.ReadText();
+  frame.options = in.ReadText();
+  frame.number = static_cast<int32_t>(in.Read32());
+  frame.extendable = in.Read32() != 0;
+}
+
+bool ReadFrameOrder(ByteReader& in, FrameOrder& frame) {
+  auto record = in.ReadRecord(kVersion);
+  if (!record) return false;
+  ReadFrameHead(record->body, frame);
+  return ReadFrameSpec(record->body, frame.spec) && record->IsReadBy(kVersion);
+}
+
+bool ReadFrameOrderByNames(ByteReader& in, FrameOrder& frame) {
+  ReadFrameHead(in, frame);
+  return ReadFrameSpecByNames(in, frame.spec);
+}
+
+// The members of a job, whose frames `read_frame` reads.
+template <typename ReadFrame>
+bool ReadMembers(ByteReader& in, JobSpec& spec, ReadFrame read_frame) {
+  spec.submission = in.Read64();
+  spec.name = in.ReadText();
+  spec.priority = static_cast<int32_t>(in.Read32());
+  if (!ReadDigest(in, spec.package)) return false;
+  for (uint64_t n = in.ReadCount(16); n > 0; --n) {
+    if (!read_frame(in, spec.frames.emplace_back())) return false;
+  }
+  for (uint64_t n = in.ReadCount(8); n > 0; --n) {
+    const std::string tag = in.ReadText();
+    if (!IsTag(tag) || spec.required_tags.size() >= kTagsMax) return false;
+    spec.required_tags.insert(tag);
+  }
+  spec.verify_share = std::bit_cast<double>(in.Read64());
+  return in.ok() && IsShare(spec.verify_share) && !spec.frames.empty() &&
+         spec.frames.size() <= static_cast<size_t>(kFramesPerJobMax);
+}
+
+}  // namespace
+
+void AddDigest(ByteWriter& out, const Digest& digest) {
+  out.AddText({reinterpret_cast<const char*>(digest.bytes.data()), digest.bytes.size()});
+}
+
+bool ReadDigest(ByteReader& in, Digest& digest) {
+  const std::string bytes = in.ReadText();
+  if (bytes.size() != digest.bytes.size()) return false;
+  std::copy(bytes.begin(), bytes.end(), digest.bytes.begin());
+  return true;
+}
+
+void AddJobSpec(ByteWriter& out, const JobSpec& spec) {
+  ByteWriter body;
+  body.Add64(spec.submission);
+  body.AddText(spec.name);
+  body.Add32(static_cast<uint32_t>(spec.priority));
+  AddDigest(body, spec.package);
+  body.Add64(spec.frames.size());
+  for (const FrameOrder& frame : spec.frames) AddFrameOrder(body, frame);
+  body.Add64(spec.required_tags.size());
+  for (const std::string& tag : spec.required_tags) body.AddText(tag);
+  body.Add64(std::bit_cast<uint64_t>(spec.verify_share));
+  out.AddRecord(kVersion, kVersion, body.Take());
+}
+
+bool ReadJobSpec(ByteReader& in, JobSpec& spec) {
+  auto record = in.ReadRecord(kVersion);
+  return record && ReadMembers(record->body, spec, ReadFrameOrder) && record->IsReadBy(kVersion);
+}
+
+bool ReadJobSpecByNames(ByteReader& in, JobSpec& spec) {
+  return ReadMembers(in, spec, ReadFrameOrderByNames);
+}
+
+}  // namespace tessera

@@ -1,0 +1,26 @@
+// Bytes of a job's description, for facts (fact.h). Every part that may get new members is a versioned record
+// (byte_codec.h).
+//   digest      text of 32 bytes
+//   JobSpec     record: version 1: submission, name, priority, package, frames, tags, verify share
+//   FrameOrder  record: version 1: scene file, options, number, extendable, FrameSpec
+//   FrameSpec   record: version 1: size, crop, samples, tile size, EXR type, channels (name, type, rule,
+//               written), attributes, noise threshold
+// A new member is appended to its record and gets a default where an older record is read.
+#pragma once
+
+#include "coordinator/core/byte_codec.h"
+#include "proto/terms.h"
+
+namespace tessera {
+
+void AddDigest(ByteWriter& out, const Digest& digest);
+bool ReadDigest(ByteReader& in, Digest& digest);
+
+void AddJobSpec(ByteWriter& out, const JobSpec& spec);
+// False for anything that AddJobSpec does not write, and for what is beyond the limits.
+bool ReadJobSpec(ByteReader& in, JobSpec& spec);
+// Reads what releases wrote whose channels were a list of names: no records, and the samples channel a flag
+// of its own.
+bool ReadJobSpecByNames(ByteReader& in, JobSpec& spec);
+
+}  // namespace tessera

@@ -1,0 +1,73 @@
+#include "renderer/film/tile_painter.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+namespace tessera {
+namespace {
+
+// The coverage of an id: its share of the filter weight of all samples.
+float RankedValue(const PixelSource& pixel, const PictureChannel& channel, size_t set, float weight) {
+  const IdSet& ranked = pixel.Ranked(set);
+  if (channel.rank >= ranked.size()) return 0;
+  const IdWeight& entry = ranked[channel.rank];
+  if (channel.source == PictureChannel::Source::kRankedId) return entry.id;
+  return weight != 0 ? entry.weight / weight : 0.0f;
+}
+
+}  // namespace
+
+PixelSource::PixelSource(const ChannelLayout& layout, size_t pixels, std::span<const float> values,
+                         uint32_t samples)
+    : layout_(layout),
+      next_(values.data()),
+      ids_(layout.shape(), pixels, values),
+      ranked_(layout.shape().id_sets),
+      samples_(static_cast<float>(samples)) {}
+
+void PixelSource::Next() {
+  const PixelShape& shape = layout_.shape();
+  record_ = next_;
+  next_ += shape.stride();
+  if (layout_.samples()) samples_ = record_[*layout_.samples()];
+  for (size_t set = 0; set < shape.id_sets; ++set) {
+    ranked_[set] = ids_.Next(record_[shape.stride() - shape.id_sets + set]);
+    std::ranges::stable_sort(ranked_[set], std::ranges::greater(), &IdWeight::weight);
+  }
+}
+
+TilePainter::TilePainter(const std::vector<Channel>& channels, const ChannelLayout& layout)
+    : layout_(layout), channels_(PictureChannels(channels)) {
+  for (const PictureChannel& channel : channels_)
+    slots_.push_back(layout.SlotOf(channel.channel).value_or(0));
+}
+
+std::vector<std::string> TilePainter::Names() const {
+  std::vector<std::string> names;
+  for (const PictureChannel& channel : channels_) names.push_back(channel.name);
+  return names;
+}
+
+void TilePainter::Paint(const PixelSource& pixel, float* out) const {
+  using Source = PictureChannel::Source;
+  for (size_t i = 0; i < channels_.size(); ++i) {
+    const PictureChannel& channel = channels_[i];
+    switch (channel.source) {
+      case Source::kMean: out[i] = pixel.Mean(slots_[i]); break;
+      case Source::kValue: out[i] = pixel.Value(slots_[i]); break;
+      case Source::kSamples: out[i] = pixel.samples(); break;
+      case Source::kDepth: {
+        const float depth = pixel.Value(slots_[i]);
+        out[i] = depth > 0 ? depth : std::numeric_limits<float>::infinity();
+        break;
+      }
+      case Source::kRankedId:
+      case Source::kRankedCoverage:
+        out[i] = RankedValue(pixel, channel, layout_.IdSetOf(channel.channel), pixel.Value(layout_.weight()));
+        break;
+    }
+  }
+}
+
+}  // namespace tessera
