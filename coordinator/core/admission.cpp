@@ -17,20 +17,19 @@ std::string Hexadecimal(std::string_view bytes) {
 
 Result<void> CheckRelease(const WorkerState& state) {
   if (state.protocol != kProtocolVersion) {
-    return Failed(fmt::format(
-        "worker \"{}\" uses protocol {}, this coordinator protocol {}: install the same release on both",
-        state.name, state.protocol, kProtocolVersion));
+    return Failed(
+        fmt::format("worker \"{}\" uses protocol {}, this coordinator {}; install the same release on both",
+                    state.name, state.protocol, kProtocolVersion));
   }
   if (state.software_version != kSoftwareVersion) {
     return Failed(
-        fmt::format("worker \"{}\" is version {}, this coordinator {}: install the same release on both",
+        fmt::format("worker \"{}\" has version {}, this coordinator {}; install the same release on both",
                     state.name, state.software_version, kSoftwareVersion));
   }
   if (const std::string digest = Hexadecimal(state.probe_digest); !digest.empty() && digest != kProbeDigest) {
     return Failed(
-        fmt::format("worker \"{}\" does not compute the same pictures: its probe unit has digest {}, this "
-                    "release's has {}; "
-                    "its processor, system libraries or build differ",
+        fmt::format("worker \"{}\" renders different pixels: its probe unit has digest {}, expected {}; "
+                    "check its processor, system libraries and build",
                     state.name, digest, kProbeDigest));
   }
   return {};

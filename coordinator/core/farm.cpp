@@ -51,7 +51,7 @@ Instant Farm::Patience(Instant now) const {
 Result<void> Farm::CheckAdmission(const WorkerState& state) const {
   if (const auto checked = CheckRelease(state); !checked) return checked;
   if (state_.scheduler.IsFull(state.worker))
-    return Failed(fmt::format("the farm has {} workers already, its limit", kWorkersMax));
+    return Failed(fmt::format("the farm already has {} workers, which is its limit", kWorkersMax));
   return {};
 }
 
@@ -124,7 +124,9 @@ std::vector<WorkerStatus> Farm::FindWorkers(Instant now, const std::string& whic
 Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec) {
   if (const Job* const known = state_.jobs.FindSubmission(spec->submission)) return known->id;
   if (state_.jobs.open().size() >= kOpenJobsMax)
-    return Failed(fmt::format("the farm has {} open jobs already, its limit", kOpenJobsMax));
+    return Failed(fmt::format(
+        "the farm already has {} open jobs, which is its limit; wait for a job to end or cancel one",
+        kOpenJobsMax));
   Job& job = state_.jobs.Add(state_.jobs.next_id(), spec);
   job.began = now;
   job.clock.begun = counters();

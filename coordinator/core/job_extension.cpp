@@ -26,12 +26,12 @@ std::string SamplerOf(const FrameSpec& spec) {
 std::string WhyNotExtendable(const FrameOrder& frame, uint32_t samples_per_pixel) {
   if (frame.spec.IsAdaptive()) {
     return fmt::format(
-        "with --noise-threshold its pixels stop by themselves; submit the scene again with --spp {} "
+        "its pixels stop adaptively (--noise-threshold); submit the scene again with --spp {} "
         "or a lower threshold",
         samples_per_pixel);
   }
   return fmt::format(
-      "{} chooses its samples by how many there will be; submit the scene again with --spp {}, or with "
+      "the samples of {} depend on their total number; submit the scene again with --spp {}, or with "
       "Sampler \"sobol\", \"paddedsobol\" or \"independent\", whose renders can be extended",
       SamplerOf(frame.spec), samples_per_pixel);
 }
@@ -48,13 +48,13 @@ Result<void> JobExtension::Check(const Job& job, uint32_t samples_per_pixel) con
   if (HasEnded(job.state) && job.state != JobState::kFinished)
     return refuse(fmt::format("it was {}; submit the scene again", JobStateName(job.state)));
   if (samples_per_pixel < SamplesMax(*job.spec)) {
-    return BadInput(fmt::format("job {} has {} samples per pixel already: give --spp a larger number",
+    return BadInput(fmt::format("job {} has {} samples per pixel already; choose a larger --spp",
                                 Number(job.id), SamplesMax(*job.spec)));
   }
   for (const auto& [frame, file] : job.results.files) {
     if (state_.kept_sums.Has({job.id, frame})) continue;
     return refuse(fmt::format(
-        "the sums of frame {} are not kept any more (tessera-coordinator --keep-sums); submit the scene "
+        "the sums of frame {} are no longer kept (tessera-coordinator --keep-sums); submit the scene "
         "again with --spp {}",
         frame, samples_per_pixel));
   }

@@ -9,7 +9,7 @@
 namespace tessera {
 
 Error NoSuchJob(JobId id) {
-  return BadInput(fmt::format("there is no job {}", Number(id)));
+  return BadInput(fmt::format("there is no job {}; \"tessera jobs\" lists all jobs", Number(id)));
 }
 
 Job& JobTable::Add(JobId id, std::shared_ptr<const JobSpec> spec) {
@@ -39,7 +39,7 @@ Result<Job*> JobTable::FindOpen(JobId id, const char* what) {
   if (job == nullptr) return NoSuchJob(id);
   if (!HasEnded(job->state)) return job;
   return BadInput(
-      fmt::format("job {} is {}: it cannot be {} any more", Number(id), JobStateName(job->state), what));
+      fmt::format("job {} is {}; it can no longer be {}", Number(id), JobStateName(job->state), what));
 }
 
 const Job* JobTable::FindSubmission(uint64_t submission) const {

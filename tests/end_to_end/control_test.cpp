@@ -31,7 +31,7 @@ TEST_F(Controls, APausedJobStaysPausedAfterARestartAndItsPictureIsTheSame) {
   EXPECT_TRUE(Bytes("picture.exr") == Oracle(BoxScene(), options));
   const Outcome late = Ask({"pause", job});
   EXPECT_EQ(late.code, 2);
-  EXPECT_THAT(late.errors, HasSubstr("it cannot be paused any more"));
+  EXPECT_THAT(late.errors, HasSubstr("it can no longer be paused"));
 }
 
 TEST_F(Controls, APriorityIsChangedWhileTheJobRuns) {

@@ -183,10 +183,10 @@ std::string WorkerRoster::WhyIdle(const std::set<std::string>& tags) const {
 
 std::string WorkerRoster::WhyNoneFor(const std::set<std::string>& tags) const {
   const std::string why = WhyIdle(tags);
-  if (tags.empty()) return why.empty() ? "no worker is connected" : "no worker takes work: " + why;
+  if (tags.empty()) return why.empty() ? "no worker is connected" : "no worker accepts work: " + why;
   const std::string all = fmt::format("{}", fmt::join(tags, ", "));
   if (!why.empty())
-    return fmt::format("no worker with tag{} {} takes work: {}", tags.size() == 1 ? "" : "s", all, why);
+    return fmt::format("no worker with tag{} {} accepts work: {}", tags.size() == 1 ? "" : "s", all, why);
   std::set<std::string> missing = tags;
   for (const auto& [id, worker] : workers_) {
     if (!worker.is_live) continue;
@@ -242,7 +242,7 @@ WorkerDirective WorkerRoster::TakeRequests(Instant now, WorkerRecord& worker) {
   }
   if (worker.pending.has_prefetch) directive.prefetch = worker.prefetch;
   directive.notice = worker.is_quarantined() ? worker.quarantine
-                     : worker.is_drained     ? "drained by the operator"
+                     : worker.is_drained     ? "drained by a user"
                                              : "";
   worker.pending.has_scenes = worker.pending.has_prefetch = worker.pending.has_notice = false;
   news_.erase(worker.id);

@@ -60,7 +60,7 @@ TEST(FarmExtend, AnAdaptiveJobIsRefusedAndKeepsNoSums) {
   process.Step();
   const auto extended = process.farm.Extend(process.now, job, 8);
   ASSERT_FALSE(extended);
-  EXPECT_THAT(extended.error().message, HasSubstr("with --noise-threshold its pixels stop by themselves"));
+  EXPECT_THAT(extended.error().message, HasSubstr("its pixels stop adaptively (--noise-threshold)"));
   EXPECT_THAT(extended.error().message, HasSubstr("submit the scene again with --spp 8"));
   process.Finish(job, 4);
   EXPECT_TRUE(disk.base.empty() && disk.results.empty());

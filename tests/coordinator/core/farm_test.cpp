@@ -153,7 +153,7 @@ TEST(Farm, OnlyOpenJobsArePausedOrChanged) {
   const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
   ASSERT_TRUE(stage.farm.Cancel(stage.now, job));
   EXPECT_THAT(stage.farm.SetPaused(stage.now, job, true).error().message,
-              HasSubstr("is cancelled: it cannot be paused any more"));
+              HasSubstr("is cancelled; it can no longer be paused"));
   EXPECT_THAT(stage.farm.SetPriority(stage.now, job, 3).error().message, HasSubstr("is cancelled"));
   EXPECT_THAT(stage.farm.SetPaused(stage.now, JobId{9}, true).error().message, HasSubstr("no job 9"));
 }

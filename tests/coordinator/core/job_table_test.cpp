@@ -13,7 +13,8 @@ TEST(JobTable, FindsJobsByIdAndSubmission) {
   EXPECT_EQ(jobs.Find(job.id), &job);
   EXPECT_EQ(jobs.FindSubmission(42), &job);
   EXPECT_EQ(jobs.FindSubmission(43), nullptr);
-  EXPECT_EQ(jobs.FindOpen(JobId{9}, "paused").error().message, "there is no job 9");
+  EXPECT_EQ(jobs.FindOpen(JobId{9}, "paused").error().message,
+            "there is no job 9; \"tessera jobs\" lists all jobs");
 }
 
 TEST(JobTable, AnEndedJobCannotBeChangedAndSaysSo) {
@@ -24,7 +25,7 @@ TEST(JobTable, AnEndedJobCannotBeChangedAndSaysSo) {
   jobs.MarkEnded(job.id);
   EXPECT_TRUE(jobs.open().empty());
   EXPECT_EQ(jobs.FindOpen(job.id, "paused").error().message,
-            "job 3 is cancelled: it cannot be paused any more");
+            "job 3 is cancelled; it can no longer be paused");
 }
 
 TEST(JobTable, IdsAreNeverGivenTwice) {

@@ -208,7 +208,7 @@ TEST(SchedulerControl, AJobThatNoWorkerCanRenderShowsWhichTagIsMissing) {
   stage.Send(2);
   EXPECT_EQ(stage.scheduler.Obstacle(two), "no worker has all of the tags gpu, linux");
   stage.scheduler.Drain(WorkerId{1});
-  EXPECT_EQ(stage.scheduler.Obstacle(one), "no worker with tag gpu takes work: 1 drained");
+  EXPECT_EQ(stage.scheduler.Obstacle(one), "no worker with tag gpu accepts work: 1 drained");
   EXPECT_EQ(stage.scheduler.Obstacle(two), "no worker has all of the tags gpu, linux");
   stage.scheduler.Disconnect(stage.now, WorkerId{1});
   EXPECT_EQ(stage.scheduler.Obstacle(one), "no worker has tag gpu");
@@ -225,7 +225,7 @@ TEST(SchedulerControl, AJobShowsWhyNoWorkerWorksAtAll) {
   EXPECT_EQ(stage.scheduler.Obstacle(job), "") << "one is left";
   stage.Worker(3).draining = true;
   stage.Send(3);
-  EXPECT_EQ(stage.scheduler.Obstacle(job), "no worker takes work: 2 drained, 1 about to leave");
+  EXPECT_EQ(stage.scheduler.Obstacle(job), "no worker accepts work: 2 drained, 1 about to leave");
   stage.scheduler.Release(WorkerId{2});
   EXPECT_EQ(stage.scheduler.Obstacle(job), "");
 }
@@ -238,7 +238,7 @@ TEST(SchedulerControl, ADrainedWorkerFinishesWhatItHoldsAndGetsNothingNew) {
   stage.scheduler.Drain(WorkerId{1});
   stage.Advance();
   EXPECT_EQ(stage.HeldOf(job), 2u);
-  EXPECT_EQ(stage.told[1].notice, "drained by the operator");
+  EXPECT_EQ(stage.told[1].notice, "drained by a user");
   for (const Lease& lease : stage.Held(1)) EXPECT_TRUE(stage.Finish(1, lease, 0.1));
   stage.Send(1);
   stage.Advance();

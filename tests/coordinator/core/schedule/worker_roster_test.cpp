@@ -81,7 +81,7 @@ TEST(WorkerRoster, ExplainsWhyNoWorkerIsAble) {
   stage.Join(2, {"big"});
   EXPECT_EQ(stage.roster.WhyNoneFor({"big", "gpu"}), "no worker has all of the tags big, gpu");
   stage.roster.Drain(worker);
-  EXPECT_EQ(stage.roster.WhyNoneFor({"gpu"}), "no worker with tag gpu takes work: 1 drained");
+  EXPECT_EQ(stage.roster.WhyNoneFor({"gpu"}), "no worker with tag gpu accepts work: 1 drained");
   EXPECT_THAT(stage.roster.AbleFor({"big"}), ElementsAre(WorkerId{2}));
 }
 
