@@ -23,7 +23,7 @@ std::vector<Shape> Soup(TestRandom& random) {
     for (int j = 0; j < 3; ++j) P.push_back(center + RandomPoint(random, i % 10 == 0 ? 6 : 1));
     indices.insert(indices.end(), {3 * i, 3 * i + 1, 3 * i + 2});
   }
-  // Some twice: all their hits are ties.
+  // Some are there twice: all their hits are ties.
   for (uint32_t i = 0; i < 30; ++i) indices.push_back(indices[i]);
   shapes.push_back(MeshShape(std::move(P), std::move(indices)));
   shapes.push_back(BallMesh(6, {2, 1, 0}, 1.5f));
@@ -68,7 +68,7 @@ Geometry PatchScene() {
   return {Patches(random), {}, {}};
 }
 
-// A bit of everything.
+// Shapes of every kind.
 std::vector<Shape> Mixture(TestRandom& random) {
   std::vector<Shape> shapes = Soup(random);
   for (Shape& shape : Quadrics(random)) shapes.push_back(std::move(shape));
@@ -101,7 +101,7 @@ Geometry InstanceScene() {
   return geometry;
 }
 
-// Whether the ray goes through a vertex: each accelerator may hit or miss what has its corner there.
+// Whether the ray goes through a vertex: each accelerator may hit or miss the primitives with a corner there.
 bool IsAtVertex(int kind) {
   return kind % 4 == 1;
 }
@@ -344,7 +344,7 @@ TEST(Bvh, ThreadsDoNotChangeTheTree) {
   }
 }
 
-TEST(Bvh, ManyPrimitivesInOnePlaceStillMakeATree) {
+TEST(Bvh, CoincidentPrimitivesStillMakeATree) {
   std::vector<Shape> shapes;
   for (int i = 0; i < 200; ++i) {
     shapes.push_back(TriangleShape({0, 0, 1}, {1, 0, 1}, {0, 1, 1}));
@@ -360,7 +360,7 @@ TEST(Bvh, ManyPrimitivesInOnePlaceStillMakeATree) {
   EXPECT_EQ(hit.shape, 1u);
 }
 
-TEST(Bvh, TellsWhatItTook) {
+TEST(Bvh, ReportsItsNodesMemoryAndCost) {
   const Geometry geometry{{BallMesh(60, {}, 1)}, {}, {}};
   const Trio trio(geometry);
   const AcceleratorStatistics of_bvh = trio.bvh->statistics(), of_list = trio.list->statistics();

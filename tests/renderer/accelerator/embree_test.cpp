@@ -14,7 +14,7 @@ std::unique_ptr<Accelerator> Build(const Geometry& geometry, const TextureTable&
   return *std::move(made);
 }
 
-// A bit of everything: soup, closed meshes, flat and twisted patches, whole and cut quadrics.
+// Shapes of every kind: soup, closed meshes, flat and twisted patches, whole and cut quadrics.
 std::vector<Shape> MixedShapes(uint64_t seed) {
   TestRandom random(seed);
   std::vector<Shape> shapes;
@@ -240,8 +240,8 @@ TEST(Embree, RaysThatLeaveASurfaceDoNotFindItAgain) {
   }
 }
 
-// Their normals, computed in single precision, are off by much more than those of well shaped ones.
-TEST(Embree, ThinTrianglesDoNotHideWhatLeavesThem) {
+// Their normals, computed in single precision, have much larger errors than those of well-shaped ones.
+TEST(Embree, ThinTrianglesDoNotOccludeRaysThatLeaveThem) {
   TestRandom random(12);
   const TextureTable textures;
   int false_hits = 0;
@@ -297,7 +297,7 @@ TEST(Embree, OpacityIsTheProbabilityOfAHit) {
   }
 }
 
-TEST(Embree, WhatHasNoOpacityIsNeverHit) {
+TEST(Embree, SurfacesWithoutOpacityAreNeverHit) {
   Geometry geometry{{SphereShape({0, 0, 5}, 1), TriangleShape({-3, -3, 1}, {3, -3, 1}, {0, 3, 1})}, {}, {}};
   for (Shape& shape : geometry.shapes) shape.surface.alpha = {0, -1};
   const TextureTable textures;

@@ -1,4 +1,4 @@
-// Rays that graze a sphere, start inside it or come from afar, for every accelerator.
+// Rays that graze a sphere, start inside it or come from far away, for every accelerator.
 #include <gtest/gtest.h>
 
 #include "renderer/accelerator/accelerator.h"
@@ -22,8 +22,8 @@ TEST_P(Sphere, IsSeenFromInsideAndAtItsVeryEdge) {
   EXPECT_NEAR(hit.t, 1e6f + 4, 0.1f);
 }
 
-// The distance at which a ray passes the centre says whether it hits, but for the rounding of the sphere's
-// own transformation.
+// The distance at which a ray passes the centre decides whether it hits, except for the rounding of the
+// sphere's own transformation.
 TEST_P(Sphere, IsHitExactlyByRaysThatPassNearerThanItsRadius) {
   const Point3 center{7, -3, 2};
   const double radius = 1.5f;
@@ -59,7 +59,7 @@ TEST_P(Sphere, IsAlwaysLeftFromInside) {
   const auto accelerator = *MakeAccelerator(*Accelerators().Find(GetParam()), geometry, textures);
   TestRandom random(22);
   for (int i = 0; i < 100000; ++i) {
-    // From the very middle to a hair's breadth of the surface, where floats are 8e-6 apart.
+    // From the centre to just below the surface, where floats are 8e-6 apart.
     const float depth = 1e-4f + 2 * random.Next() * random.Next();
     const Ray ray{Point3{100, 20, -5} + RandomDirection(random) * std::max(0.0f, 2 - depth),
                   RandomDirection(random)};

@@ -49,7 +49,7 @@ TEST(Sampler, AnySampleCanBeDrawnInAnyOrder) {
     std::vector<std::vector<float>> first;
     for (uint32_t i = 0; i < 64; ++i) first.push_back(Draw(forward, 5, 7, i));
     for (int i = 63; i >= 0; --i) {
-      Draw(backward, 1, 2, static_cast<uint32_t>(i));  // a visit elsewhere must leave no trace
+      Draw(backward, 1, 2, static_cast<uint32_t>(i));  // another sample must not change the next
       EXPECT_EQ(Draw(backward, 5, 7, static_cast<uint32_t>(i)), first[i]) << name;
     }
   }
@@ -100,8 +100,8 @@ TEST(Sampler, DifferentPixelsAndSeedsGetDifferentNumbers) {
   }
 }
 
-// Every elementary interval of volume 1/2^k holds exactly one of the first 2^k points: what makes a (0, k,
-// 2)-net.
+// Every elementary interval of volume 1/2^k holds exactly one of the first 2^k points: the definition of a
+// (0, k, 2)-net.
 void ExpectNet(const std::vector<Point2>& points) {
   const int log2_count = std::bit_width(points.size()) - 1;
   for (int k = 0; k <= log2_count; ++k) {

@@ -1,4 +1,4 @@
-// PLY files: every encoding, and every way of being wrong.
+// PLY files in every encoding, and everything that can be wrong with them.
 #include "renderer/shape/ply_reader.h"
 
 #include <gmock/gmock.h>
@@ -37,7 +37,7 @@ class Body {
   std::string format_;
 };
 
-// Two triangles, a quad and a pentagon on five vertices, with properties nobody asked for in between.
+// Two triangles, a quad and a pentagon on five vertices, with unused properties in between.
 std::string Example(const std::string& format) {
   std::string header =
       "ply\nformat " + format +
@@ -108,7 +108,7 @@ TEST(PlyReader, EveryTruncationIsAnError) {
   EXPECT_EQ(ErrorOf(kTriangleHeader + "0 0 0\n1 0"), "models/x.ply: truncated: vertex 1 of 3 is cut off");
 }
 
-TEST(PlyReader, CountsThatLieTakeNoMemory) {
+TEST(PlyReader, FalseCountsAllocateNoMemory) {
   for (const char* count : {"4000000000", "1000000000000000", "18446744073709551615"}) {
     std::string text = kTriangleHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     text.replace(text.find("vertex 3") + 7, 1, count);
@@ -119,7 +119,7 @@ TEST(PlyReader, CountsThatLieTakeNoMemory) {
   }
 }
 
-TEST(PlyReader, WhatIsWrongIsSaid) {
+TEST(PlyReader, ErrorsNameTheProblem) {
   const std::string body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string text = kTriangleHeader + body;
@@ -147,8 +147,8 @@ TEST(PlyReader, WhatIsWrongIsSaid) {
   EXPECT_EQ(with("3 0 1 2", "5 0 1 2 0 1"), "models/x.ply: holds no triangles or quads");
 }
 
-// Whatever the bytes, the answer is a valid mesh or an error.
-TEST(PlyReader, DamagedFilesDoNoHarm) {
+// Any bytes give a valid mesh or an error.
+TEST(PlyReader, DamagedFilesGiveAValidMeshOrAnError) {
   TestRandom random(1);
   for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
     const std::string whole = Example(format);

@@ -37,7 +37,7 @@ const char kQuadPly[] =
     "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
     "0 0 0 1 0 0 1 1 0 0 1 0 5 5 5 6 6 7\n4 0 1 2 3\n3 0 4 5\n";
 
-// Builds the first shape of a world that is nothing but `text`.
+// Builds the first shape of a world that consists of `text`.
 Built Build(const std::string& text) {
   MemoryFiles files;
   files.files["quad.ply"] = kQuadPly;
@@ -114,7 +114,7 @@ TEST(ShapeBuilder, NormalsFlipWithOrientationOrHandednessButNotBoth) {
   EXPECT_TRUE(Only<Quadric>(Build("Scale -1 1 1 Shape \"sphere\"")).flip_normals);
 }
 
-TEST(ShapeBuilder, MeshesComeToRenderingSpaceWithRoomForOneMoreVertex) {
+TEST(ShapeBuilder, MeshesAreInRenderingSpaceWithRoomForOneMoreVertex) {
   const Built built = Build(
       "ReverseOrientation Translate 1 2 3 Scale 2 2 4\n"
       "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 1] \"normal N\" [0 0 1 0 1 0 1 0 0]\n"
@@ -173,7 +173,7 @@ TEST(ShapeBuilder, AlphaIsANumberOrATexture) {
   EXPECT_FALSE(texture.shapes[0].surface.alpha.IsConstant());
 }
 
-TEST(ShapeBuilder, WhatIsWrongIsSaidWithItsPlace) {
+TEST(ShapeBuilder, ErrorsNameTheProblemAndItsLocation) {
   const std::string triangle = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
   EXPECT_EQ(Build("Shape \"curve\" \"point3 P\" [0 0 0]").error,
             "a.pbrt:2:1: shape \"curve\" is not supported yet");
@@ -200,7 +200,7 @@ TEST(ShapeBuilder, WhatIsWrongIsSaidWithItsPlace) {
             "a.pbrt:2:14: the shape is not finite in rendering space");
 }
 
-TEST(ShapeBuilder, AParameterNobodyKnowsIsAnError) {
+TEST(ShapeBuilder, AnUnknownParameterIsAnError) {
   const Built built = Build("Shape \"sphere\" \"float raduis\" 2");
   EXPECT_THAT(built.error, testing::HasSubstr("raduis"));
   EXPECT_THAT(built.error, testing::StartsWith("a.pbrt:2:"));

@@ -140,7 +140,7 @@ TEST(ShapeInteraction, VertexNormalsDecideTheSideAndAreInterpolated) {
   ExpectNear(at.dpdv, {0, 0.25f, 0}, 1e-6f, "dpdv");
 }
 
-TEST(ShapeInteraction, VertexTangentsTurnTheShadingFrame) {
+TEST(ShapeInteraction, VertexTangentsRotateTheShadingFrame) {
   Shape shape = ShadedTriangle();
   std::get<TriangleMesh>(shape.form).S = {{0, 1, 0}, {0, 1, 0}, {0, 1, 0}};
   const SurfaceInteraction at = InteractionOf(shape, {{0.25f, 0.25f, 1}, {0, 0, -1}});
@@ -148,7 +148,7 @@ TEST(ShapeInteraction, VertexTangentsTurnTheShadingFrame) {
   ExpectNear(at.dpdu, {0.5f, 0, 0}, 1e-6f, "dpdu stays that of the texture coordinates");
 }
 
-TEST(ShapeInteraction, PatchNormalsAreInterpolatedAndTheFrameTurnedWithThem) {
+TEST(ShapeInteraction, PatchNormalsAreInterpolatedAndRotateTheShadingFrame) {
   Shape shape = PatchShape({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0});
   const Normal3 tilted = Normalize({0.5f, 0, 1});
   std::get<BilinearMesh>(shape.form).N = {tilted, tilted, tilted, tilted};
@@ -220,7 +220,7 @@ TEST(ShapeInteraction, AnInstanceTransformsNormalsWithoutFlippingThem) {
   ExpectNear(at.n, {-1, 0, 0}, 1e-5f, "n");
 }
 
-TEST(ShapeInteraction, SurfacePropertiesComeAlong) {
+TEST(ShapeInteraction, InteractionsCarryTheSurfaceProperties) {
   Geometry geometry{{BallMesh(4, {}, 1)}, {}, {}};
   SurfaceProperties& surface = geometry.shapes[0].surface;
   surface.material = 3;

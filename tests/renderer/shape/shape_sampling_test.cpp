@@ -38,8 +38,8 @@ std::vector<Case> Cases() {
   const Transform turn = Translate({0.3f, -0.2f, 2}) * Rotate(40, {1, 2, 3});
   const Transform stretch = turn * Scale(1, 0.5f, 1.5f);
   const Point3 origin{0, 0, 0};
-  // From outside, the density of what is sampled by area has poles at the silhouette, which no quadrature
-  // likes.
+  // From outside, the density of what is sampled by area has poles at the silhouette, where
+  // quadrature fails.
   const Point3 inside{0.35f, -0.1f, 2.1f};
   const Normal3 tilted{0.3f, -0.5f, 0.8f};
   return {
@@ -65,8 +65,8 @@ std::vector<Case> Cases() {
       {"part of a ring, stretched", QuadricShape(kDisk, stretch, 1, 0.2f, 0, 5, 0.3f), InVolume(origin)}};
 }
 
-// What ShapePdf says of a direction: the sum over all points where the direction meets the shape. The whole
-// sphere is sampled on its near side only.
+// The density of a direction by ShapePdf: the sum over all points where the direction meets the shape. The
+// whole sphere is sampled on its near side only.
 float PdfOfDirection(const Case& c, Vec3 wi, bool near_side_only) {
   const Geometry geometry{{c.shape}, {}, {}};
   const Ray ray{c.reference.p, wi};
@@ -239,7 +239,7 @@ TEST(ShapeSampling, NormalConesHoldEveryNormal) {
   EXPECT_EQ(ShapeNormals(disk, 0).cos_angle, 1);
 }
 
-// As seen from a rounding error above itself, it would seem to fill half of all directions.
+// As seen from a rounding error above itself, it would appear to fill half of all directions.
 TEST(ShapeSampling, ARectangleIsNotSampledFromItsOwnPlane) {
   const Shape shape =
       PatchShape({1.75f, 0.25f, -2.6f}, {1.75f, 3.9f, -2.6f}, {3.35f, 0.25f, 0.2f}, {3.35f, 3.9f, 0.2f});
