@@ -77,10 +77,11 @@ void AddFilmFlags(CLI::App& app, RenderOptions& render) {
   AddValue(app, "--exr-type", "TYPE",
            WithDefault("Type of the values in the EXR file: half or float", "half"), render.exr_type,
            ParseExrType);
-  AddValue(app, "--aov", "LIST",
-           fmt::format("Channels to add to the picture, separated by commas: {}", fmt::join(kAovs, ", ")),
-           render.aovs,
-           [](std::string_view flag, std::string_view word) { return ParseNames(flag, word, kAovs); });
+  AddValue(
+      app, "--aov", "LIST",
+      fmt::format("Channels to add to the picture, separated by commas: {}", fmt::join(AovNames(), ", ")),
+      render.aovs,
+      [](std::string_view flag, std::string_view word) { return ParseNames(flag, word, AovNames()); });
 }
 
 // A flag of the command line's contract that is not implemented yet is refused by name, not as an unknown

@@ -25,6 +25,13 @@ constexpr Matrix3 kXyzFromCones{{{0.9869929f, -0.1470543f, 0.1599627f},
                                  {0.4323053f, 0.5183603f, 0.0492912f},
                                  {-0.0085287f, 0.0400428f, 0.9684867f}}};
 
+// The Y of a spectrum.
+float Luminance(const DenseTable& spectrum) {
+  double y = 0;
+  for (int i = 0; i < kLambdaCount; ++i) y += static_cast<double>(CieY()[i]) * spectrum[i];
+  return static_cast<float>(y);
+}
+
 // XYZ of a spectrum, scaled to Y = 1.
 Vec3 WhitePoint(const DenseTable& spectrum) {
   double x = 0, y = 0, z = 0;
@@ -48,7 +55,9 @@ Matrix3 WhiteBalance(Vec3 from, Vec3 to) {
 
 FilmSensor::FilmSensor(const ColorSpace& color_space, float imaging_ratio, float white_balance,
                        float component_max)
-    : x_(&CieX()),
+    : color_space_(&color_space),
+      white_scale_(1 / Luminance(*color_space.illuminant())),
+      x_(&CieX()),
       y_(&CieY()),
       z_(&CieZ()),
       imaging_ratio_(imaging_ratio),
@@ -58,6 +67,12 @@ FilmSensor::FilmSensor(const ColorSpace& color_space, float imaging_ratio, float
     const Vec3 from = WhitePoint(*DaylightIlluminant(white_balance));
     output_ = Multiply(output_, WhiteBalance(from, WhitePoint(*color_space.illuminant())));
   }
+}
+
+Rgb FilmSensor::ReflectanceToRgb(SampledSpectrum reflectance, const SampledWavelengths& wavelengths) const {
+  const SampledSpectrum white = SampleTable(*color_space_->illuminant(), wavelengths) * white_scale_;
+  const Vec3 rgb = Multiply(color_space_->rgb_from_xyz(), ToXyz(reflectance * white, wavelengths));
+  return {rgb.x, rgb.y, rgb.z};
 }
 
 }  // namespace tessera

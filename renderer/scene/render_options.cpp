@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "renderer/scene/layers.h"
 #include "renderer/scene/scene.h"
 #include "renderer/util/text.h"
 
@@ -58,7 +59,7 @@ bool ReadAovs(std::string_view text, std::set<std::string>* aovs) {
   while (!text.empty()) {
     const size_t end = std::min(text.find(','), text.size());
     const std::string_view name = text.substr(0, end);
-    if (std::ranges::find(kAovs, name) == std::end(kAovs)) return false;
+    if (Layers().Find(name) == nullptr) return false;
     aovs->emplace(name);
     text.remove_prefix(std::min(end + 1, text.size()));
   }

@@ -9,6 +9,7 @@
 #include "renderer/pbrt/parser.h"
 #include "renderer/scene/film_settings.h"
 #include "renderer/scene/integrator_choice.h"
+#include "renderer/scene/layers.h"
 #include "renderer/scene/light_check.h"
 #include "renderer/scene/scene_data.h"
 #include "renderer/scene/scene_options.h"
@@ -149,7 +150,8 @@ Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const Integrat
   data.frame.exr_type = film.exr_type;
   data.frame.SetNoiseThreshold(options_.noise_threshold);
   data.frame.tile_size = options_.tile_size.value_or(kTileSizeDefault);
-  if (options_.aovs.contains(kSamplesChannel)) AddChannel(data.frame.channels, SamplesChannel(true));
+  data.layers = options_.aovs;
+  AddLayers(data.layers, data.frame.channels);
   data.summary.camera = scene_.camera.kind;
   data.summary.film = scene_.film.kind;
   data.summary.filter = scene_.filter.kind;

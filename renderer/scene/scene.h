@@ -18,7 +18,7 @@
 namespace tessera {
 
 // Further channels that a picture may get.
-inline constexpr std::string_view kAovs[] = {kSamplesChannel};
+std::vector<std::string_view> AovNames();
 
 // What the command line may override of a scene (DESIGN.md section 8).
 struct RenderOptions {
@@ -34,7 +34,7 @@ struct RenderOptions {
   std::optional<int> tile_size;
   std::optional<ExrType> exr_type;
   double noise_threshold = 0;  // FrameSpec::noise_threshold
-  std::set<std::string> aovs;  // of kAovs
+  std::set<std::string> aovs;  // of AovNames
 
   bool operator==(const RenderOptions&) const = default;
 };

@@ -1,6 +1,7 @@
 // The contents of a Scene, for the files that build it and render from it.
 #pragma once
 
+#include <set>
 #include <string>
 
 #include "renderer/camera/camera.h"
@@ -22,6 +23,7 @@ struct Scene::Data {
   Estimator estimator;
   FilmSensor sensor{ColorSpace::Srgb(), 1, 0, 1};
   FrameSpec frame;
+  std::set<std::string> layers;  // in the frame: names in Layers()
   SceneSummary summary;
 };
 

@@ -1,6 +1,7 @@
 #include <array>
 
 #include "renderer/film/tile_builder.h"
+#include "renderer/scene/layers.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/scene_data.h"
 
@@ -15,6 +16,7 @@ class PixelRenderer {
         sampler_(data.sampler.sampler),
         rgb_{*layout.SlotOf("R"), *layout.SlotOf("G"), *layout.SlotOf("B")},
         weight_(layout.weight()),
+        layers_(data.layers, layout, data.sensor),
         statistics_(*statistics) {}
 
   // Renders samples `range` of pixel (x, y).
@@ -43,7 +45,7 @@ class PixelRenderer {
                       static_cast<float>(y) + 0.5f + filter.offset.y};
     const Ray ray = camera.GenerateRay(film, u_lens, 0.5f);
     const PathContext context{data_.world, data_.estimator.path, wavelengths, sampler_, rays_};
-    const SampledSpectrum radiance = EstimateRadiance(context, data_.estimator, ray);
+    const SampledSpectrum radiance = Estimate(context, ray, filter.weight, values);
     const Rgb rgb = data_.sensor.ToRgb(radiance, wavelengths);
     values[weight_] = filter.weight;
     if (!IsFinite(rgb)) {
@@ -55,10 +57,17 @@ class PixelRenderer {
     values[rgb_[2]] = rgb.z * filter.weight;
   }
 
+  SampledSpectrum Estimate(const PathContext& context, const Ray& ray, float filter_weight, float* values) {
+    if (layers_.empty()) return EstimateRadiance(context, data_.estimator, ray);
+    layers_.Start(context.wavelengths, filter_weight, values);
+    return EstimateRadiance(context, data_.estimator, ray, layers_);
+  }
+
   const Scene::Data& data_;
   Sampler sampler_;
   const std::array<size_t, 3> rgb_;  // positions of the channels
   const size_t weight_;
+  LayerRecorder layers_;
   RayCounts rays_;
   RenderStatistics& statistics_;
 };
