@@ -13,12 +13,13 @@ int main(int argc, char** argv) {
   double ideal_s = 300;
   uint64_t seed = 1;
   bool csv = false;
-  CLI::App app("simulated farms: makespan over the lower bound, waste, and the coordinator's own time");
-  app.add_option("--workers", sizes, "sizes of the farms")->check(CLI::Range(1, 100'000));
-  app.add_option("--seconds", ideal_s, "of the frame, if all machines always worked on it")
+  CLI::App app(
+      "Simulate farms; print the makespan over its lower bound, the waste and the coordinator's own time");
+  app.add_option("--workers", sizes, "Sizes of the farms")->check(CLI::Range(1, 100'000));
+  app.add_option("--seconds", ideal_s, "Duration of the frame if all machines always worked on it")
       ->check(CLI::Range(1.0, 1e6));
-  app.add_option("--seed", seed, "of the simulation");
-  app.add_flag("--csv", csv, "values separated by commas");
+  app.add_option("--seed", seed, "Seed of the simulation");
+  app.add_flag("--csv", csv, "Print comma-separated values");
   CLI11_PARSE(app, argc, argv);
 
   std::printf(csv ? "workers,ideal_s,makespan_s,ratio,waste,lost,copied,absent,results,results_per_s,calls,"

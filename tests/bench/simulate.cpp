@@ -1,4 +1,4 @@
-// Runs seeds of the fault simulation: any number of them, or one with all that happens.
+// Runs seeds of the fault simulation and can print everything that happens.
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
@@ -30,10 +30,10 @@ bool RunSeed(uint64_t seed, bool trace) {
 int main(int argc, char** argv) {
   uint64_t seed = 1, count = 1;
   bool trace = false;
-  CLI::App app("runs the fault simulation of a small farm; exits 1 if an invariant is broken");
-  app.add_option("--seed", seed, "the first");
-  app.add_option("--count", count, "how many");
-  app.add_flag("--trace", trace, "print what happens");
+  CLI::App app("Run the fault simulation of a small farm; exit with 1 if an invariant is broken");
+  app.add_option("--seed", seed, "First seed");
+  app.add_option("--count", count, "Number of seeds");
+  app.add_flag("--trace", trace, "Print everything that happens");
   CLI11_PARSE(app, argc, argv);
   uint64_t broken = 0;
   for (uint64_t s = seed; s < seed + count; ++s) broken += RunSeed(s, trace) ? 0 : 1;

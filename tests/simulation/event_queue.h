@@ -1,4 +1,4 @@
-// Simulated time: events happen in order of their time, those of the same time in the order they were
+// Simulated time: events happen in order of their time, events of the same time in the order they were
 // planned.
 #pragma once
 

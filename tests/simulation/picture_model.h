@@ -1,5 +1,5 @@
-// A renderer for simulations: every sample is a number that follows from its place, so that pictures can be
-// compared to the last bit with what one machine alone would make.
+// A renderer for simulations: every sample is a function of its pixel and index, so that pictures can be
+// compared to the last bit with what a single machine renders.
 #pragma once
 
 #include "renderer/film/frame_spec.h"
@@ -13,7 +13,7 @@ FrameSpec SmallFrame(int width, int height, int tile_size, uint32_t samples_per_
 // The sums of a unit of the picture named by `seed`.
 RadianceTile RenderModel(uint64_t seed, const FrameSpec& spec, uint32_t tile, const PixelMask& pixels,
                          SampleRange range);
-// The whole picture, merged tile by tile, in pieces as large as can be.
+// The whole picture, merged tile by tile in the largest possible units.
 Merger ReferenceMerger(uint64_t seed, const FrameSpec& spec);
 
 }  // namespace tessera

@@ -21,8 +21,8 @@ struct ScaleOptions {
   int workers = 10;  // of one slot each
   double slow_share = 0.1, slow_speed = 0.1;
   double deaths_per_minute = 0.05;  // of all workers
-  double silent_share = 0.5;        // of the deaths: the coordinator is not told, as when a cable is pulled
-  double absence_s = 5;          // then the machine has another process, with no scene and a name of its own
+  double silent_share = 0.5;     // of the deaths: the coordinator does not notice, as when a cable is pulled
+  double absence_s = 5;          // then the machine has a new process without any scene
   double load_s = 1;             // of the scene
   double latency_s = 0.001;      // each way
   double call_cost_s = 0.00005;  // of the coordinator's time, for each call and, besides, each result
@@ -31,7 +31,7 @@ struct ScaleOptions {
   int width = 1920, height = 1080, tile_size = 64;
   uint32_t samples_per_pixel = 1024;
 };
-// A frame that is heavy enough for so many workers.
+// A frame that is heavy enough for this many workers.
 ScaleOptions ScaleOptionsFor(int workers, double ideal_s);
 
 struct ScaleReport {
@@ -75,7 +75,7 @@ class ScaleFarm {
   void Submit();
   double CostOf(const WorkUnit& unit) const;
 
-  // ---- The coordinator: applies what has come while it was busy, all at once
+  // ---- The coordinator: applies everything that arrived while it was busy in one batch
   void Post(Event event, double cost_s);
   void PlanStep(Instant at);
   void Step();

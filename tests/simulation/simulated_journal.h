@@ -1,5 +1,5 @@
-// The coordinator's disk in a simulation: it may be full, and a crash loses what was not synced, or some of
-// it.
+// The coordinator's journal on a simulated disk: it may be full, and a crash loses some or all of what was
+// not synced.
 #pragma once
 
 #include <string>
@@ -21,7 +21,7 @@ class SimulatedJournal : public Journal {
     return {};
   }
 
-  // Small, so that it happens.
+  // Small, so that journals are compacted in simulations.
   bool IsLarge() const override { return synced_.size() > 20; }
   Result<void> Replace(const std::vector<Fact>& facts) override {
     if (full_) return Failed("no space left on device");
@@ -31,7 +31,7 @@ class SimulatedJournal : public Journal {
   }
 
   void set_full(bool full) { full_ = full; }
-  // The process is killed in the midst of a write: of what was not synced the first records may be there.
+  // The process is killed during a write: the first records that were not synced may be there.
   void Crash(Random& random) {
     pending_.resize(static_cast<size_t>(random.Int(0, static_cast<int>(pending_.size()))));
     synced_.insert(synced_.end(), pending_.begin(), pending_.end());

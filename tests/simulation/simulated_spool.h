@@ -1,5 +1,5 @@
-// The coordinator's spool on a simulated disk: it may be full, and a crash loses what was not synced, or some
-// of it, and may come before or after a file has taken the place of others.
+// The coordinator's spool on a simulated disk: it may be full, and a crash loses some or all of what was not
+// synced and may come before or after a file has replaced others.
 #pragma once
 
 #include <map>
@@ -21,7 +21,7 @@ class SimulatedSpool : public Spool {
   void Load(FrameId frame, OnLoaded done) override;
 
   void set_full(bool full) { full_ = full; }
-  // The process is killed: of what was on its way to the disk some may be there.
+  // The process is killed: some of what was on its way to the disk may be there.
   void Crash(Random& random);
 
   // What the next process finds.
@@ -32,7 +32,7 @@ class SimulatedSpool : public Spool {
  private:
   struct Base {
     std::vector<TileNode> nodes;
-    size_t covers = 0;  // of the segment, from its begin
+    size_t covers = 0;  // nodes of the segment, from its start
   };
   struct Files {
     std::vector<TileNode> base, segment;  // synced

@@ -1,5 +1,5 @@
-// Thousands of small farms under every mix of faults, and a few large ones. A failing seed prints itself; it
-// replays, with all that happens, by `build/release/bin/simulate --seed N --trace`.
+// Thousands of small farms under every mix of faults, and a few large ones. A failing seed is printed; replay
+// it with `build/release/bin/simulate --seed N --trace`.
 #include "tests/simulation/simulation.h"
 
 #include <gtest/gtest.h>

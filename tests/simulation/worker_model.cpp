@@ -17,9 +17,9 @@ WorkerState WorkerModel::State(Instant now) {
   return state;
 }
 
-void WorkerModel::Apply(Instant now, const WorkerState& said, const WorkerDirective& directive) {
-  load_.ReturnsHeard(said.returned_leases);
-  if (said.sequence == sequence_) {
+void WorkerModel::Apply(Instant now, const WorkerState& sent, const WorkerDirective& directive) {
+  load_.ReturnsHeard(sent.returned_leases);
+  if (sent.sequence == sequence_) {
     load_.Apply(directive, At(now));
   } else {
     load_.AddLeases(directive.leases, directive.drop, At(now));

@@ -1,5 +1,5 @@
 // A worker process without threads or network: the real workload of a worker (worker/core), driven in
-// simulated time. The simulation moves its messages, renders its units and tells it the time.
+// simulated time. The simulation delivers its messages, renders its units and passes it the time.
 #pragma once
 
 #include <optional>
@@ -33,13 +33,13 @@ class WorkerModel {
   // The clock of its machine, which has an origin of its own.
   static Workload::TimePoint At(Instant now) { return Workload::TimePoint(now); }
 
-  // What it says next.
+  // The state that it sends next.
   WorkerState State(Instant now);
-  // Takes in the answer to the state `said`: that of one which a later state overtook holds no wishes.
-  void Apply(Instant now, const WorkerState& said, const WorkerDirective& directive);
+  // Applies the answer to the state `sent`.
+  void Apply(Instant now, const WorkerState& sent, const WorkerDirective& directive);
   // The next unit for an idle slot; it runs from now on.
   std::optional<UnitTask> StartUnit(Instant now);
-  // The slot is free again, whatever became of the unit.
+  // The slot is free again, whether the unit was finished or not.
   void SlotFreed() { --running_; }
   void SceneLoaded(const Digest& scene);
 

@@ -1,0 +1,173 @@
+// What the worker processes of machines do: synchronize, load scenes, render units and return results.
+#include <fmt/format.h>
+
+#include "tests/simulation/machines.h"
+#include "tests/simulation/picture_model.h"
+
+namespace tessera {
+namespace {
+
+constexpr Instant kAnswerPatience = seconds(4);  // beyond the wait that was agreed
+constexpr Instant kResultsTimeout = seconds(2);
+constexpr size_t kBatchBytesMax = 4096;  // some results travel together, some alone
+
+}  // namespace
+
+// Tiles differ in cost by a factor of up to 4.
+double Machines::CostOf(const WorkUnit& unit) {
+  const JobModel& job = *world_.ModelOf(unit.job);
+  const PixelBounds bounds = job.spec->frames[unit.frame].spec.TileBounds(static_cast<int>(unit.tile));
+  return job.cost * static_cast<double>(1 + unit.tile % 4) * static_cast<double>(bounds.area()) *
+         unit.range.size;
+}
+
+void Machines::Synchronize(size_t m) {
+  Machine& machine = machines_[m];
+  const WorkerState state = machine.worker->State(Now(m));
+  const uint64_t number = machine.sync_awaited = state.sequence;
+  const uint64_t incarnation = machine.incarnation;
+  const auto on_answer = [=, this](const WorkerDirective& directive) {
+    SendToMachine(m, [=, this] {
+      if (machines_[m].incarnation != incarnation) return;
+      OnMachine(m, Instant{0}, [=, this](Machine& at) {
+        at.worker->Apply(Now(m), state, directive);
+        LoadScenes(m);
+        StartUnits(m);
+        if (at.sync_awaited == number) Synchronize(m);
+      });
+    });
+  };
+  SendToFarm(m, [=, this] {
+    Farm* const farm = coordinator_.farm();
+    if (farm == nullptr) return;
+    const CallId call = coordinator_.NextCall();
+    world_.Trace(fmt::format("synchronize worker={} sequence={} leases={}", Number(state.worker),
+                             state.sequence, state.leases.size()));
+    coordinator_.AwaitDirective(call, on_answer);
+    farm->Synchronize(coordinator_.now(), call, state);
+    machines_[m].last_call = call;
+    coordinator_.Touch();
+  });
+  OnMachine(m, state.wait + kAnswerPatience, [=, this](Machine& at) {
+    if (at.sync_awaited == number) Synchronize(m);
+  });
+}
+
+void Machines::LoadScenes(size_t m) {
+  WorkerModel& worker = *machines_[m].worker;
+  while (const auto scene = worker.load().StartScene(WorkerModel::At(Now(m)))) {
+    OnMachine(m, FromSeconds(worker.traits().load_s), [=, this, key = scene->key](Machine& at) {
+      at.worker->SceneLoaded(key);
+      Synchronize(m);
+    });
+  }
+}
+
+void Machines::StartUnits(size_t m) {
+  WorkerModel& worker = *machines_[m].worker;
+  while (const auto task = worker.StartUnit(Now(m))) {
+    const double seconds = CostOf(task->lease.unit) / worker.traits().speed;
+    OnMachine(m, FromSeconds(seconds), [=, this](Machine&) { FinishUnit(m, *task, seconds); });
+  }
+}
+
+void Machines::FinishUnit(size_t m, const UnitTask& task, double seconds) {
+  WorkerModel& worker = *machines_[m].worker;
+  const Lease& lease = task.lease;
+  worker.SlotFreed();
+  const JobModel& job = *world_.ModelOf(lease.unit.job);
+  const bool poisoned = job.is_poisoned && lease.unit.frame == 0 && lease.unit.tile == 0;
+  if (*task.stop) {
+    worker.load().UnitStopped(lease.id);
+  } else if (poisoned || world_.random.Chance(world_.is_healthy() ? 0 : worker.traits().failure_chance)) {
+    worker.load().UnitFailed(lease, "no luck");
+  } else {
+    const uint64_t seed = Hash(job.spec->submission, lease.unit.frame);
+    const FrameSpec& spec = job.spec->frames[lease.unit.frame].spec;
+    RadianceTile sums = RenderModel(seed, spec, lease.unit.tile, lease.pixels, lease.unit.range);
+    world_.report.samples_rendered += PixelSamples(sums);
+    if (world_.random.Chance(world_.is_healthy() ? 0 : worker.traits().lie_chance)) {
+      sums.sums[0] += static_cast<float>(world_.random.Real(1, 2));
+    }
+    std::string tile = EncodeRadianceTile(sums);
+    if (world_.random.Chance(world_.is_healthy() ? 0 : worker.traits().damage_chance))
+      tile[tile.size() / 2] ^= 1;
+    worker.load().UnitFinished({lease.id, lease.unit, std::move(tile), seconds}, WorkerModel::At(Now(m)));
+  }
+  SendBatch(m);
+  StartUnits(m);
+}
+
+// One batch is on its way at a time; it is sent again until it is answered.
+void Machines::SendBatch(size_t m) {
+  Machine& machine = machines_[m];
+  if (machine.is_returning || !machine.worker->load().HasParcel()) return;
+  machine.is_returning = true;
+  const uint64_t number = ++machine.batches;
+  auto batch = machine.worker->load().NextParcel(kBatchBytesMax);
+  if (const auto* failure = std::get_if<FailureReport>(&batch)) {
+    SendFailure(m, number, *failure);
+  } else {
+    SendResults(m, number, std::move(std::get<std::vector<FinishedUnit>>(batch)));
+  }
+  OnMachine(m, kResultsTimeout, [=, this](Machine& at) {
+    if (!at.is_returning || at.batches != number) return;
+    at.is_returning = false;
+    SendBatch(m);
+  });
+}
+
+// The answer to the batch that is on its way; an answer to an older one says nothing new.
+void Machines::BatchAnswered(size_t m, uint64_t batch, Action action) {
+  const uint64_t incarnation = machines_[m].incarnation;
+  SendToMachine(m, [=, this] {
+    if (machines_[m].incarnation != incarnation) return;
+    OnMachine(m, Instant{0}, [=, this](Machine& at) {
+      if (!at.is_returning || at.batches != batch) return;
+      at.is_returning = false;
+      action(at);
+      StartUnits(m);
+      SendBatch(m);
+    });
+  });
+}
+
+void Machines::SendResults(size_t m, uint64_t batch, std::vector<FinishedUnit> results) {
+  const WorkerId worker = machines_[m].worker->id();
+  SendToFarm(m, [=, this] {
+    Farm* const farm = coordinator_.farm();
+    if (farm == nullptr) return;
+    const CallId call = coordinator_.NextCall();
+    std::vector<WorkUnit> units;
+    std::vector<ReturnedUnit> returned;
+    for (const FinishedUnit& each : results) {
+      world_.Trace(fmt::format("result worker={} {}", Number(worker), each.unit.Text()));
+      units.push_back(each.unit);
+      returned.push_back({each.lease, each.unit, each.render_seconds, DecodeRadianceTile(each.tile)});
+    }
+    const auto on_answer = [=, this](const FarmOutput::Results& answer) {
+      BatchAnswered(m, batch, [=, this](Machine& at) {
+        at.worker->load().AddLeases(answer.grants.leases, answer.grants.drop, WorkerModel::At(Now(m)));
+        at.worker->load().ResultsAnswered(results);
+      });
+    };
+    coordinator_.AwaitResults(call, std::move(units), on_answer);
+    farm->ReturnResults(coordinator_.now(), call, worker, std::move(returned));
+    coordinator_.Touch();
+  });
+}
+
+void Machines::SendFailure(size_t m, uint64_t batch, const FailureReport& failure) {
+  const WorkerId worker = machines_[m].worker->id();
+  SendToFarm(m, [=, this] {
+    Farm* const farm = coordinator_.farm();
+    if (farm == nullptr) return;
+    world_.Trace(fmt::format("failure worker={} {}", Number(worker), failure.unit.Text()));
+    farm->FailUnit(coordinator_.now(), worker, failure.lease, failure.unit, failure.reason);
+    coordinator_.AfterSync(
+        [=, this] { BatchAnswered(m, batch, [](Machine& at) { at.worker->load().FailureAnswered(); }); });
+    coordinator_.Touch();
+  });
+}
+
+}  // namespace tessera
