@@ -10,15 +10,19 @@
 #include "renderer/scene/film_settings.h"
 #include "renderer/scene/scene_options.h"
 #include "renderer/shape/shape_kinds.h"
+#include "renderer/texture/texture_kinds.h"
 
 namespace tessera {
 
 std::vector<KindList> SceneLanguageKinds() {
   return {
-      CameraKinds(),           FilmKinds(),          FilterKinds(),
-      SamplerKinds(),          Integrators().List(), LightSamplers().List(),
-      SceneAcceleratorKinds(), ShapeKinds().List(),  MaterialKinds().List(),
-      LightSourceKinds(),      AreaLightKinds(),     OptionKinds().List(),
+      CameraKinds(),           FilmKinds(),
+      FilterKinds(),           SamplerKinds(),
+      Integrators().List(),    LightSamplers().List(),
+      SceneAcceleratorKinds(), ShapeKinds().List(),
+      MaterialKinds().List(),  FloatTextureKinds(),
+      SpectrumTextureKinds(),  LightSourceKinds(),
+      AreaLightKinds(),        OptionKinds().List(),
   };
 }
 

@@ -1,46 +1,17 @@
 // Textures: values that vary over surfaces. Built once per scene into a TextureTable, read by all threads.
 #pragma once
 
-#include <memory>
-#include <string_view>
+#include <utility>
 
-#include "renderer/color/spectrum.h"
-#include "renderer/math/vec.h"
+#include "renderer/texture/texture_node.h"
 
 namespace tessera {
-
-// Where a texture is looked up.
-struct TextureContext {
-  Point3 p;   // in rendering space
-  Normal3 n;  // shading normal, for directional mixes
-  Point2 uv;
-  Vec3 dpdx, dpdy;                               // change of p per pixel of the image
-  float dudx = 0, dudy = 0, dvdx = 0, dvdy = 0;  // change of uv per pixel
-};
-
-// A float that is either constant or a texture's.
-struct FloatInput {
-  float constant = 0;
-  int texture = -1;  // index in the TextureTable, -1: constant
-  bool IsConstant() const { return texture < 0; }
-};
-
-// A spectrum that is either constant or a texture's.
-struct SpectrumInput {
-  Spectrum constant;
-  int texture = -1;
-  bool IsConstant() const { return texture < 0; }
-};
-
-struct TextureNode;  // texture_node.h: one kind of texture with its inputs
 
 // All textures of a scene; immutable.
 class TextureTable {
  public:
-  TextureTable();
-  ~TextureTable();
-  TextureTable(TextureTable&&) noexcept;
-  TextureTable& operator=(TextureTable&&) noexcept;
+  TextureTable() = default;
+  explicit TextureTable(TextureNodes nodes) : nodes_(std::move(nodes)) {}
 
   float Evaluate(const FloatInput& input, const TextureContext& context) const {
     return input.texture < 0 ? input.constant : EvaluateFloatNode(input.texture, context);
@@ -54,12 +25,11 @@ class TextureTable {
   size_t bytes() const;
 
  private:
-  friend class TextureBuilder;
   float EvaluateFloatNode(int texture, const TextureContext& context) const;
   SampledSpectrum EvaluateSpectrumNode(int texture, const TextureContext& context,
                                        const SampledWavelengths& wavelengths) const;
-  struct Data;
-  std::unique_ptr<Data> data_;
+
+  TextureNodes nodes_;
 };
 
 }  // namespace tessera

@@ -1,5 +1,7 @@
 #include "renderer/texture/texture_assembly.h"
 
+#include "renderer/util/dispatch.h"
+
 namespace tessera {
 namespace {
 
@@ -15,16 +17,20 @@ SpectrumInput SpectrumAt(int texture) {
   return input;
 }
 
+// Appends the operands of a node to `list` and tells the node where they are.
+template <typename Node, typename Input>
+void SetOperands(Node& node, std::span<const Input> operands, std::vector<Input>& list) {
+  const int first = static_cast<int>(list.size());
+  Dispatch(node, [&](auto& kind) {
+    if constexpr (requires { kind.operand; }) kind.operand = first;
+  });
+  list.insert(list.end(), operands.begin(), operands.end());
+}
+
 }  // namespace
 
-int TextureAssembly::AddMapping(TextureMapping mapping) {
+int TextureAssembly::AddMapping(const TextureMapping& mapping) {
   return Append(nodes_.mappings, mapping);
-}
-int TextureAssembly::AddNoise(NoiseSettings settings) {
-  return Append(nodes_.noises, settings);
-}
-int TextureAssembly::AddDirection(Vec3 direction) {
-  return Append(nodes_.directions, direction);
 }
 
 void TextureAssembly::Include(Size& size, Size part) {
@@ -39,99 +45,68 @@ TextureAssembly::Size TextureAssembly::SizeOf(const SpectrumInput& input) const 
   return input.IsConstant() ? Size{} : spectrum_sizes_[input.texture];
 }
 
-bool TextureAssembly::IsImage(const FloatInput& input) const {
-  return !input.IsConstant() && nodes_.floats[input.texture].kind == TextureKind::kImage;
+const ImageTexture* TextureAssembly::FindImage(const FloatInput& input) const {
+  return input.IsConstant() ? nullptr : std::get_if<ImageTexture>(&nodes_.floats[input.texture]);
 }
-bool TextureAssembly::IsImage(const SpectrumInput& input) const {
-  return !input.IsConstant() && nodes_.spectra[input.texture].kind == TextureKind::kImage;
+const ImageTexture* TextureAssembly::FindImage(const SpectrumInput& input) const {
+  return input.IsConstant() ? nullptr : std::get_if<ImageTexture>(&nodes_.spectra[input.texture]);
 }
 
-std::optional<FloatInput> TextureAssembly::AddFloat(TextureNode node, std::span<const FloatInput> operands) {
+std::optional<FloatInput> TextureAssembly::AddFloat(FloatTextureNode node,
+                                                    std::span<const FloatInput> operands,
+                                                    const FloatInput& amount) {
   Size size{1, 1};
-  Include(size, SizeOf(node.amount));
+  Include(size, SizeOf(amount));
   for (const FloatInput& operand : operands) Include(size, SizeOf(operand));
   if (!IsAllowed(size)) return std::nullopt;
-  node.operand = static_cast<int>(nodes_.float_operands.size());
-  nodes_.float_operands.insert(nodes_.float_operands.end(), operands.begin(), operands.end());
+  SetOperands(node, operands, nodes_.float_operands);
   float_sizes_.push_back(size);
   return FloatInput{0, Append(nodes_.floats, node)};
 }
 
-std::optional<SpectrumInput> TextureAssembly::AddSpectrum(TextureNode node,
-                                                          std::span<const SpectrumInput> operands) {
+std::optional<SpectrumInput> TextureAssembly::AddSpectrum(SpectrumTextureNode node,
+                                                          std::span<const SpectrumInput> operands,
+                                                          const FloatInput& amount) {
   Size size{1, 1};
-  Include(size, SizeOf(node.amount));
+  Include(size, SizeOf(amount));
   for (const SpectrumInput& operand : operands) Include(size, SizeOf(operand));
   if (!IsAllowed(size)) return std::nullopt;
-  node.operand = static_cast<int>(nodes_.spectrum_operands.size());
-  nodes_.spectrum_operands.insert(nodes_.spectrum_operands.end(), operands.begin(), operands.end());
+  SetOperands(node, operands, nodes_.spectrum_operands);
   spectrum_sizes_.push_back(size);
-  return SpectrumAt(Append(nodes_.spectra, node));
-}
-
-FloatInput TextureAssembly::AddFloatImage(const ImageTexture& image, int mapping) {
-  TextureNode node;
-  node.kind = TextureKind::kImage;
-  node.mapping = mapping;
-  node.detail = Append(nodes_.images, image);
-  float_sizes_.push_back({1, 1});
-  return {0, Append(nodes_.floats, node)};
-}
-
-SpectrumInput TextureAssembly::AddSpectrumImage(const ImageTexture& image, int mapping) {
-  TextureNode node;
-  node.kind = TextureKind::kImage;
-  node.mapping = mapping;
-  node.detail = Append(nodes_.images, image);
-  spectrum_sizes_.push_back({1, 1});
   return SpectrumAt(Append(nodes_.spectra, node));
 }
 
 std::optional<FloatInput> TextureAssembly::Scaled(const FloatInput& input, float factor) {
   if (input.IsConstant()) return FloatInput{input.constant * factor, -1};
   if (factor == 1) return input;
-  if (IsImage(input)) {
-    const TextureNode node = nodes_.floats[input.texture];
-    ImageTexture image = nodes_.images[node.detail];
-    image.scale *= factor;
-    return AddFloatImage(image, node.mapping);
+  if (const ImageTexture* image = FindImage(input)) {
+    ImageTexture scaled = *image;
+    scaled.scale *= factor;
+    return AddFloat(scaled);
   }
-  TextureNode node;
-  node.kind = TextureKind::kScale;
-  node.amount.constant = factor;
-  return AddFloat(node, {{input}});
+  return AddFloat(ScaleTexture{{factor, -1}}, {{input}});
 }
 
 std::optional<SpectrumInput> TextureAssembly::Scaled(const SpectrumInput& input, float factor) {
   if (factor == 1) return input;
   if (input.IsConstant()) return SpectrumInput{input.constant.Scaled(factor), -1};
-  if (IsImage(input)) {
-    const TextureNode node = nodes_.spectra[input.texture];
-    ImageTexture image = nodes_.images[node.detail];
-    image.scale *= factor;
-    return AddSpectrumImage(image, node.mapping);
+  if (const ImageTexture* image = FindImage(input)) {
+    ImageTexture scaled = *image;
+    scaled.scale *= factor;
+    return AddSpectrum(scaled);
   }
-  TextureNode node;
-  node.kind = TextureKind::kScale;
-  node.amount.constant = factor;
-  return AddSpectrum(node, {{input}});
+  return AddSpectrum(ScaleTexture{{factor, -1}}, {{input}});
 }
 
 std::optional<FloatInput> TextureAssembly::Scaled(const FloatInput& input, const FloatInput& factor) {
   if (factor.IsConstant()) return Scaled(input, factor.constant);
   if (input.IsConstant()) return Scaled(factor, input.constant);
-  TextureNode node;
-  node.kind = TextureKind::kScale;
-  node.amount = factor;
-  return AddFloat(node, {{input}});
+  return AddFloat(ScaleTexture{factor}, {{input}}, factor);
 }
 
 std::optional<SpectrumInput> TextureAssembly::Scaled(const SpectrumInput& input, const FloatInput& factor) {
   if (factor.IsConstant()) return Scaled(input, factor.constant);
-  TextureNode node;
-  node.kind = TextureKind::kScale;
-  node.amount = factor;
-  return AddSpectrum(node, {{input}});
+  return AddSpectrum(ScaleTexture{factor}, {{input}}, factor);
 }
 
 }  // namespace tessera

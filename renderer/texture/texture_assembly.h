@@ -1,4 +1,4 @@
-// The node lists while they grow. Bounds what one lookup can cost, and folds what is constant.
+// Builds the lists of nodes. Bounds what one lookup can cost, and folds what is constant.
 #pragma once
 
 #include <map>
@@ -11,15 +11,14 @@
 
 namespace tessera {
 
-constexpr int kTextureDepthMax = 64;  // textures within textures: deeper than any scene we have met
-constexpr int kTextureCostMax =
-    4096;  // nodes that one lookup may visit: a chain of mixes can double at each link
+// Textures within textures: deeper than any scene we know.
+constexpr int kTextureDepthMax = 64;
+// Nodes that one lookup may visit: a chain of mixes can double the number at each link.
+constexpr int kTextureCostMax = 4096;
 
 class TextureAssembly {
  public:
-  int AddMapping(TextureMapping mapping);
-  int AddNoise(NoiseSettings settings);
-  int AddDirection(Vec3 direction);
+  int AddMapping(const TextureMapping& mapping);
   // `make` is called unless a map with this key was added before.
   template <typename Make>
   std::shared_ptr<const MipMap> AddMap(const std::string& key, Make make) {
@@ -31,14 +30,16 @@ class TextureAssembly {
     return place->second;
   }
 
-  // Nothing if a limit is exceeded.
-  std::optional<FloatInput> AddFloat(TextureNode node, std::span<const FloatInput> operands);
-  std::optional<SpectrumInput> AddSpectrum(TextureNode node, std::span<const SpectrumInput> operands);
-  FloatInput AddFloatImage(const ImageTexture& image, int mapping);
-  SpectrumInput AddSpectrumImage(const ImageTexture& image, int mapping);
+  // Adds a node whose operands are `operands`; `amount` is its amount, if it has one. Returns nullopt if a
+  // limit is exceeded.
+  std::optional<FloatInput> AddFloat(FloatTextureNode node, std::span<const FloatInput> operands = {},
+                                     const FloatInput& amount = {});
+  std::optional<SpectrumInput> AddSpectrum(SpectrumTextureNode node,
+                                           std::span<const SpectrumInput> operands = {},
+                                           const FloatInput& amount = {});
 
   // `input` times `factor`. As in pbrt, an image's own scale is changed, before it is inverted and clamped.
-  // Nothing if a limit is exceeded.
+  // Returns nullopt if a limit is exceeded.
   std::optional<FloatInput> Scaled(const FloatInput& input, float factor);
   std::optional<SpectrumInput> Scaled(const SpectrumInput& input, float factor);
   std::optional<FloatInput> Scaled(const FloatInput& input, const FloatInput& factor);
@@ -56,8 +57,9 @@ class TextureAssembly {
   Size SizeOf(const FloatInput& input) const;
   Size SizeOf(const SpectrumInput& input) const;
   static bool IsAllowed(Size size) { return size.depth <= kTextureDepthMax && size.cost <= kTextureCostMax; }
-  bool IsImage(const FloatInput& input) const;
-  bool IsImage(const SpectrumInput& input) const;
+  // The node of an input that is an image, else null.
+  const ImageTexture* FindImage(const FloatInput& input) const;
+  const ImageTexture* FindImage(const SpectrumInput& input) const;
 
   TextureNodes nodes_;
   std::vector<Size> float_sizes_, spectrum_sizes_;

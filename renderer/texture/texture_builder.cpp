@@ -145,8 +145,7 @@ SpectrumInput TextureBuilder::SpectrumOf(ParameterReader& reader, std::string_vi
 }
 
 TextureTable TextureBuilder::Finish() {
-  TextureTable table;
-  table.data_->nodes = state_->assembly.Take();
+  TextureTable table(state_->assembly.Take());
   state_ = std::make_unique<State>();
   return table;
 }

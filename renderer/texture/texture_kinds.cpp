@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "renderer/description/kind_table.h"
 #include "renderer/texture/image_texture.h"
-#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
@@ -24,13 +24,10 @@ struct FloatMaker {
   Input Constant(std::string_view name, float otherwise) {
     return {context.reader.Float(name, otherwise), -1};
   }
-  Input Image(int mapping) {
-    const auto image =
-        ReadImageTexture(context.reader, context.builder.images(), context.assembly, std::nullopt);
-    return image ? context.assembly.AddFloatImage(*image, mapping) : Input{};
-  }
-  std::optional<Input> Add(const TextureNode& node, std::span<const Input> operands) {
-    return context.assembly.AddFloat(node, operands);
+  std::optional<SpectrumUse> ImageUse() const { return std::nullopt; }
+  std::optional<Input> Add(const FloatTextureNode& node, std::span<const Input> operands,
+                           const FloatInput& amount) {
+    return context.assembly.AddFloat(node, operands, amount);
   }
 };
 
@@ -48,12 +45,10 @@ struct SpectrumMaker {
         SpectrumParameter(context.reader, name, use, Spectrum::Constant(otherwise), context.builder.files()),
         -1};
   }
-  Input Image(int mapping) {
-    const auto image = ReadImageTexture(context.reader, context.builder.images(), context.assembly, use);
-    return image ? context.assembly.AddSpectrumImage(*image, mapping) : Input{};
-  }
-  std::optional<Input> Add(const TextureNode& node, std::span<const Input> operands) {
-    return context.assembly.AddSpectrum(node, operands);
+  std::optional<SpectrumUse> ImageUse() const { return use; }
+  std::optional<Input> Add(const SpectrumTextureNode& node, std::span<const Input> operands,
+                           const FloatInput& amount) {
+    return context.assembly.AddSpectrum(node, operands, amount);
   }
 };
 
@@ -66,10 +61,11 @@ typename Maker::Input Checked(Maker& maker, std::optional<typename Maker::Input>
   return {};
 }
 
-template <typename Maker, size_t kCount>
-typename Maker::Input Add(Maker& maker, const TextureNode& node,
-                          const std::array<typename Maker::Input, kCount>& operands) {
-  return Checked(maker, maker.Add(node, operands));
+template <typename Maker, typename Node>
+typename Maker::Input Add(Maker& maker, const Node& node,
+                          std::span<const typename Maker::Input> operands = {},
+                          const FloatInput& amount = {}) {
+  return Checked(maker, maker.Add(node, operands, amount));
 }
 
 int Mapping2(TextureKindContext& context) {
@@ -90,17 +86,15 @@ typename Maker::Input MakeScale(Maker& maker) {
 template <typename Maker>
 typename Maker::Input MakeMix(Maker& maker) {
   const std::array<typename Maker::Input, 2> operands{maker.Operand("tex1", 0), maker.Operand("tex2", 1)};
-  TextureNode node;
-  node.kind = TextureKind::kMix;
-  node.amount = maker.context.builder.Float(maker.context.reader, "amount", 0.5f);
-  if (node.amount.IsConstant() && node.amount.constant == 0) return operands[0];
-  if (node.amount.IsConstant() && node.amount.constant == 1) return operands[1];
+  const FloatInput amount = maker.context.builder.Float(maker.context.reader, "amount", 0.5f);
+  if (amount.IsConstant() && amount.constant == 0) return operands[0];
+  if (amount.IsConstant() && amount.constant == 1) return operands[1];
   if constexpr (Maker::kIsFloat) {
-    if (node.amount.IsConstant() && operands[0].IsConstant() && operands[1].IsConstant()) {
-      return {Lerp(node.amount.constant, operands[0].constant, operands[1].constant), -1};
+    if (amount.IsConstant() && operands[0].IsConstant() && operands[1].IsConstant()) {
+      return {Lerp(amount.constant, operands[0].constant, operands[1].constant), -1};
     }
   }
-  return Add(maker, node, operands);
+  return Add(maker, MixTexture{amount}, operands, amount);
 }
 
 template <typename Maker>
@@ -109,20 +103,15 @@ typename Maker::Input MakeDirectionMix(Maker& maker) {
   const Vec3 direction =
       maker.context.render_from_texture.ToVector(maker.context.reader.Vector3Value("dir", {0, 1, 0}));
   if (IsZero(direction)) maker.context.reader.FailAt("dir", "dir is zero, expected a direction");
-  TextureNode node;
-  node.kind = TextureKind::kDirectionMix;
-  node.detail = maker.context.assembly.AddDirection(Normalize(direction));
-  return Add(maker, node, operands);
+  return Add(maker, DirectionMixTexture{Normalize(direction)}, operands);
 }
 
 template <typename Maker>
 typename Maker::Input MakeBilerp(Maker& maker) {
-  TextureNode node;
-  node.kind = TextureKind::kBilerp;
-  node.mapping = Mapping2(maker.context);
+  const int mapping = Mapping2(maker.context);
   const std::array<typename Maker::Input, 4> corners{maker.Constant("v00", 0), maker.Constant("v01", 1),
                                                      maker.Constant("v10", 0), maker.Constant("v11", 1)};
-  return Add(maker, node, corners);
+  return Add(maker, BilerpTexture{mapping}, corners);
 }
 
 template <typename Maker>
@@ -132,21 +121,18 @@ typename Maker::Input MakeCheckerboard(Maker& maker) {
     maker.context.reader.FailAt("dimension", fmt::format("dimension is {}, expected 2 or 3", dimension));
   }
   const std::array<typename Maker::Input, 2> operands{maker.Operand("tex1", 1), maker.Operand("tex2", 0)};
-  TextureNode node;
-  node.kind = dimension == 3 ? TextureKind::kCheckerboard3 : TextureKind::kCheckerboard2;
-  node.mapping = dimension == 3 ? Mapping3(maker.context) : Mapping2(maker.context);
-  return Add(maker, node, operands);
+  const bool is_solid = dimension == 3;
+  const int mapping = is_solid ? Mapping3(maker.context) : Mapping2(maker.context);
+  return Add(maker, CheckerboardTexture{mapping, is_solid}, operands);
 }
 
 template <typename Maker>
 typename Maker::Input MakeDots(Maker& maker) {
-  TextureNode node;
-  node.kind = TextureKind::kDots;
-  node.mapping = Mapping2(maker.context);
+  const int mapping = Mapping2(maker.context);
   // pbrt's renderer paints the dots with "outside" and the rest with "inside"; pictures must agree with its.
   const std::array<typename Maker::Input, 2> operands{maker.Operand("inside", 1),
                                                       maker.Operand("outside", 0)};
-  return Add(maker, node, operands);
+  return Add(maker, DotsTexture{mapping}, operands);
 }
 
 NoiseSettings ReadNoise(ParameterReader& reader) {
@@ -160,34 +146,26 @@ NoiseSettings ReadNoise(ParameterReader& reader) {
   return settings;
 }
 
-FloatInput MakeNoise(FloatMaker& maker, TextureKind kind) {
-  TextureNode node;
-  node.kind = kind;
-  node.mapping = Mapping3(maker.context);
-  if (kind != TextureKind::kWindy)
-    node.detail = maker.context.assembly.AddNoise(ReadNoise(maker.context.reader));
-  return Checked(maker, maker.Add(node, {}));
+FloatInput MakeFractalNoise(FloatMaker& maker) {
+  const int mapping = Mapping3(maker.context);
+  return Add(maker, FractalNoiseTexture{mapping, ReadNoise(maker.context.reader)});
+}
+
+FloatInput MakeTurbulence(FloatMaker& maker) {
+  const int mapping = Mapping3(maker.context);
+  return Add(maker, TurbulenceTexture{mapping, ReadNoise(maker.context.reader)});
+}
+
+FloatInput MakeWindy(FloatMaker& maker) {
+  return Add(maker, WindyTexture{Mapping3(maker.context)});
 }
 
 SpectrumInput MakeMarble(SpectrumMaker& maker) {
-  TextureNode node;
-  node.kind = TextureKind::kMarble;
-  node.mapping = Mapping3(maker.context);
+  const int mapping = Mapping3(maker.context);
   NoiseSettings settings = ReadNoise(maker.context.reader);
   settings.scale = maker.context.reader.Float("scale", settings.scale);
   settings.variation = maker.context.reader.Float("variation", settings.variation);
-  node.detail = maker.context.assembly.AddNoise(settings);
-  return Checked(maker, maker.Add(node, {}));
-}
-
-FloatInput MakeFractalNoise(FloatMaker& maker) {
-  return MakeNoise(maker, TextureKind::kFractalNoise);
-}
-FloatInput MakeWrinkled(FloatMaker& maker) {
-  return MakeNoise(maker, TextureKind::kTurbulence);
-}
-FloatInput MakeWindy(FloatMaker& maker) {
-  return MakeNoise(maker, TextureKind::kWindy);
+  return Add(maker, MarbleTexture{mapping, settings});
 }
 
 template <typename Maker>
@@ -197,67 +175,67 @@ typename Maker::Input MakeConstant(Maker& maker) {
 
 template <typename Maker>
 typename Maker::Input MakeImage(Maker& maker) {
-  return maker.Image(Mapping2(maker.context));
+  const int mapping = Mapping2(maker.context);
+  std::optional<ImageTexture> image = ReadImageTexture(maker.context.reader, maker.context.builder.images(),
+                                                       maker.context.assembly, maker.ImageUse());
+  if (!image) return {};
+  image->mapping = mapping;
+  return Add(maker, *image);
 }
 
 template <typename Maker>
-struct Kind {
-  std::string_view name;
-  typename Maker::Input (*make)(Maker&);
+using MakeFunction = typename Maker::Input (*)(Maker&);
+
+constexpr Kind<MakeFunction<FloatMaker>> kFloatKinds[] = {
+    {"bilerp", Support::kSupported, MakeBilerp},
+    {"checkerboard", Support::kSupported, MakeCheckerboard},
+    {"constant", Support::kSupported, MakeConstant},
+    {"directionmix", Support::kSupported, MakeDirectionMix},
+    {"dots", Support::kSupported, MakeDots},
+    {"fbm", Support::kSupported, MakeFractalNoise},
+    {"imagemap", Support::kSupported, MakeImage},
+    {"mix", Support::kSupported, MakeMix},
+    {"scale", Support::kSupported, MakeScale},
+    {"windy", Support::kSupported, MakeWindy},
+    {"wrinkled", Support::kSupported, MakeTurbulence},
+    {"ptex", Support::kNotSupported},
 };
+constexpr KindTable<MakeFunction<FloatMaker>> kFloatTable("float texture", kFloatKinds);
 
-constexpr std::array<Kind<FloatMaker>, 11> kFloatKinds{{
-    {"bilerp", MakeBilerp},
-    {"checkerboard", MakeCheckerboard},
-    {"constant", MakeConstant},
-    {"directionmix", MakeDirectionMix},
-    {"dots", MakeDots},
-    {"fbm", MakeFractalNoise},
-    {"imagemap", MakeImage},
-    {"mix", MakeMix},
-    {"scale", MakeScale},
-    {"windy", MakeWindy},
-    {"wrinkled", MakeWrinkled},
-}};
+constexpr Kind<MakeFunction<SpectrumMaker>> kSpectrumKinds[] = {
+    {"bilerp", Support::kSupported, MakeBilerp},     {"checkerboard", Support::kSupported, MakeCheckerboard},
+    {"constant", Support::kSupported, MakeConstant}, {"directionmix", Support::kSupported, MakeDirectionMix},
+    {"dots", Support::kSupported, MakeDots},         {"imagemap", Support::kSupported, MakeImage},
+    {"marble", Support::kSupported, MakeMarble},     {"mix", Support::kSupported, MakeMix},
+    {"scale", Support::kSupported, MakeScale},       {"ptex", Support::kNotSupported},
+};
+constexpr KindTable<MakeFunction<SpectrumMaker>> kSpectrumTable("spectrum texture", kSpectrumKinds);
 
-constexpr std::array<Kind<SpectrumMaker>, 9> kSpectrumKinds{{
-    {"bilerp", MakeBilerp},
-    {"checkerboard", MakeCheckerboard},
-    {"constant", MakeConstant},
-    {"directionmix", MakeDirectionMix},
-    {"dots", MakeDots},
-    {"imagemap", MakeImage},
-    {"marble", MakeMarble},
-    {"mix", MakeMix},
-    {"scale", MakeScale},
-}};
-
-template <typename Maker, size_t kCount>
-typename Maker::Input Make(Maker maker, const std::array<Kind<Maker>, kCount>& kinds,
-                           std::string_view value_type) {
+template <typename Maker>
+typename Maker::Input Make(Maker maker, const KindTable<MakeFunction<Maker>>& table) {
   ParameterReader& reader = maker.context.reader;
-  const std::string& kind = reader.entity().kind;
-  std::array<std::string_view, kCount> names;
-  for (size_t i = 0; i < kCount; ++i) {
-    if (kinds[i].name == kind) return kinds[i].make(maker);
-    names[i] = kinds[i].name;
-  }
-  if (kind == "ptex") {
-    reader.Fail("texture \"ptex\" is not supported yet");
-  } else {
-    reader.Fail(fmt::format("unknown {} texture {}{}", value_type, Quoted(kind), DidYouMean(kind, names)));
-  }
+  const std::string& name = reader.entity().kind;
+  if (const auto* kind = table.Find(name)) return kind->reader(maker);
+  reader.Fail(table.Refusal(name));
   return {};
 }
 
 }  // namespace
 
 FloatInput MakeFloatTexture(TextureKindContext& context) {
-  return Make(FloatMaker{context}, kFloatKinds, "float");
+  return Make(FloatMaker{context}, kFloatTable);
 }
 
 SpectrumInput MakeSpectrumTexture(TextureKindContext& context, SpectrumUse use) {
-  return Make(SpectrumMaker{context, use}, kSpectrumKinds, "spectrum");
+  return Make(SpectrumMaker{context, use}, kSpectrumTable);
+}
+
+KindList FloatTextureKinds() {
+  return kFloatTable.List();
+}
+
+KindList SpectrumTextureKinds() {
+  return kSpectrumTable.List();
 }
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 // Makes nodes from the parameters of one Texture directive.
 #pragma once
 
+#include "renderer/description/kind_table.h"
 #include "renderer/description/parameter_reader.h"
 #include "renderer/texture/texture_assembly.h"
 #include "renderer/texture/texture_builder.h"
@@ -15,8 +16,12 @@ struct TextureKindContext {
   Transform render_from_texture;
 };
 
-// The kind is the reader's entity's. After an error the value means nothing.
+// Makes the texture of the kind that the entity of the reader names. After an error the value has no meaning.
 FloatInput MakeFloatTexture(TextureKindContext& context);
 SpectrumInput MakeSpectrumTexture(TextureKindContext& context, SpectrumUse use);
+
+// What scenes may ask for.
+KindList FloatTextureKinds();
+KindList SpectrumTextureKinds();
 
 }  // namespace tessera

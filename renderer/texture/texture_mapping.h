@@ -2,7 +2,7 @@
 #pragma once
 
 #include "renderer/math/transform.h"
-#include "renderer/texture/texture.h"
+#include "renderer/texture/texture_inputs.h"
 
 namespace tessera {
 

@@ -252,7 +252,7 @@ TEST(TextureErrors, AreGivenWhenTexturesAreAdded) {
   EXPECT_EQ(ErrorOf(R"(Texture "t" "float" "imagmap")"),
             "a.pbrt:2:1: unknown float texture \"imagmap\" (did you mean \"imagemap\"?)");
   EXPECT_EQ(ErrorOf(R"(Texture "t" "spectrum" "ptex" "string filename" "a.ptx")"),
-            "a.pbrt:2:1: texture \"ptex\" is not supported yet");
+            "a.pbrt:2:1: spectrum texture \"ptex\" is not supported yet");
   EXPECT_EQ(ErrorOf(R"(Texture "t" "float" "scale" "texture tex" "u")"),
             "a.pbrt:2:29: unknown float texture \"u\"");
   EXPECT_EQ(ErrorOf(R"(Texture "t" "spectrum" "scale" "texture tex" "t")"),
