@@ -56,10 +56,13 @@ class KindTable {
     return kind != nullptr && kind->support != Support::kNotSupported ? kind : nullptr;
   }
 
+  // Whether there is a kind of this name, supported or not.
+  bool IsKnown(std::string_view name) const { return FindAny(name) != nullptr; }
+
   // Why Find returned null: `unknown material "difuse" (did you mean "diffuse"?)`, or that the kind is not
   // supported.
   std::string Refusal(std::string_view name) const {
-    if (FindAny(name) != nullptr) return fmt::format("{} \"{}\" is not supported yet", family_, name);
+    if (IsKnown(name)) return fmt::format("{} \"{}\" is not supported yet", family_, name);
     std::vector<std::string_view> names;
     for (const Kind<Reader>& kind : kinds_) names.push_back(kind.name);
     return fmt::format("unknown {} {}{}", family_, Quoted(name), DidYouMean(name, names));

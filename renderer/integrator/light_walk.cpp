@@ -22,7 +22,9 @@ typename LightWalk<Sink>::Event LightWalk<Sink>::Advance() {
     ++(depth_ == 0 ? context_.counts.camera : context_.counts.bounce);
     Hit hit;
     const bool found = world.accelerator->Intersect(ray, &hit);
-    if (medium_ >= 0 && Collides(found ? hit.t : kFlightMax)) {
+    const float t_max = found ? hit.t : kFlightMax;
+    const auto collides = [&](const auto& medium) { return Collides(medium, t_max); };
+    if (medium_ >= 0 && Dispatch(tracker_.In(medium_), collides)) {
       in_medium_ = true;
       return Event::kInMedium;
     }
@@ -43,10 +45,9 @@ typename LightWalk<Sink>::Event LightWalk<Sink>::Advance() {
 }
 
 template <typename Sink>
-bool LightWalk<Sink>::Collides(float t_max) {
+bool LightWalk<Sink>::Collides(const HomogeneousCoefficients& medium, float t_max) {
   const float u = context_.sampler.Get1D() * 4;
   const int deciding = std::min(static_cast<int>(u), 3);
-  const MediumCoefficients& medium = tracker_.In(medium_);
   const SampledSpectrum sigma_t = medium.sigma_a + medium.sigma_s;
   if (AnyNonZero(medium.emission)) {
     sink_.Add(throughput_ * medium.emission * IntegralOfExp(sigma_t, t_max),

@@ -50,8 +50,9 @@ class LightWalk {
   SurfaceInteraction interaction;
 
  private:
-  // Flies through the medium up to t_max. Returns true if there was a collision before.
-  bool Collides(float t_max);
+  // Flies through the current medium up to t_max. Returns true if there was a collision before. One overload
+  // for each kind of medium.
+  bool Collides(const HomogeneousCoefficients& medium, float t_max);
   void Add(SampledSpectrum radiance, int light) {
     sink_.Add(throughput_ * radiance, {light, depth_, first_});
   }

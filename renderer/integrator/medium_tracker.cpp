@@ -8,7 +8,9 @@ namespace tessera {
 void MediumTracker::Attenuate(const Ray& shadow, int medium, float t, PathWeights* weights) {
   if (medium < 0) return;
   FlightRandom random(shadow, 0.5f);
-  FlyShadow(HomogeneousRay(In(medium)), t * Length(shadow.d), random, weights);
+  Dispatch(In(medium), [&](const auto& coefficients) {
+    FlyShadow(coefficients.RayAlong(shadow), t * Length(shadow.d), random, weights);
+  });
 }
 
 bool MediumTracker::Reaches(Ray shadow, int medium, const LightSample& light, PathWeights* weights) {

@@ -94,21 +94,22 @@ inline FlightEvent MediumTransport::Fly(Ray& ray, Hit* hit, float* t_event, Samp
   const World& world = context_.world;
   float u = 0;
   if (medium_ >= 0) {
-    const float sigma_s = tracker_.In(medium_).sigma_s[0];
-    if (sigma_s > 0) {
+    Dispatch(tracker_.In(medium_), [&](const auto& medium) {
+      if (!medium.MayCollide()) return;
       u = context_.sampler.Get1D();
       // What lies beyond the first collision need not be found, unless the medium glows all the way to it.
       if (!world.media[medium_].is_emissive())
-        ray.t_max = std::min(SampleExponential(u, sigma_s), kFlightMax);
-    }
+        ray.t_max = std::min(medium.CollisionDistanceMax(u), kFlightMax);
+    });
   }
   const bool found = world.accelerator->Intersect(ray, hit);
   if (medium_ >= 0) {
     FlightRandom random(ray, u);
     const bool emits = emitted != nullptr && world.media[medium_].is_emissive();
-    const FlightEnd end = tessera::Fly(HomogeneousRay(tracker_.In(medium_)),
-                                       found ? hit->t : std::numeric_limits<float>::infinity(), random,
-                                       &weights_, emits ? emitted : nullptr, t_event);
+    const float t_max = found ? hit->t : std::numeric_limits<float>::infinity();
+    const FlightEnd end = Dispatch(tracker_.In(medium_), [&](const auto& medium) {
+      return tessera::Fly(medium.RayAlong(ray), t_max, random, &weights_, emits ? emitted : nullptr, t_event);
+    });
     if (emits) *emitted = counted_ * *emitted;
     if (end == FlightEnd::kAbsorbed) return FlightEvent::kAbsorbed;
     if (end == FlightEnd::kScattered) return FlightEvent::kInMedium;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "renderer/math/vec.h"
 
@@ -76,6 +77,11 @@ inline float SampleLinear(float u, float a, float b) {
 inline float LinearPdf(float x, float a, float b) {
   if (x < 0 || x > 1) return 0;
   return 2 * Lerp(x, a, b) / (a + b);
+}
+
+// A distance with density sigma exp(-sigma t) per length. Infinite if sigma is 0.
+inline float SampleExponential(float u, float sigma) {
+  return sigma > 0 ? -std::log(1 - u) / sigma : std::numeric_limits<float>::infinity();
 }
 
 // Multiple importance sampling weight of a technique with density f_pdf against one with g_pdf, one sample

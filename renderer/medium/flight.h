@@ -14,6 +14,7 @@
 
 #include "renderer/math/random_stream.h"
 #include "renderer/math/ray.h"
+#include "renderer/math/sampling.h"
 #include "renderer/medium/majorant.h"
 
 namespace tessera {
@@ -51,11 +52,6 @@ class FlightRandom {
   uint64_t seed_ = 0;
   uint32_t count_ = 0;
 };
-
-// A distance with density sigma exp(-sigma t) per length; infinite if nothing is there to hit.
-inline float SampleExponential(float u, float sigma) {
-  return sigma > 0 ? -std::log(1 - u) / sigma : std::numeric_limits<float>::infinity();
-}
 
 // The integral of exp(-sigma s) over s in [0, t].
 inline SampledSpectrum IntegralOfExp(SampledSpectrum sigma, float t) {

@@ -43,9 +43,9 @@ const ScatteringPreset* ReadPreset(ParameterReader& reader, Diagnostics& diagnos
   if (preset == nullptr) {
     std::vector<std::string_view> known;
     for (const ScatteringPreset& candidate : ScatteringPresets()) known.push_back(candidate.name);
-    diagnostics.Warn(
-        reader.LocationOf("preset"),
-        "unknown medium preset \"" + *name + "\"" + DidYouMean(*name, known) + ": sigma_a and sigma_s count");
+    diagnostics.Warn(reader.LocationOf("preset"), "unknown medium preset \"" + *name + "\"" +
+                                                      DidYouMean(*name, known) +
+                                                      ": sigma_a and sigma_s apply instead");
   }
   return preset;
 }
@@ -92,9 +92,9 @@ HomogeneousMedium HomogeneousMedium::Read(ParameterReader& reader, FileSource& f
   return medium;
 }
 
-MediumCoefficients HomogeneousMedium::At(const SampledWavelengths& wavelengths) const {
-  MediumCoefficients at{SampleTable(sigma_a_, wavelengths), SampleTable(sigma_s_, wavelengths),
-                        SampledSpectrum()};
+HomogeneousCoefficients HomogeneousMedium::At(const SampledWavelengths& wavelengths) const {
+  HomogeneousCoefficients at{SampleTable(sigma_a_, wavelengths), SampleTable(sigma_s_, wavelengths),
+                             SampledSpectrum()};
   if (is_emissive_) at.emission = SampleTable(emission_, wavelengths);
   if (wavelengths.SecondaryTerminated()) {
     at = {AllTheFirst(at.sigma_a), AllTheFirst(at.sigma_s), AllTheFirst(at.emission)};

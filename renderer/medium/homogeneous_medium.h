@@ -1,32 +1,38 @@
 // A medium that is the same everywhere.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "renderer/color/spectrum.h"
 #include "renderer/description/file_source.h"
 #include "renderer/description/parameter_reader.h"
+#include "renderer/math/ray.h"
+#include "renderer/math/sampling.h"
 #include "renderer/medium/majorant.h"
 #include "renderer/medium/phase_function.h"
 
 namespace tessera {
 
-// A homogeneous medium at four wavelengths.
-struct MediumCoefficients {
+class HomogeneousRay;
+
+// A homogeneous medium at the wavelengths of a path.
+struct HomogeneousCoefficients {
   SampledSpectrum sigma_a, sigma_s;  // per scene unit
   SampledSpectrum emission;          // sigma_a times emitted radiance
+
+  HomogeneousRay RayAlong(const Ray& ray) const;
+  bool MayCollide() const { return sigma_s[0] > 0; }
+  float CollisionDistanceMax(float u) const { return SampleExponential(u, sigma_s[0]); }
 };
 
 // Its spectra are tables: a look-up costs the same whatever the scene gave. Immutable.
 class HomogeneousMedium {
  public:
+  HomogeneousMedium() = default;  // a vacuum
   // Reads `preset`, `sigma_a`, `sigma_s`, `scale`, `Le`, `Lescale` and `g`; errors are remembered by the
-  // reader. An unknown preset is a warning, and the parameters count, as in pbrt-v4.
+  // reader. An unknown preset is a warning, and sigma_a and sigma_s apply, as in pbrt-v4.
   static HomogeneousMedium Read(ParameterReader& reader, FileSource& files, Diagnostics& diagnostics);
 
   // Where dispersion has dropped all wavelengths but the first, all four are the first.
-  MediumCoefficients At(const SampledWavelengths& wavelengths) const;
+  HomogeneousCoefficients At(const SampledWavelengths& wavelengths) const;
   const PhaseFunction& phase() const { return phase_; }
   bool is_emissive() const { return is_emissive_; }
 
@@ -36,13 +42,13 @@ class HomogeneousMedium {
   bool is_emissive_ = false;
 };
 
-// The one stretch that a homogeneous medium shows to a ray. Scattering alone is left to chance: a medium that
-// only absorbs is free of noise, and one that absorbs much more than it scatters nearly so. The price, paths
-// that absorption would have ended by chance, is taken back by Russian roulette, which looks at all
-// wavelengths.
+// A medium ray (majorant.h) through a homogeneous medium: one uniform stretch. Scattering alone is left to
+// chance: a medium that only absorbs is free of noise, and one that absorbs much more than it scatters nearly
+// so. In return, Russian roulette, which looks at all wavelengths, must end the paths that absorption would
+// have ended by chance.
 class HomogeneousRay {
  public:
-  explicit HomogeneousRay(const MediumCoefficients& coefficients) : coefficients_(coefficients) {}
+  explicit HomogeneousRay(const HomogeneousCoefficients& coefficients) : coefficients_(coefficients) {}
 
   bool Next(MajorantSegment* segment) {
     if (done_) return false;
@@ -56,8 +62,12 @@ class HomogeneousRay {
   MediumPoint At(float) const { return {SampledSpectrum(), coefficients_.sigma_s, SampledSpectrum()}; }
 
  private:
-  const MediumCoefficients& coefficients_;
+  const HomogeneousCoefficients& coefficients_;
   bool done_ = false;
 };
+
+inline HomogeneousRay HomogeneousCoefficients::RayAlong(const Ray&) const {
+  return HomogeneousRay(*this);
+}
 
 }  // namespace tessera

@@ -1,8 +1,8 @@
 // How a medium shows itself to a ray: stretches with an upper bound of what may happen there, and properties
 // at points. A "medium ray" is any type with
 //
-//   bool Next(MajorantSegment* segment);   the next stretch along the ray, false after the last
-//   MediumPoint At(float t) const;         asked only within stretches that are not uniform
+//   bool Next(MajorantSegment* segment);   sets the next stretch along the ray; false after the last
+//   MediumPoint At(float t) const;         called only within stretches that are not uniform
 //
 // Distances are in scene units along a unit direction, coefficients per scene unit, all at the wavelengths of
 // the path.

@@ -1,25 +1,29 @@
 #include "renderer/medium/medium.h"
 
-#include <algorithm>
-#include <array>
-
-#include "renderer/util/text.h"
-
 namespace tessera {
 namespace {
 
-constexpr std::array<std::string_view, 5> kKinds = {"homogeneous", "uniformgrid", "rgbgrid", "cloud",
-                                                    "nanovdb"};
+using MediumReader = Medium (*)(ParameterReader&, FileSource&, Diagnostics&);
 
-Error WhyNot(const Entity& entity) {
-  const std::string name = "medium \"" + entity.kind + "\"";
-  const bool known = std::find(kKinds.begin(), kKinds.end(), entity.kind) != kKinds.end();
-  if (!known) return ErrorAt(entity.location, "unknown " + name + DidYouMean(entity.kind, kKinds));
-  return ErrorAt(entity.location,
-                 name + " is not supported yet (integrator \"path\" renders the scene without media)");
+template <typename MediumType>
+Medium Read(ParameterReader& reader, FileSource& files, Diagnostics& diagnostics) {
+  return Medium(MediumType::Read(reader, files, diagnostics));
 }
 
+constexpr Kind<MediumReader> kKinds[] = {
+    {"homogeneous", Support::kSupported, Read<HomogeneousMedium>},
+    {"cloud", Support::kNotSupported},
+    {"nanovdb", Support::kNotSupported},
+    {"rgbgrid", Support::kNotSupported},
+    {"uniformgrid", Support::kNotSupported},
+};
+constexpr KindTable<MediumReader> kTable("medium", kKinds);
+
 }  // namespace
+
+KindList MediumKinds() {
+  return kTable.List();
+}
 
 Result<MediumTable> MediumTable::Build(const SceneDescription& scene, Unsupported unsupported,
                                        FileSource& files, Diagnostics& diagnostics) {
@@ -27,15 +31,20 @@ Result<MediumTable> MediumTable::Build(const SceneDescription& scene, Unsupporte
   table.media_.reserve(scene.media.size());
   for (const MediumDescription& description : scene.media) {
     const Entity& entity = description.entity;
-    if (entity.kind != "homogeneous") {
-      const bool ignore = unsupported == Unsupported::kIgnore;
-      if (!ignore || std::find(kKinds.begin(), kKinds.end(), entity.kind) == kKinds.end())
-        return WhyNot(entity);
+    const Kind<MediumReader>* kind = kTable.Find(entity.kind);
+    if (kind == nullptr && !kTable.IsKnown(entity.kind)) {
+      return ErrorAt(entity.location, kTable.Refusal(entity.kind));
+    }
+    if (kind == nullptr && unsupported == Unsupported::kRefuse) {
+      return ErrorAt(entity.location,
+                     kTable.Refusal(entity.kind) + " (integrator \"path\" renders the scene without media)");
+    }
+    if (kind == nullptr) {
       table.media_.emplace_back();
       continue;
     }
     ParameterReader reader(entity);
-    table.media_.push_back(HomogeneousMedium::Read(reader, files, diagnostics));
+    table.media_.push_back(kind->reader(reader, files, diagnostics));
     if (const Result<void> finished = reader.Finish(); !finished) return finished.error();
   }
   return table;

@@ -1,15 +1,54 @@
-// All media of a scene.
+// Media of any kind, and all media of a scene.
 #pragma once
 
 #include <algorithm>
-#include <string>
+#include <variant>
 #include <vector>
 
 #include "renderer/description/file_source.h"
+#include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
 #include "renderer/medium/homogeneous_medium.h"
+#include "renderer/util/dispatch.h"
 
 namespace tessera {
+
+// The kinds of medium. Every kind has
+//   static Kind Read(ParameterReader&, FileSource&, Diagnostics&);
+//   Coefficients At(const SampledWavelengths&) const;     one of MediumCoefficients
+//   const PhaseFunction& phase() const;
+//   bool is_emissive() const;
+using MediumKind = std::variant<HomogeneousMedium>;
+
+// A medium of any kind at the wavelengths of a path. Every kind has
+//   MediumRay RayAlong(const Ray&) const;            a medium ray for Fly and FlyShadow (majorant.h); refers
+//   to
+//                                                    the coefficients, so it must not outlive them
+//   bool MayCollide() const;                         false if no flight draws a random number
+//   float CollisionDistanceMax(float u) const;       no flight whose first random number is u has its first
+//                                                    collision beyond this distance; infinite if unknown
+using MediumCoefficients = std::variant<HomogeneousCoefficients>;
+
+// A medium. Immutable.
+class Medium {
+ public:
+  Medium() = default;  // a vacuum
+  template <AlternativeOf<MediumKind> Kind>
+  explicit Medium(const Kind& kind) : kind_(kind) {}
+
+  MediumCoefficients At(const SampledWavelengths& wavelengths) const {
+    return Dispatch(kind_, [&](const auto& kind) -> MediumCoefficients { return kind.At(wavelengths); });
+  }
+  const PhaseFunction& phase() const {
+    return Dispatch(kind_, [](const auto& kind) -> const PhaseFunction& { return kind.phase(); });
+  }
+  bool is_emissive() const {
+    return Dispatch(kind_, [](const auto& kind) { return kind.is_emissive(); });
+  }
+
+ private:
+  MediumKind kind_;
+};
 
 // By the index of SceneDescription::media. Immutable.
 class MediumTable {
@@ -17,19 +56,22 @@ class MediumTable {
   // What to do with kinds of media that are known but not supported.
   enum class Unsupported {
     kRefuse,
-    kIgnore,  // an integrator that does not follow media: only what is supported is checked
+    kIgnore,  // for integrators that do not follow media: takes them for a vacuum, and checks the others
   };
   static Result<MediumTable> Build(const SceneDescription& scene, Unsupported unsupported, FileSource& files,
                                    Diagnostics& diagnostics);
 
-  const HomogeneousMedium& operator[](int medium) const { return media_[static_cast<size_t>(medium)]; }
+  const Medium& operator[](int medium) const { return media_[static_cast<size_t>(medium)]; }
   bool empty() const { return media_.empty(); }
-  // Whether any of them glows.
-  bool is_emissive() const { return std::ranges::any_of(media_, &HomogeneousMedium::is_emissive); }
+  // Whether any of them emits light.
+  bool is_emissive() const { return std::ranges::any_of(media_, &Medium::is_emissive); }
   size_t size() const { return media_.size(); }
 
  private:
-  std::vector<HomogeneousMedium> media_;
+  std::vector<Medium> media_;
 };
+
+// What scenes may ask for.
+KindList MediumKinds();
 
 }  // namespace tessera

@@ -6,6 +6,7 @@
 #include "renderer/integrator/integrator_kinds.h"
 #include "renderer/light/light.h"
 #include "renderer/material/material_kinds.h"
+#include "renderer/medium/medium.h"
 #include "renderer/sampler/sampler_settings.h"
 #include "renderer/scene/film_settings.h"
 #include "renderer/scene/scene_options.h"
@@ -21,8 +22,9 @@ std::vector<KindList> SceneLanguageKinds() {
       Integrators().List(),    LightSamplers().List(),
       SceneAcceleratorKinds(), ShapeKinds().List(),
       MaterialKinds().List(),  FloatTextureKinds(),
-      SpectrumTextureKinds(),  LightSourceKinds(),
-      AreaLightKinds(),        OptionKinds().List(),
+      SpectrumTextureKinds(),  MediumKinds(),
+      LightSourceKinds(),      AreaLightKinds(),
+      OptionKinds().List(),
   };
 }
 

@@ -77,7 +77,7 @@ void ExpectNear(const Four& found, const Four& expected, double tolerance, const
 constexpr Four kSigmaA{0.1, 0.5, 0, 2}, kSigmaS{0.3, 1, 2.5, 0}, kEmission{0.2, 0, 0, 1};
 
 struct Homogeneous {
-  std::array<MediumCoefficients, 4> turned;
+  std::array<HomogeneousCoefficients, 4> turned;
   Homogeneous() {
     for (int i = 0; i < 4; ++i) turned[i] = {Turned(kSigmaA, i), Turned(kSigmaS, i), Turned(kEmission, i)};
   }
@@ -102,7 +102,7 @@ TEST(Flight, UniformMediaPassScatterAndEmitAsTheClosedFormsSay) {
 }
 
 TEST(Flight, WhatOnlyAbsorbsIsFreeOfChance) {
-  const MediumCoefficients tea{{0.1f, 0.5f, 0, 2}, {}, {}};
+  const HomogeneousCoefficients tea{{0.1f, 0.5f, 0, 2}, {}, {}};
   for (const float u : {0.0f, 0.3f, 0.9999f}) {
     const Ray ray;
     FlightRandom numbers(ray, u);
@@ -134,7 +134,7 @@ TEST(Flight, TransmittanceOfShadowRaysIsExactWhereTheMediumIsUniform) {
 }
 
 TEST(Flight, ThinMediaWithoutEndAreLeftBeforeFloatsOverflow) {
-  const MediumCoefficients thin{{}, SampledSpectrum(1e-30f), {}};
+  const HomogeneousCoefficients thin{{}, SampledSpectrum(1e-30f), {}};
   const Ray ray;
   FlightRandom numbers(ray, 0.5f);
   PathWeights weights;

@@ -42,6 +42,11 @@ BuiltMedia Homogeneous(const std::string& parameters) {
   return Build("MakeNamedMedium \"m\" \"string type\" \"homogeneous\" " + parameters);
 }
 
+// Of the first medium, which is homogeneous.
+HomogeneousCoefficients CoefficientsOf(const BuiltMedia& built, const SampledWavelengths& wavelengths) {
+  return std::get<HomogeneousCoefficients>(built.table[0].At(wavelengths));
+}
+
 const SampledWavelengths kWavelengths = SampledWavelengths::SampleVisible(0.3f);
 
 void ExpectAll(SampledSpectrum found, float expected) {
@@ -51,7 +56,7 @@ void ExpectAll(SampledSpectrum found, float expected) {
 TEST(Medium, ParametersHaveTheirDefaults) {
   const BuiltMedia built = Homogeneous("");
   ASSERT_EQ(built.error, "");
-  const MediumCoefficients at = built.table[0].At(kWavelengths);
+  const HomogeneousCoefficients at = CoefficientsOf(built, kWavelengths);
   ExpectAll(at.sigma_a, 1);
   ExpectAll(at.sigma_s, 1);
   ExpectAll(at.emission, 0);
@@ -63,7 +68,7 @@ TEST(Medium, ScaleMultipliesBothCoefficients) {
   const BuiltMedia built =
       Homogeneous("\"rgb sigma_a\" [ 3 3 3 ] \"spectrum sigma_s\" [ 300 0.5 900 0.5 ] \"float scale\" 2");
   ASSERT_EQ(built.error, "");
-  const MediumCoefficients at = built.table[0].At(kWavelengths);
+  const HomogeneousCoefficients at = CoefficientsOf(built, kWavelengths);
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(at.sigma_a[i], 6, 0.06);
   ExpectAll(at.sigma_s, 1);
 }
@@ -80,7 +85,7 @@ TEST(Medium, EmissionHasUnitLuminanceTimesItsScale) {
     double sum = 0, weight = 0;
     for (int i = 0; i < 4000; ++i) {
       const SampledWavelengths w = SampledWavelengths::SampleVisible((static_cast<float>(i) + 0.5f) / 4000);
-      const MediumCoefficients at = built.table[0].At(w);
+      const HomogeneousCoefficients at = CoefficientsOf(built, w);
       sum += Average(SafeDiv(SampleTable(CieY(), w) * at.emission, w.pdf));
       weight += 1;
     }
@@ -99,9 +104,9 @@ TEST(Medium, DispersionLeavesTheFirstWavelengthAlone) {
   const BuiltMedia skin = Homogeneous("\"string preset\" \"Skin1\"");
   ASSERT_EQ(skin.error, "");
   SampledWavelengths wavelengths = kWavelengths;
-  const MediumCoefficients before = skin.table[0].At(wavelengths);
+  const HomogeneousCoefficients before = CoefficientsOf(skin, wavelengths);
   wavelengths.TerminateSecondary();
-  const MediumCoefficients after = skin.table[0].At(wavelengths);
+  const HomogeneousCoefficients after = CoefficientsOf(skin, wavelengths);
   ExpectAll(after.sigma_a, before.sigma_a[0]);
   ExpectAll(after.sigma_s, before.sigma_s[0]);
   EXPECT_NE(before.sigma_s[0], before.sigma_s[1]);
@@ -116,7 +121,7 @@ TEST(Medium, EveryPresetIsReadByItsName) {
     EXPECT_TRUE(built.diagnostics.warnings().empty());
     // What is the same in all three channels is so at all wavelengths; elsewhere the spectrum is near the
     // channels.
-    const MediumCoefficients at = built.table[0].At(kWavelengths);
+    const HomogeneousCoefficients at = CoefficientsOf(built, kWavelengths);
     const float largest = 1000 * std::max({preset.sigma_a.x, preset.sigma_a.y, preset.sigma_a.z});
     for (int i = 0; i < 4; ++i) {
       EXPECT_GE(at.sigma_a[i], 0);
@@ -128,14 +133,14 @@ TEST(Medium, EveryPresetIsReadByItsName) {
   EXPECT_FLOAT_EQ(FindScatteringPreset("Merlot")->sigma_a.z, 0.29434f);
 }
 
-TEST(Medium, AnUnknownPresetIsAWarningAndTheCoefficientsCount) {
+TEST(Medium, UnknownPresetIsAWarningAndTheCoefficientsApply) {
   const BuiltMedia built = Homogeneous("\"string preset\" \"Marbel\" \"rgb sigma_a\" [ 0 0 0 ]");
   ASSERT_EQ(built.error, "");
   ASSERT_EQ(built.diagnostics.warnings().size(), 1u);
-  EXPECT_EQ(
-      built.diagnostics.WarningTexts()[0],
-      "m.pbrt:3:49: unknown medium preset \"Marbel\" (did you mean \"Marble\"?): sigma_a and sigma_s count");
-  ExpectAll(built.table[0].At(kWavelengths).sigma_a, 0);
+  EXPECT_EQ(built.diagnostics.WarningTexts()[0],
+            "m.pbrt:3:49: unknown medium preset \"Marbel\" (did you mean \"Marble\"?): sigma_a and sigma_s "
+            "apply instead");
+  ExpectAll(CoefficientsOf(built, kWavelengths).sigma_a, 0);
 }
 
 TEST(Medium, WhatIsWrongIsNamedWithItsPlace) {
