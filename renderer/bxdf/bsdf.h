@@ -1,4 +1,4 @@
-// How a surface scatters light at one point: BxDFs in the shading frame behind one value type.
+// How a surface scatters light at one point: a BxDF and its shading frame.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 namespace tessera {
 
 // The BSDF at one point. Directions are unit vectors in rendering space that point away from the surface.
-// Radiance transport (not importance) is meant throughout. A value: no allocation, no ownership.
+// Always for the transport of radiance, not of importance. A plain value that owns nothing.
 class Bsdf {
  public:
   Bsdf() = default;
@@ -27,7 +27,7 @@ class Bsdf {
     if (wo_local.z == 0) return {};
     return bxdf_.Evaluate(wo_local, wi_local);
   }
-  // uc chooses the component, u the direction. Nothing if the light is absorbed.
+  // uc chooses the component, u the direction. Returns nullopt if the light is absorbed.
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const {
     const Vec3 wo_local = frame_.ToLocal(wo);
     if (wo_local.z == 0) return std::nullopt;

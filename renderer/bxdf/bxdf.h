@@ -22,8 +22,8 @@ using BxdfKind = std::variant<DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxd
                               ThinDielectricBxdf, CoatedDiffuseBxdf, LayeredDiffuseBxdf>;
 static_assert(std::is_trivially_copyable_v<BxdfKind>);
 
-// Directions are unit vectors in the shading frame (z is the normal), pointing away from the surface, wo.z !=
-// 0. Cheap to copy; owns nothing.
+// Directions are unit vectors in the shading frame, where z is the normal. They point away from the surface,
+// and wo.z != 0. Cheap to copy; owns nothing.
 class Bxdf {
  public:
   Bxdf() = default;  // absorbs everything
@@ -40,7 +40,7 @@ class Bxdf {
   }
 
   // uc chooses the lobe, u the direction. A sample that is not specular has the f and pdf that Evaluate
-  // gives.
+  // returns.
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const {
     return Dispatch(kind_,
                     [&](const auto& kind) -> std::optional<BsdfSample> { return kind.Sample(wo, uc, u); });

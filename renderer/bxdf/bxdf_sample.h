@@ -1,4 +1,4 @@
-// What the BxDF kinds take and give: flags, values with densities, samples.
+// What BxDFs return: flags, values with densities, samples.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct BsdfEvaluation {
 
 struct BsdfSample {
   SampledSpectrum f;  // of a specular sample: divided by the cosine, as if the peak were 1
-  Vec3 wi;            // unit, in the frame of the question (Bxdf: shading frame; Bsdf: rendering space)
+  Vec3 wi;            // unit; in the shading frame (Bxdf) or in rendering space (Bsdf)
   float pdf = 0;      // per solid angle; of a specular sample: the probability of the choice
   BxdfFlags flags = BxdfFlags::kNone;
   float eta = 1;  // relative index along the path if the sample is transmitted, else 1
@@ -44,7 +44,7 @@ struct BsdfSample {
 // radiance by the square of the relative index, but not importance.
 enum class TransportMode : uint8_t { kRadiance, kImportance };
 
-// Which side of an interface is asked for.
+// Which lobes of an interface to evaluate or sample.
 enum class Lobes : uint8_t { kReflection = 1, kTransmission = 2, kBoth = 3 };
 constexpr bool HasLobe(Lobes lobes, Lobes lobe) {
   return (static_cast<uint8_t>(lobes) & static_cast<uint8_t>(lobe)) != 0;

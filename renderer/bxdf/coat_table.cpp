@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-// Points of the midpoint rules below. Tables then agree with much finer ones to 5e-4.
+// Points of the midpoint rules below. The tables differ from much finer ones by at most 5e-4.
 constexpr int kPhiPoints = 8;      // over half a turn: the other half is its mirror image
 constexpr int kHeightPoints = 32;  // of the cap of visible normals
 constexpr int kBasePointsSmooth = 1024;
@@ -23,7 +23,7 @@ float Attenuation(float thickness, float cos_theta) {
   return std::exp(-thickness / std::abs(cos_theta));
 }
 
-// Shares of the light along w, from either side.
+// Fractions of the light along w, from either side.
 struct Scattered {
   float reflected = 0;
   float reflected_attenuated = 0;  // each direction times its attenuation, as the next
@@ -48,13 +48,13 @@ void AddMicrofacet(const DielectricBxdf& coat, float thickness, Vec3 w, Vec3 m, 
   }
   const Refraction refraction = Refract(w, m, coat.eta());
   if (!refraction.exists || !(refraction.wt.z < 0) || w.z < 0)
-    return;  // only light from outside is asked for
+    return;  // only light from outside needs its transmittance
   const Vec3 wt = refraction.wt;
   sum.transmitted_attenuated += weight * (1 - fresnel) * masking(wt) * Attenuation(thickness, wt.z);
 }
 
-// A grid over the normals that w sees. Its rows crowd towards the steepest, which hold little light but
-// spread it far.
+// A grid over the normals visible from w. Its rows are denser towards the steepest normals, which reflect
+// little light but spread it far.
 Scattered IntegrateRough(const DielectricBxdf& coat, float thickness, Vec3 w) {
   Scattered sum;
   for (int j = 0; j < kHeightPoints; ++j) {
@@ -84,8 +84,7 @@ Scattered Integrate(const DielectricBxdf& coat, float thickness, float cos_theta
   return coat.IsSpecular() ? IntegrateSmooth(coat.eta(), thickness, w) : IntegrateRough(coat, thickness, w);
 }
 
-// Light goes up from the base with a cosine distribution, through the layer, is reflected, and comes down
-// again.
+// The light that leaves the base with a cosine distribution and is reflected back to it by the coat.
 float InternalReflectance(const DielectricBxdf& coat, float thickness) {
   const int points_rough = coat.facets().alpha_x() < kAlphaSharp ? kBasePointsSharp : kBasePointsRough;
   const int points = coat.IsSpecular() ? kBasePointsSmooth : points_rough;

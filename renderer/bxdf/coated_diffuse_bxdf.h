@@ -1,13 +1,13 @@
 // A Lambertian base under a clear coat, in closed form.
 //
-// Because the base forgets the direction light came from, pbrt-v4's random walk between the layers
-// (LayeredBxDF) sums to
+// Because the base does not depend on the direction that light came from, pbrt-v4's random walk between the
+// layers (LayeredBxDF) sums to
 //   f = f_coat + T(wo) T(wi) (rho / (pi eta^2)) (1 + rho R + ... + (rho R)^(n-1)),
 // where T and R are the transmittance and the internal reflectance of the coat (coat_table.h), rho is the
-// reflectance of the base and n the number of times that the walk may meet it. (The sum over n is
+// reflectance of the base and n the number of times that the walk may reach it. (The sum over n is
 // Saunderson's, 1942.) pbrt-v4's LayeredBxDF::f, which light sampling uses there, weights its two ways out of
 // the layer by densities of opposite directions, so that the weights of rough coats sum to a little over 1;
-// its Sample_f does not. We have the one f that is reciprocal and that all techniques agree on.
+// its Sample_f does not. The f here is reciprocal and the same for all sampling techniques.
 #pragma once
 
 #include <optional>
@@ -25,7 +25,7 @@ class CoatedDiffuseBxdf {
   CoatedDiffuseBxdf(const DielectricBxdf& coat, const CoatLookup& lookup, SampledSpectrum reflectance,
                     int base_hits);
 
-  // How often a walk of pbrt-v4's `maxdepth` interface events meets the base: every other time.
+  // How often a walk of pbrt-v4's `maxdepth` interface events reaches the base: every other event.
   static int BaseHits(int depth_max) { return (depth_max + 1) / 2; }
 
   BxdfFlags flags() const {
@@ -36,7 +36,7 @@ class CoatedDiffuseBxdf {
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const;
 
  private:
-  // What Sample does at wo.
+  // The probabilities with which Sample chooses at wo.
   struct Choice {
     float transmittance;     // of the coat
     float coat_probability;  // of sampling its reflection rather than the base

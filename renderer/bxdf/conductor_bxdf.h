@@ -1,4 +1,4 @@
-// Metals: a mirror or rough microfacets with the complex Fresnel term.
+// Metals: a smooth mirror or rough microfacets, with the Fresnel term of a complex index of refraction.
 #pragma once
 
 #include <optional>
@@ -34,8 +34,8 @@ class ConductorBxdf {
   }
 
  private:
-  // Cook and Torrance 1982. Both directions above the surface. The half vector stays unnormalised: |h| = 2
-  // wo.m.
+  // R. Cook and K. Torrance, "A Reflectance Model for Computer Graphics", 1982. Both directions are above the
+  // surface. The half vector is not normalised: |h| = 2 wo.m.
   BsdfEvaluation EvaluateAbove(Vec3 wo, Vec3 wi) const {
     const Vec3 h = wo + wi;
     const float length2 = LengthSquared(h);

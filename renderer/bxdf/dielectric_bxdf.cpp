@@ -27,7 +27,7 @@ BsdfEvaluation DielectricBxdf::Evaluate(Vec3 wo, Vec3 wi, TransportMode mode, Lo
   if (length2 == 0) return {};
   m = m * ((m.z < 0 ? -1 : 1) / std::sqrt(length2));
   const float o_dot_m = Dot(wo, m), i_dot_m = Dot(wi, m);
-  if (i_dot_m * wi.z < 0 || o_dot_m * wo.z < 0) return {};  // a microfacet seen from behind
+  if (i_dot_m * wi.z < 0 || o_dot_m * wo.z < 0) return {};  // the back of a microfacet
 
   const float fresnel = FrDielectric(o_dot_m, eta_);
   const float p = ReflectionProbability(fresnel, lobes);

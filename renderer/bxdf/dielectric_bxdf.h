@@ -11,7 +11,7 @@ namespace tessera {
 
 class DielectricBxdf {
  public:
-  // eta: index below the surface over that above.
+  // eta: the index of refraction below the surface relative to that above.
   DielectricBxdf(const MicrofacetDistribution& facets, float eta) : facets_(facets), eta_(eta) {}
 
   const MicrofacetDistribution& facets() const { return facets_; }
@@ -23,10 +23,11 @@ class DielectricBxdf {
     return BxdfFlags::kReflection | BxdfFlags::kTransmission | width;
   }
 
-  // Zero if specular, or for a lobe that is not asked for. The density is that of Sample with the same lobes.
+  // Zero if specular, or for a lobe that is not in `lobes`. The density is that of Sample with the same
+  // lobes.
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi, TransportMode mode = TransportMode::kRadiance,
                           Lobes lobes = Lobes::kBoth) const;
-  // Reflection or transmission in proportion to the Fresnel term, among the lobes that are asked for.
+  // Chooses reflection or transmission in proportion to the Fresnel term, among `lobes`.
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u, TransportMode mode = TransportMode::kRadiance,
                                    Lobes lobes = Lobes::kBoth) const;
 

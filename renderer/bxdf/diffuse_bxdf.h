@@ -1,4 +1,4 @@
-// Lambert's law: the same radiance in every direction of one side.
+// Lambertian reflection: the same radiance in every direction of the side of the light.
 #pragma once
 
 #include <optional>

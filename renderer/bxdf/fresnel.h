@@ -13,7 +13,7 @@ inline Vec3 Reflect(Vec3 wo, Vec3 n) {
   return n * (2 * Dot(wo, n)) - wo;
 }
 
-// A refracted direction and the relative index along it (index of the far side over that of the near side).
+// A refracted direction and the relative index along it: that of the far side over that of the near side.
 struct Refraction {
   bool exists = false;  // false: total internal reflection
   Vec3 wt;
@@ -35,8 +35,8 @@ inline Refraction Refract(Vec3 w, Vec3 n, float eta) {
   return {true, n * (cos_i / eta - cos_t) - w / eta, eta};
 }
 
-// The share of unpolarised light that is reflected. cos_i < 0: from below, where eta is the index below over
-// above.
+// The fraction of unpolarised light that is reflected. eta is the index below over that above; cos_i < 0:
+// from below.
 inline float FrDielectric(float cos_i, float eta) {
   cos_i = std::clamp(cos_i, -1.0f, 1.0f);
   if (cos_i < 0) {
@@ -51,9 +51,9 @@ inline float FrDielectric(float cos_i, float eta) {
   return (parallel * parallel + perpendicular * perpendicular) / 2;
 }
 
-// The same for a metal of relative index eta + i k, at four wavelengths (S. Lagarde, "Memo on Fresnel
-// equations", 2013). With R_p = R_s (t3 - t4)/(t3 + t4) the mean of both polarisations is R_s t3/(t3 + t4):
-// one division.
+// The same for a metal with the relative index eta + i k, at four wavelengths (S. Lagarde, "Memo on Fresnel
+// equations", 2013). With R_p = R_s (t3 - t4)/(t3 + t4) the mean of both polarisations is R_s t3/(t3 + t4),
+// which needs one division.
 inline SampledSpectrum FrConductor(float cos_i, SampledSpectrum eta, SampledSpectrum k) {
   cos_i = std::clamp(cos_i, 0.0f, 1.0f);
   const float cos2 = cos_i * cos_i, sin2 = 1 - cos2;

@@ -11,8 +11,8 @@
 namespace tessera {
 namespace {
 
-constexpr int kRouletteDepth = 3;       // walks are never ended by chance up to this event
-constexpr float kRouletteBeta = 0.25f;  // nor while they carry at least this much
+constexpr int kRouletteDepth = 3;       // no Russian roulette up to this event
+constexpr float kRouletteBeta = 0.25f;  // nor while the throughput is at least this
 // Of sampling the base: keeps f / pdf bounded where the coat dominates.
 constexpr float kCosineProbabilityMin = 0.1f;
 
@@ -42,8 +42,8 @@ class LayerWalk {
   }
 
  private:
-  // Refracts wo downwards, and wi too: the direction in which light from wi comes, a virtual light for the
-  // walk.
+  // Refracts wo downwards to start the walk, and wi to find the direction in which its light arrives, which
+  // is a virtual light for the walk.
   bool Enter(Vec3 wo) {
     const float uc_o = random_.Next();
     const Point2 u_o = random_.Next2();

@@ -1,6 +1,6 @@
 // A Lambertian base under a coat whose layer may scatter light, estimated by a random walk between the layers
-// (Guo, Hasan, Zhao 2018; pbrt-v4's LayeredBxDF). For the coats that coated_diffuse_bxdf.h has no closed form
-// for.
+// (Guo, Hasan, Zhao 2018; pbrt-v4's LayeredBxDF). For the coats for which
+// coated_diffuse_bxdf.h has no closed form.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace tessera {
 
-// The layer between coat and base, as materials of the scene language give it.
+// The layer between coat and base.
 struct CoatLayer {
   float thickness = 0.01f;  // in units of the mean free path, positive
   SampledSpectrum albedo;   // single-scattering
@@ -28,13 +28,13 @@ class LayeredDiffuseBxdf {
     const BxdfFlags coat = coat_.IsSpecular() ? BxdfFlags::kSpecular : BxdfFlags::kGlossy;
     return BxdfFlags::kReflection | BxdfFlags::kDiffuse | coat;
   }
-  // f is an estimate, the same one each time for the same two directions; pdf is exact.
+  // f is an unbiased estimate, always the same for the same two directions; pdf is exact.
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const;
-  // The f of a sample is an estimate without bias.
+  // The f of a sample is an unbiased estimate.
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const;
 
-  // One walk from wo to wi (both above): all of f but the reflection of the coat. `seed` decides its random
-  // numbers.
+  // One walk from wo to wi (both above): all of f except the reflection of the coat. Its random numbers are a
+  // function of `seed`.
   SampledSpectrum EstimateWalk(Vec3 wo, Vec3 wi, uint64_t seed) const;
 
  private:

@@ -13,11 +13,11 @@ namespace tessera {
 class MicrofacetDistribution {
  public:
   static constexpr float kAlphaSmooth = 1e-3f;  // below: a mirror, as in pbrt-v4
-  static constexpr float kAlphaMin = 1e-4f;     // of the narrow axis of a rough one: keeps densities finite
-  static constexpr float kAlphaMax = 100;       // rougher than any surface; keeps products finite
+  static constexpr float kAlphaMin = 1e-4f;  // of the narrow axis of a rough surface: keeps densities finite
+  static constexpr float kAlphaMax = 100;    // rougher than any surface; keeps products finite
 
   MicrofacetDistribution() = default;  // smooth
-  // Any values, as textures may hold them: what is not a number counts as 0.
+  // Any values are allowed, as textures may hold them. NaN counts as 0.
   MicrofacetDistribution(float alpha_x, float alpha_y) {
     const float x = std::min(kAlphaMax, std::max(0.0f, alpha_x));
     const float y = std::min(kAlphaMax, std::max(0.0f, alpha_y));
@@ -42,14 +42,15 @@ class MicrofacetDistribution {
   }
   // |(alpha_x w.x, alpha_y w.y, w.z)|, from which the Smith terms follow: Lambda = (Stretch / |w.z| - 1) / 2.
   float Stretch(Vec3 w) const { return std::sqrt(Sqr(alpha_x_ * w.x) + Sqr(alpha_y_ * w.y) + w.z * w.z); }
-  // Share of the microfacets that w sees.
+  // Fraction of the microfacets that are visible from w.
   float G1(Vec3 w) const { return 2 * std::abs(w.z) / (std::abs(w.z) + Stretch(w)); }
-  // Share seen by both, divided by |a.z b.z|.
+  // Fraction visible from both, divided by |a.z b.z|.
   static float G2OverCosines(Vec3 a, float stretch_a, Vec3 b, float stretch_b) {
     return 2 / (stretch_a * std::abs(b.z) + stretch_b * std::abs(a.z));
   }
 
-  // A normal (z > 0) with density G1(w) D(m) |w.m| / |w.z| per solid angle: those that w (either side) sees.
+  // A normal (z > 0) with density G1(w) D(m) |w.m| / |w.z| per solid angle: those visible from w, on
+  // either side.
   // (Heitz 2018; by spherical caps, Dupuy and Benyoub 2023.)
   Vec3 SampleVisibleNormal(Vec3 w, Point2 u) const {
     if (w.z < 0) w = -w;
@@ -62,8 +63,8 @@ class MicrofacetDistribution {
   Vec3 SampleReflectingNormal(Vec3 wo, Point2 u) const {
     return NormalFromCap(Normalize({alpha_x_ * wo.x, alpha_y_ * wo.y, wo.z}), CapBound(wo), u);
   }
-  // Density per solid angle of wi of the direction reflected by SampleReflectingNormal, of those above the
-  // surface. d is D of the half vector, stretch_o is Stretch(wo).
+  // Density per solid angle of the direction wi that SampleReflectingNormal reflects to, where wi is above
+  // the surface. d is D of the half vector, stretch_o is Stretch(wo).
   float ReflectionPdf(Vec3 wo, float d, float stretch_o) const {
     return d / (2 * (CapBound(wo) * wo.z + stretch_o));
   }

@@ -1,5 +1,5 @@
-// A pane thin enough that light leaves where it entered: reflection between its two sides is summed, nothing
-// is bent.
+// A pane so thin that light leaves where it entered, without refraction. Reflections between its two sides
+// are summed in closed form.
 #pragma once
 
 #include <optional>

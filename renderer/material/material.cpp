@@ -40,7 +40,7 @@ MaterialTable::Traits MaterialTable::TraitsOf(const Material& material) const {
 }
 
 void MaterialTable::SetTraits() {
-  // A mix without a name may choose from materials that come later in the table: they count as needing it.
+  // A mix without a name may choose from materials that come later in the table. Those count as needing it.
   traits_.assign(materials_.size(), {false, true});
   for (size_t i = 0; i < materials_.size(); ++i) traits_[i] = TraitsOf(materials_[i]);
 }

@@ -12,8 +12,8 @@ struct Axis {
 };
 
 Axis RepeatedAxis(float coordinate, int size) {
-  const float wrapped =
-      coordinate - std::floor(coordinate);  // in [0, 1]: large coordinates stay representable
+  // In [0, 1], so that large coordinates stay representable.
+  const float wrapped = coordinate - std::floor(coordinate);
   const float x = wrapped * static_cast<float>(size) - 0.5f;
   const float low = std::floor(x);
   const int i = static_cast<int>(low);

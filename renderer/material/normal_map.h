@@ -1,4 +1,4 @@
-// A picture of normals in the frame of the surface.
+// An image of normals in the frame of the surface.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ class NormalMap {
   NormalMap(std::shared_ptr<const Image> image, std::array<int, 3> channels)
       : image_(std::move(image)), channels_(channels) {}
 
-  // The unit normal at uv: bilinear, repeated in both directions, v = 1 at the top. (0, 0, 1) where the
-  // picture holds none.
+  // Returns the unit normal at uv, interpolated bilinearly; the image repeats in both directions, v = 1 is
+  // its top. Returns (0, 0, 1) where the image holds no direction.
   Vec3 Lookup(Point2 uv) const;
 
  private:

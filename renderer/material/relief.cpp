@@ -7,9 +7,9 @@
 namespace tessera {
 namespace {
 
-constexpr float kShiftDefault = 0.0005f;  // in u or v, where the footprint is not known
+constexpr float kShiftDefault = 0.0005f;  // in u or v, where the footprint is unknown
 
-// Leaves the geometry as it was where the tangents give no normal.
+// Does nothing where the tangents have no finite normal.
 void SetTangents(Vec3 dpdu, Vec3 dpdv, SurfaceInteraction& interaction) {
   const Vec3 cross = Cross(dpdu, dpdv);
   const float length = Length(cross);

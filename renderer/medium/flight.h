@@ -1,10 +1,10 @@
 // Flights of paths and of shadow rays through a medium, by null scattering in the path-integral form of B.
 // Miller, I. Georgiev, W. Jarosz ("A Null-Scattering Path Integral Formulation of Light Transport", 2019), as
-// Pharr, Jakob, Humphreys (2023, section 14.2) carry it to four wavelengths: the first wavelength decides,
-// and the ratios of what the others would have done weigh it against them.
+// Pharr, Jakob, Humphreys (2023, section 14.2) extend it to four wavelengths: the first wavelength decides,
+// and multiple importance sampling weights the path by the densities that each wavelength would have had.
 //
-// Where a stretch is uniform nothing is left to chance that need not be: absorption, emission and the
-// transmittance of shadow rays are closed forms.
+// Where a stretch is uniform, absorption, emission and the transmittance of shadow rays are computed in
+// closed form.
 #pragma once
 
 #include <algorithm>
@@ -25,12 +25,12 @@ struct PathWeights {
   SampledSpectrum r_u{1.0f};   // density if this wavelength had decided (unidirectional)
   SampledSpectrum r_l{1.0f};   // density if it had and light sampling had led to the end of the current ray
 
-  // The contribution with the wavelengths weighed against each other.
+  // The contribution, weighted between the wavelengths by the balance heuristic.
   SampledSpectrum Throughput() const { return beta / Average(r_u); }
 };
 
-// Random numbers of one flight: the first is of the caller's, who has good ones; a stream that is a function
-// of the ray follows, for flights of many collisions.
+// The random numbers of one flight. The first is passed in, as that of a sampler is well distributed; for
+// flights of many collisions an independent stream follows, which is a function of the ray.
 class FlightRandom {
  public:
   FlightRandom(const Ray& ray, float first) : ray_(ray), first_(first) {}
@@ -59,14 +59,14 @@ inline SampledSpectrum IntegralOfExp(SampledSpectrum sigma, float t) {
   _mm_store_ps(s, sigma.v);
   for (float& value : s) {
     const float depth = value * t;
-    // The difference from 1 loses all digits of a small depth: its series instead.
+    // The difference from 1 would cancel for a small depth, which uses the series instead.
     value = depth < 0.01f ? t * (1 - depth * (0.5f - depth * (1.0f / 6))) : (1 - std::exp(-depth)) / value;
   }
   return _mm_load_ps(s);
 }
 
-// Flights end here at the latest, in scene units: what is not hit by then never will be, and paths of a
-// million flights stay where rays can still be traced (Embree: below 1.8e18).
+// The longest flight, in scene units. It is longer than any scene, and paths of a million flights still stay
+// within the range of coordinates that Embree traces (below 1.8e18).
 constexpr float kFlightMax = 1e12f;
 
 // How a flight ended.
@@ -142,8 +142,8 @@ FlightEnd FlyThrough(const MediumRay& medium, const MajorantSegment& segment, fl
   }
 }
 
-// Ratio tracking from t to `end`: every collision is null, and takes away its share. Where little is left,
-// chance decides whether to go on.
+// Ratio tracking from t to `end`: every collision is null and reduces the transmittance. Russian roulette
+// ends rays with little of it left.
 template <typename MediumRay>
 void TrackRatio(const MediumRay& medium, const MajorantSegment& segment, float t, float end,
                 FlightRandom& random, PathWeights* weights) {
@@ -173,8 +173,8 @@ void TrackRatio(const MediumRay& medium, const MajorantSegment& segment, float t
 }  // namespace flight
 
 // Flies from t = 0 until something happens or t_max, which may be infinite, or kFlightMax is reached. Updates
-// the weights and adds to *emitted, unless it is null, what the medium itself sends against the ray. *t_event
-// is set if scattered.
+// the weights, and adds to *emitted, unless it is null, what the medium emits towards the start of the ray.
+// Sets *t_event if scattered.
 template <typename MediumRay>
 FlightEnd Fly(MediumRay medium, float t_max, FlightRandom& random, PathWeights* weights,
               SampledSpectrum* emitted, float* t_event) {

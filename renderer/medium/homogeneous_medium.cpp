@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr float kCoefficientMax = 1e20f;  // per scene unit: products of two stay finite
+constexpr float kCoefficientMax = 1e20f;  // per scene unit: products of two are finite
 
 DenseTable Tabulate(const Spectrum& spectrum) {
   DenseTable table;

@@ -23,7 +23,7 @@ struct HomogeneousCoefficients {
   float CollisionDistanceMax(float u) const { return SampleExponential(u, sigma_s[0]); }
 };
 
-// Its spectra are tables: a look-up costs the same whatever the scene gave. Immutable.
+// Its spectra are tables, so that a lookup costs the same for every kind of spectrum. Immutable.
 class HomogeneousMedium {
  public:
   HomogeneousMedium() = default;  // a vacuum
@@ -31,7 +31,7 @@ class HomogeneousMedium {
   // reader. An unknown preset is a warning, and sigma_a and sigma_s apply, as in pbrt-v4.
   static HomogeneousMedium Read(ParameterReader& reader, FileSource& files, Diagnostics& diagnostics);
 
-  // Where dispersion has dropped all wavelengths but the first, all four are the first.
+  // If dispersion has dropped all wavelengths but the first, all four values are those of the first.
   HomogeneousCoefficients At(const SampledWavelengths& wavelengths) const;
   const PhaseFunction& phase() const { return phase_; }
   bool is_emissive() const { return is_emissive_; }

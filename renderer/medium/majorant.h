@@ -1,5 +1,5 @@
-// How a medium shows itself to a ray: stretches with an upper bound of what may happen there, and properties
-// at points. A "medium ray" is any type with
+// A medium as a ray sees it: stretches with an upper bound of the density of collisions, and properties at
+// points. A "medium ray" is any type with
 //
 //   bool Next(MajorantSegment* segment);   sets the next stretch along the ray; false after the last
 //   MediumPoint At(float t) const;         called only within stretches that are not uniform
@@ -16,9 +16,9 @@ namespace tessera {
 
 struct MajorantSegment {
   float t_end = std::numeric_limits<float>::infinity();
-  // The absorption that the whole stretch has in common. It is accounted for in closed form, never by chance.
+  // Absorption that is constant over the stretch. It is accounted for in closed form, never by chance.
   SampledSpectrum sigma_a;
-  // Bounds scattering and absorption beyond sigma_a.
+  // Upper bound of scattering plus absorption in excess of sigma_a.
   SampledSpectrum sigma_maj;
   // Power emitted per volume and solid angle on the whole stretch (sigma_a times Le). Zero unless uniform.
   SampledSpectrum emission;
@@ -27,9 +27,9 @@ struct MajorantSegment {
   bool uniform = false;
 };
 
-// What is found at a point of a stretch that is not uniform.
+// The properties at a point of a stretch that is not uniform.
 struct MediumPoint {
-  SampledSpectrum sigma_a;  // beyond that of the stretch
+  SampledSpectrum sigma_a;  // in excess of that of the stretch
   SampledSpectrum sigma_s;
   SampledSpectrum emission;  // per volume and solid angle
 };

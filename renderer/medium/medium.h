@@ -21,12 +21,13 @@ namespace tessera {
 using MediumKind = std::variant<HomogeneousMedium>;
 
 // A medium of any kind at the wavelengths of a path. Every kind has
-//   MediumRay RayAlong(const Ray&) const;            a medium ray for Fly and FlyShadow (majorant.h); refers
-//   to
-//                                                    the coefficients, so it must not outlive them
-//   bool MayCollide() const;                         false if no flight draws a random number
-//   float CollisionDistanceMax(float u) const;       no flight whose first random number is u has its first
-//                                                    collision beyond this distance; infinite if unknown
+//   MediumRay RayAlong(const Ray&) const;
+//     A medium ray (majorant.h) for Fly and FlyShadow. Must not outlive the coefficients.
+//   bool MayCollide() const;
+//     False if no flight draws a random number.
+//   float CollisionDistanceMax(float u) const;
+//     An upper bound of the distance of the first collision of a flight whose first random number is u;
+//     infinite if there is no bound.
 using MediumCoefficients = std::variant<HomogeneousCoefficients>;
 
 // A medium. Immutable.

@@ -14,9 +14,9 @@ struct ScatteringPreset {
   Vec3 sigma_a;  // linear sRGB, per mm
 };
 
-// All that there are, in the order of their sources.
+// All presets, in the order of their sources.
 std::span<const ScatteringPreset> ScatteringPresets();
-// Null for an unknown name.
+// Returns null if the name is unknown.
 const ScatteringPreset* FindScatteringPreset(std::string_view name);
 
 }  // namespace tessera

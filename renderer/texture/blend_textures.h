@@ -1,7 +1,7 @@
 // The textures that scale or mix others.
 //
 // A kind of texture is a struct of its settings. Its Evaluate takes either kind of evaluation (texture.cpp),
-// which differ in the type of value, float or spectrum, and in how operands and pictures are read.
+// which differ in the type of value, float or spectrum, and in how operands and images are read.
 #pragma once
 
 #include "renderer/texture/texture_inputs.h"

@@ -45,8 +45,8 @@ std::optional<ColorEncoding> ParseEncoding(std::string_view text) {
   return ColorEncoding{ColorEncoding::Kind::kGamma, gamma};
 }
 
-// The encoding of the file's 8-bit values. As in pbrt, only a PNG's can be chosen: others are always sRGB, or
-// say themselves what they are.
+// The encoding of the 8-bit values of the file. As in pbrt, only that of a PNG can be chosen: others are
+// always sRGB or name their encoding themselves.
 std::optional<ColorEncoding> ReadEncoding(ParameterReader& reader, const std::string& file) {
   const std::string text = reader.String("encoding", "sRGB");
   const std::optional<ColorEncoding> encoding = ParseEncoding(text);
@@ -82,7 +82,7 @@ bool IsOpaque(const Image& image, int alpha) {
   return true;
 }
 
-// Which values of a picture a texture sees.
+// Which values of an image a texture uses.
 struct Selection {
   enum class Kind { kNone, kGrey, kColor, kMean } kind = Kind::kNone;
   int grey = 0;
@@ -115,7 +115,7 @@ std::shared_ptr<const MipMap> MakeMap(const Image& image, const Selection& selec
   }
 }
 
-// A picture as a texture needs it: which values, filtered how.
+// What a texture needs of an image: which values, filtered how.
 struct MapRequest {
   std::string file;
   std::optional<ColorEncoding> encoding;
@@ -140,9 +140,9 @@ Result<const MipMap*> FindMap(ImageCache& images, TextureAssembly& assembly, con
   if (!image) return image.error();
   const Selection selection = Select(**image, request.is_float, request.filter);
   if (selection.kind == Selection::Kind::kNone) {
-    return BadInput(fmt::format("{}: picture has no channels R, G and B, nor Y", request.file));
+    return BadInput(fmt::format("{}: the image has neither the channels R, G and B nor Y", request.file));
   }
-  // The address stands for file and encoding: the cache keeps the picture for as long as the builder lives.
+  // The address stands for file and encoding: the cache keeps the image for as long as the builder lives.
   const std::string selected =
       fmt::format("{} {} {} {} {}", request.file, static_cast<const void*>(image->get()),
                   static_cast<int>(selection.kind), selection.grey, static_cast<int>(request.wrap));

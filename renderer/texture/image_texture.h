@@ -10,10 +10,10 @@ namespace tessera {
 
 class ParameterReader;
 
-// Reads the picture and its parameters; errors are remembered by the reader, at the parameter concerned.
-// `use` is that of a spectrum texture; nothing means a float texture: its value is the picture's grey value,
-// else its alpha (if that is not 1 everywhere), else the mean of red, green and blue. As in pbrt, the filters
-// "point" and "ewa" of a float texture see only red.
+// Reads the parameters and the image; the reader remembers errors, with the place of the parameter. `use` is
+// that of a spectrum texture. Without it the texture is a float texture: its value is the grey value of the
+// image, else its alpha (unless that is 1 everywhere), else the mean of red, green and blue. As in pbrt, the
+// filters "point" and "ewa" of a float texture use only red.
 std::optional<ImageTexture> ReadImageTexture(ParameterReader& reader, ImageCache& images,
                                              TextureAssembly& assembly, std::optional<SpectrumUse> use);
 

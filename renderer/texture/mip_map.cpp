@@ -8,8 +8,8 @@
 namespace tessera {
 namespace {
 
-constexpr float kTexelIndexMax = 1 << 28;  // beyond this a place in a picture is meaningless
-constexpr float kWidthMin = 1e-8f;         // of a footprint; smaller ones all mean the finest level
+constexpr float kTexelIndexMax = 1 << 28;  // beyond this, floats no longer resolve texels
+constexpr float kWidthMin = 1e-8f;         // of a footprint; smaller ones all use the finest level
 constexpr int kEwaWeightCount = 128;
 
 int FloorToInt(float v) {
@@ -17,7 +17,7 @@ int FloorToInt(float v) {
   return std::abs(f) < kTexelIndexMax ? static_cast<int>(f) : 0;  // NaN: 0
 }
 
-// A Gaussian exp(-2 r^2) that has been lowered to 0 at r = 1, by r^2.
+// A Gaussian exp(-2 r^2), shifted to reach 0 at r = 1, by r^2.
 std::array<float, kEwaWeightCount> MakeEwaWeights() {
   std::array<float, kEwaWeightCount> weights;
   for (int i = 0; i < kEwaWeightCount; ++i) {
@@ -44,7 +44,7 @@ Float4 Mix(float t, Float4 a, Float4 b) {
 
 }  // namespace
 
-// Reads a MipMap whose format and number of channels are known to the compiler.
+// Reads a MipMap whose format and number of channels are known at compile time.
 template <PixelFormat kFormat, int kChannels>
 class MipMapReader {
  public:
@@ -72,7 +72,7 @@ class MipMapReader {
   }
 
  private:
-  // Repeating pictures are the same everywhere, so st can be made small, where floats are precise.
+  // The lookup of a repeating image is periodic, so st can be made small, where floats are precise.
   Point2 Wrapped(Point2 st) const {
     if (!IsFinite(st)) return {0, 0};
     if (map_.wrap_ == WrapMode::kRepeat) return {st.x - std::floor(st.x), st.y - std::floor(st.y)};
@@ -165,7 +165,7 @@ class MipMapReader {
     const float determinant = 4 * a * c - b * b;
     const float reach_s = 2 / determinant * SafeSqrt(determinant * c);
     const float reach_t = 2 / determinant * SafeSqrt(a * determinant);
-    // A reach beyond one period or border brings nothing new.
+    // A wider reach than one period or the border adds nothing new.
     if (!(reach_s < 2 * w + 4) || !(reach_t < 2 * h + 4)) return Bilinear(level, st);
     return EwaSum(level, {s, t}, {reach_s, reach_t}, a, b, c);
   }

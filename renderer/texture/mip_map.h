@@ -1,5 +1,5 @@
-// A picture at halving resolutions, for lookups whose footprint covers many texels (Williams 1983; Heckbert
-// 1989 for the elliptical filter). Immutable.
+// An image at successively halved resolutions, for lookups whose footprint covers many texels (Williams 1983;
+// Heckbert 1989 for the elliptical filter). Immutable.
 #pragma once
 
 #include <array>
@@ -22,12 +22,12 @@ struct ImageFilterSettings {
 
 class MipMap {
  public:
-  // One channel (the channel of the picture with that index), or three of them. A picture whose sides are not
-  // powers of two is first resampled to the next larger ones. Values keep the format of the picture; what is
-  // not finite becomes finite.
+  // One channel of the image, by its index, or three. An image whose sides are not powers of two is first
+  // resampled to the next larger ones. Values keep the format of the image; those that are not finite become
+  // finite.
   static MipMap Grey(const Image& image, int channel, WrapMode wrap);
   static MipMap Color(const Image& image, std::array<int, 3> channels, WrapMode wrap);
-  // One channel that holds the mean of three, in half precision at least.
+  // One channel that holds the mean of three, in at least half precision.
   static MipMap GreyOfColor(const Image& image, std::array<int, 3> channels, WrapMode wrap);
 
   int channels() const { return channels_; }
@@ -38,7 +38,7 @@ class MipMap {
   // A value as stored; x and y must be inside the level. For tests.
   float Texel(int level, int x, int y, int channel) const;
 
-  // The filtered value at st, (0, 0) being the upper left corner of the picture and (1, 1) the lower right
+  // The filtered value at st, where (0, 0) is the upper left corner of the image and (1, 1) the lower right
   // one. dst0 and dst1 span the footprint. Any argument is allowed, finite or not.
   float LookUpGrey(Point2 st, Vec2 dst0, Vec2 dst1,
                    const ImageFilterSettings& settings) const;  // of one channel
@@ -60,7 +60,7 @@ class MipMap {
   WrapMode wrap_ = WrapMode::kRepeat;
   int channels_ = 1;
   std::vector<Level> levels_;
-  std::vector<uint8_t> texels_;       // of all levels, with room for one load of 16 bytes behind the last
+  std::vector<uint8_t> texels_;       // of all levels, with room for one load of 16 bytes after the last
   std::array<float, 256> decoded_{};  // of kUint8: the linear values
 };
 

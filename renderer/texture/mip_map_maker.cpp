@@ -1,4 +1,4 @@
-// Builds the levels of a MipMap row by row, so that no more than a quarter of the picture is held as floats.
+// Builds the levels of a MipMap row by row, so that no more than a quarter of the image is held as floats.
 #include <immintrin.h>
 
 #include <bit>
@@ -50,7 +50,7 @@ float WindowedSinc(float x, float radius) {
   return std::abs(x) > radius ? 0 : Sinc(x) * Sinc(x / radius);
 }
 
-// How one resampled value follows from four neighbours (Lanczos filter of radius 2).
+// The weights of the four neighbours that make one resampled value (Lanczos filter of radius 2).
 struct ResampleWeight {
   int first = 0;
   std::array<float, 4> weight{};
@@ -74,7 +74,7 @@ std::vector<ResampleWeight> ResampleWeights(int old_size, int new_size) {
   return weights;
 }
 
-// The channels of interest of a picture, as finite linear floats.
+// The chosen channels of an image, as finite linear floats.
 class Source {
  public:
   Source(const Image& image, std::vector<int> channels, bool mean)
@@ -109,7 +109,7 @@ class Source {
   std::array<float, 256> decoded_;
 };
 
-// Gives the rows of a picture resampled to larger sides, from top to bottom.
+// Returns the rows of an image resampled to larger sides, from top to bottom.
 class Resampler {
  public:
   Resampler(const Source& source, int width, int height, WrapMode wrap)
@@ -130,7 +130,7 @@ class Resampler {
     for (size_t i = 0; i < count; ++i) {
       const float sum = w.weight[0] * rows[0][i] + w.weight[1] * rows[1][i] + w.weight[2] * rows[2][i] +
                         w.weight[3] * rows[3][i];
-      out[i] = std::max(0.0f, sum);  // the filter's negative lobes must not make light negative
+      out[i] = std::max(0.0f, sum);  // the negative lobes of the filter must not give negative light
     }
   }
 
@@ -230,7 +230,8 @@ class MipMapMaker {
     map_.texels_.resize(offset + kLoadSize);
   }
 
-  // Stores a level whose rows `read` gives, and returns the next one: each texel the mean of (up to) four.
+  // Stores a level, whose rows `read` returns, and returns the next one: each texel is the mean of up to
+  // four.
   std::vector<float> FillLevel(int i, const RowReader& read) {
     const MipMap::Level& level = map_.levels_[i];
     const int channels = map_.channels_;

@@ -30,7 +30,7 @@ float SmoothStep(float x, float a, float b) {
   return t * t * (3 - 2 * t);
 }
 
-// How many octaves the footprint leaves visible; the fraction belongs to a half faded one.
+// The number of octaves that are visible under the footprint; the fraction is the weight of the last one.
 float VisibleOctaves(Vec3 dpdx, Vec3 dpdy, int octaves) {
   const float length_squared = std::max(LengthSquared(dpdx), LengthSquared(dpdy));
   const float visible = -1 - std::log2(length_squared) / 2;

@@ -8,11 +8,12 @@
 namespace tessera {
 namespace {
 
-// Half as wide again as the footprint: a tent of that radius filters about as a box of the footprint's width.
+// 1.5 times as wide as the footprint: a tent of that radius filters about like a box of the width of the
+// footprint.
 constexpr float kTentRadius = 1.5f;
 
 // The second integral of the square wave that is +1 on [0, 1), -1 on [1, 2) and so on, up to a factor and a
-// linear function, which second differences do not see.
+// linear function, which cancel in second differences.
 float SquareWaveIntegral(float x) {
   const float half = x / 2;
   const float y = half - std::floor(half) - 0.5f;

@@ -5,12 +5,12 @@
 
 namespace tessera {
 
-// The share of the second colour of a checkerboard of unit squares or cubes, filtered by a tent as wide as
+// The weight of the second colour of a checkerboard of unit squares or cubes, filtered by a tent as wide as
 // the footprint: 0 or 1 inside a square, 1/2 under a wide footprint.
 float CheckerboardWeight(const TextureCoordinates2& c);
 float CheckerboardWeight(const TextureCoordinates3& c);
 
-// Whether a place is inside one of the dots, at most one to a unit square, moved and left out at random.
+// Whether a point is inside a dot. Each unit square has at most one, at a random position.
 bool InsideDot(Point2 st);
 
 struct NoiseSettings {

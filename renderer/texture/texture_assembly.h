@@ -1,4 +1,4 @@
-// Builds the lists of nodes. Bounds what one lookup can cost, and folds what is constant.
+// Builds the lists of nodes. Bounds the cost of a lookup and folds constants.
 #pragma once
 
 #include <map>
@@ -48,7 +48,7 @@ class TextureAssembly {
   TextureNodes Take() { return std::move(nodes_); }
 
  private:
-  // What a lookup of a node takes, with all below it.
+  // The cost of looking up a node with all its operands.
   struct Size {
     int depth = 0;
     int cost = 0;

@@ -38,7 +38,7 @@ struct TextureBuilder::State {
   std::map<std::string, FloatInput, std::less<>> floats;
   std::map<std::string, SpectrumTexture, std::less<>> spectra;
 
-  // "is a float texture, a spectrum texture is needed", or a suggestion.
+  // The message for a texture of the other type, or for an unknown one.
   template <typename Wanted, typename Other>
   static std::string Unknown(const std::string& name, const Wanted& wanted, std::string_view wanted_type,
                              const Other& other, std::string_view other_type) {
@@ -59,7 +59,8 @@ struct TextureBuilder::State {
     return input;
   }
 
-  // Refers only to textures that were added before, so this ends.
+  // Makes the nodes of one use, unless that was done before. The recursion ends because a texture refers only
+  // to textures that were added before it.
   Result<SpectrumInput> Variant(TextureBuilder& builder, SpectrumTexture& texture, SpectrumUse use) {
     std::optional<SpectrumInput>& variant = texture.variants[static_cast<int>(use)];
     if (variant) return *variant;
@@ -87,7 +88,7 @@ struct TextureBuilder::State {
       floats.emplace(description.name, *input);
       return {};
     }
-    // The widest use shows whatever is wrong; the others are made when something asks for them.
+    // The least restricted use is made now to find errors, the others when they are needed.
     SpectrumTexture texture{description, {}};
     const Result<SpectrumInput> input = Variant(builder, texture, SpectrumUse::kUnbounded);
     if (!input) return input.error();
@@ -119,8 +120,8 @@ std::optional<FloatInput> TextureBuilder::FindFloat(ParameterReader& reader, std
   return FloatInput{};
 }
 
-FloatInput TextureBuilder::Float(ParameterReader& reader, std::string_view name, float otherwise) {
-  return FindFloat(reader, name).value_or(FloatInput{otherwise, -1});
+FloatInput TextureBuilder::Float(ParameterReader& reader, std::string_view name, float default_value) {
+  return FindFloat(reader, name).value_or(FloatInput{default_value, -1});
 }
 
 std::optional<SpectrumInput> TextureBuilder::FindSpectrum(ParameterReader& reader, std::string_view name,
@@ -140,8 +141,8 @@ std::optional<SpectrumInput> TextureBuilder::FindSpectrum(ParameterReader& reade
 }
 
 SpectrumInput TextureBuilder::SpectrumOf(ParameterReader& reader, std::string_view name, SpectrumUse use,
-                                         const Spectrum& otherwise) {
-  return FindSpectrum(reader, name, use).value_or(SpectrumInput{otherwise, -1});
+                                         const Spectrum& default_value) {
+  return FindSpectrum(reader, name, use).value_or(SpectrumInput{default_value, -1});
 }
 
 TextureTable TextureBuilder::Finish() {

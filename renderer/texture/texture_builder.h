@@ -15,26 +15,27 @@ namespace tessera {
 
 class TextureBuilder {
  public:
-  // `files` and `images` must outlive the builder. `render_from_world` is put before every texture's
-  // transform.
+  // `files` and `images` must outlive the builder. `render_from_world` is applied after the transform of each
+  // texture.
   TextureBuilder(FileSource& files, ImageCache& images, const Transform& render_from_world);
   ~TextureBuilder();
 
-  // Adds every texture of a scene, in order. Fails at the first that is wrong, missing or not supported.
+  // Adds every texture of a scene, in order. Fails at the first that is invalid, missing or not supported.
   Result<void> Add(const SceneDescription& scene);
 
-  // `float name`, or `texture name` of a float texture, or the default; errors are remembered by the reader.
-  FloatInput Float(ParameterReader& reader, std::string_view name, float otherwise);
+  // Reads `float name`, or `texture name` of a float texture, else returns the default. The reader remembers
+  // errors.
+  FloatInput Float(ParameterReader& reader, std::string_view name, float default_value);
   std::optional<FloatInput> FindFloat(ParameterReader& reader, std::string_view name);
-  // `rgb`, `spectrum`, `blackbody` or `texture name` of a spectrum texture.
+  // The same for `rgb`, `spectrum`, `blackbody` or `texture name` of a spectrum texture.
   SpectrumInput SpectrumOf(ParameterReader& reader, std::string_view name, SpectrumUse use,
-                           const Spectrum& otherwise);
+                           const Spectrum& default_value);
   std::optional<SpectrumInput> FindSpectrum(ParameterReader& reader, std::string_view name, SpectrumUse use);
 
   FileSource& files() { return files_; }
   ImageCache& images() { return images_; }
 
-  // Call once, last: the builder is empty afterwards.
+  // Must be called once, last: the builder is empty afterwards.
   TextureTable Finish();
 
  private:

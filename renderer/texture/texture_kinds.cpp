@@ -10,19 +10,19 @@
 namespace tessera {
 namespace {
 
-constexpr int kOctavesMax = 64;  // the frequency of the last is then beyond float
+constexpr int kOctavesMax = 64;  // the frequency of a 65th would overflow a float
 
-// Reads operands as floats, or as spectra of one use.
+// Read operands as floats, or as spectra of one use.
 struct FloatMaker {
   using Input = FloatInput;
   static constexpr bool kIsFloat = true;
   TextureKindContext& context;
 
-  Input Operand(std::string_view name, float otherwise) {
-    return context.builder.Float(context.reader, name, otherwise);
+  Input Operand(std::string_view name, float default_value) {
+    return context.builder.Float(context.reader, name, default_value);
   }
-  Input Constant(std::string_view name, float otherwise) {
-    return {context.reader.Float(name, otherwise), -1};
+  Input Constant(std::string_view name, float default_value) {
+    return {context.reader.Float(name, default_value), -1};
   }
   std::optional<SpectrumUse> ImageUse() const { return std::nullopt; }
   std::optional<Input> Add(const FloatTextureNode& node, std::span<const Input> operands,
@@ -37,13 +37,13 @@ struct SpectrumMaker {
   TextureKindContext& context;
   SpectrumUse use;
 
-  Input Operand(std::string_view name, float otherwise) {
-    return context.builder.SpectrumOf(context.reader, name, use, Spectrum::Constant(otherwise));
+  Input Operand(std::string_view name, float default_value) {
+    return context.builder.SpectrumOf(context.reader, name, use, Spectrum::Constant(default_value));
   }
-  Input Constant(std::string_view name, float otherwise) {
-    return {
-        SpectrumParameter(context.reader, name, use, Spectrum::Constant(otherwise), context.builder.files()),
-        -1};
+  Input Constant(std::string_view name, float default_value) {
+    return {SpectrumParameter(context.reader, name, use, Spectrum::Constant(default_value),
+                              context.builder.files()),
+            -1};
   }
   std::optional<SpectrumUse> ImageUse() const { return use; }
   std::optional<Input> Add(const SpectrumTextureNode& node, std::span<const Input> operands,
@@ -129,7 +129,8 @@ typename Maker::Input MakeCheckerboard(Maker& maker) {
 template <typename Maker>
 typename Maker::Input MakeDots(Maker& maker) {
   const int mapping = Mapping2(maker.context);
-  // pbrt's renderer paints the dots with "outside" and the rest with "inside"; pictures must agree with its.
+  // pbrt-v4's renderer paints the dots with "outside" and the rest with "inside". This does the same, so that
+  // the pictures agree.
   const std::array<typename Maker::Input, 2> operands{maker.Operand("inside", 1),
                                                       maker.Operand("outside", 0)};
   return Add(maker, DotsTexture{mapping}, operands);

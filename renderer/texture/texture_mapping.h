@@ -8,7 +8,7 @@ namespace tessera {
 
 class ParameterReader;
 
-// A place in a two-dimensional texture and its change per pixel of the image. Always finite.
+// A point of a two-dimensional texture and its change per pixel of the image. Always finite.
 struct TextureCoordinates2 {
   Point2 st;
   Vec2 dx, dy;

@@ -41,7 +41,7 @@ struct TextureNodes {
   std::vector<FloatInput> float_operands;
   std::vector<SpectrumInput> spectrum_operands;
   std::vector<TextureMapping> mappings;
-  std::vector<std::shared_ptr<const MipMap>> maps;  // shared with other scenes that have the same picture
+  std::vector<std::shared_ptr<const MipMap>> maps;  // shared with other scenes that have the same image
 };
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// What lies beyond the border of a picture.
+// What an image shows beyond its border.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace tessera {
 
 enum class WrapMode : uint8_t { kRepeat, kBlack, kClamp, kOctahedralSphere };
 
-// Moves a texel's place inside a width x height picture; false: it is black.
+// Maps the coordinates of a texel into an image of width x height. Returns false if the texel is black.
 inline bool Remap(int& x, int& y, int width, int height, WrapMode wrap) {
   if (static_cast<unsigned>(x) < static_cast<unsigned>(width) &&
       static_cast<unsigned>(y) < static_cast<unsigned>(height)) {

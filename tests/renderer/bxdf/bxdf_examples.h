@@ -1,4 +1,4 @@
-// One BxDF of every kind and condition, for tests that hold of all of them.
+// BxDFs of every kind, smooth and rough, for tests of properties that all of them have.
 #pragma once
 
 #include <string>

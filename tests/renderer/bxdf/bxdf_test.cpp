@@ -1,4 +1,4 @@
-// What holds of every kind: samples follow the density, light can be turned round, energy is not made.
+// Properties of every kind: samples follow the density, reflection is reciprocal, no energy is created.
 #include "renderer/bxdf/bxdf.h"
 
 #include <gtest/gtest.h>
@@ -98,7 +98,7 @@ double Albedo(const Bxdf& bxdf, Vec3 wo, int sample_count, TestRandom& random) {
   return sum / sample_count;
 }
 
-TEST(Bxdf, NoEnergyIsMade) {
+TEST(Bxdf, NoEnergyIsCreated) {
   TestRandom random(8);
   std::vector<BxdfExample> examples = RoughExamples();
   for (const BxdfExample& example : SpecularExamples()) examples.push_back(example);
@@ -131,7 +131,7 @@ TEST(Bxdf, SpecularKindsHaveNoDensity) {
   }
 }
 
-TEST(Bxdf, RoughGlassFadesIntoSmoothGlass) {
+TEST(Bxdf, RoughGlassConvergesToSmoothGlass) {
   TestRandom random(10);
   const Vec3 wo = DirectionAt(0.7f, 0);
   for (const float side : {1.0f, -1.0f}) {
@@ -147,7 +147,7 @@ TEST(Bxdf, RoughGlassFadesIntoSmoothGlass) {
   }
 }
 
-TEST(Bsdf, TurnsWithItsFrame) {
+TEST(Bsdf, IsEvaluatedInItsShadingFrame) {
   const Normal3 n = Normalize({1, 2, 3});
   const Bsdf bsdf(n, {1, 0, 0}, DiffuseBxdf(FourColors()));
   const auto sample = bsdf.Sample(n, 0.5f, {0.2f, 0.7f});

@@ -65,7 +65,7 @@ TEST(CoatedDiffuse, ClosedFormCountsTheHitsOfAShortWalk) {
   for (const int depth_max : {0, 1, 2, 3, 4, 30}) ExpectAgreement(0.2f, 1, 0.01f, depth_max);
 }
 
-// The albedo by sampling: what a uniform surrounding of radiance 1 makes of it.
+// The albedo by sampling: the radiance in a uniform environment of radiance 1.
 template <typename AnyBxdf>
 Mean Furnace(const AnyBxdf& bxdf, float cos_o, int sample_count) {
   TestRandom random(17);
@@ -95,7 +95,7 @@ TEST(CoatedDiffuse, WhiteFurnaceLosesWhatSingleScatteringLosesUnderARoughCoat) {
   EXPECT_LT(last, 0.9);
 }
 
-TEST(CoatedDiffuse, SamplingFollowsTheLightSoThatWeightsVaryLittle) {
+TEST(CoatedDiffuse, WeightsOfSamplesVaryLittle) {
   const CoatedDiffuseBxdf grey = TestCoated(0.1f, SampledSpectrum(0.5f));
   for (const float cos_o : {1.0f, 0.5f}) {
     const Mean albedo = Furnace(grey, cos_o, 10000);
@@ -128,7 +128,7 @@ void ExpectSameCoat(const CoatLookup& a, const CoatLookup& b, float tolerance) {
   EXPECT_NEAR(a.mean_transmittance(), b.mean_transmittance(), tolerance);
 }
 
-TEST(CoatTable, RowsBetweenTheTabulatedAreInterpolatedWell) {
+TEST(CoatTable, InterpolatedRowsAreCloseToComputedOnes) {
   const CoatTable over_alpha = CoatTable::OverAlpha(1.5f, 0.01f);
   for (const float alpha : {0.0f, 0.11f, 0.52f, 0.97f}) {
     ExpectSameCoat(over_alpha.At(alpha), TestCoat(alpha, 0.01f).At(0), 0.006f);
@@ -137,7 +137,7 @@ TEST(CoatTable, RowsBetweenTheTabulatedAreInterpolatedWell) {
   ExpectSameCoat(over_eta.At(1.5f), TestCoat(0, 0.01f).At(0), 0.001f);
 }
 
-TEST(CoatTable, SmoothCoatIsFresnelsFormula) {
+TEST(CoatTable, SmoothCoatAgreesWithFresnelsFormula) {
   const CoatLookup coat = TestCoat(0, 0.01f).At(0);
   for (float cos_theta = 0.005f; cos_theta <= 1; cos_theta += 0.01f) {
     const float fresnel = FrDielectric(cos_theta, 1.5f);
@@ -147,7 +147,7 @@ TEST(CoatTable, SmoothCoatIsFresnelsFormula) {
   }
 }
 
-TEST(CoatTable, AnglesOutOfRangeStayInside) {
+TEST(CoatTable, AnglesOutOfRangeAreClamped) {
   const CoatLookup coat = TestCoat(0, 0.01f).At(0);
   EXPECT_EQ(coat.At(NAN).reflectance, 1);
   EXPECT_EQ(coat.At(-1).reflectance, 1);

@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-// Fresnel's equations as every textbook has them, in double precision.
+// Fresnel's equations in their textbook form, in double precision.
 double ReferenceFresnel(double cos_i, std::complex<double> eta) {
   using C = std::complex<double>;
   const C cos_t = std::sqrt(C(1) - (1 - cos_i * cos_i) / (eta * eta));
@@ -27,7 +27,7 @@ TEST(Fresnel, ConductorAgreesWithComplexArithmetic) {
   }
 }
 
-TEST(Fresnel, ConductorOfNoIndexIsBlackNotNan) {
+TEST(Fresnel, ConductorWithoutAnIndexIsBlackAndNotNan) {
   EXPECT_FALSE(AnyNonZero(FrConductor(1, SampledSpectrum(0.0f), SampledSpectrum(0.0f))));
 }
 

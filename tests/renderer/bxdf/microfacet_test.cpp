@@ -30,7 +30,7 @@ TEST(Microfacets, ProjectToTheAreaOfTheSurface) {
   }
 }
 
-TEST(Microfacets, VisibleOnesProjectToTheAreaOfTheBeam) {
+TEST(Microfacets, VisibleNormalsProjectToTheAreaOfTheBeam) {
   for (const MicrofacetDistribution& d : kDistributions) {
     for (const float cos_o : {0.9f, 0.3f}) {
       const Vec3 w = DirectionAt(cos_o, 0.7f);
@@ -85,7 +85,7 @@ TEST(Microfacets, SmoothIsDecidedByTheRougherAxis) {
   EXPECT_FLOAT_EQ(MicrofacetDistribution::AlphaFromRoughness(0.09f), 0.3f);
 }
 
-TEST(Microfacets, WhatATextureShouldNotHoldIsHarmless) {
+TEST(Microfacets, InvalidValuesOfTexturesAreHarmless) {
   EXPECT_TRUE(MicrofacetDistribution(NAN, -1).IsSmooth());
   EXPECT_EQ(MicrofacetDistribution(INFINITY, NAN).alpha_x(), MicrofacetDistribution::kAlphaMax);
   EXPECT_EQ(MicrofacetDistribution::AlphaFromRoughness(NAN), 0);

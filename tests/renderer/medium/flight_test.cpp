@@ -32,7 +32,7 @@ struct Means {
   Four passed{}, scattered{}, emitted{}, passed_count{};
 };
 
-// What kFlights flights over `length` bring on average: with each wavelength deciding in turn. make(turn) is
+// The means of kFlights flights over `length`, with each wavelength deciding in turn. make(turn) is
 // a medium ray.
 template <typename MakeMedium>
 Means FlyOften(const MakeMedium& make, float length) {
@@ -84,7 +84,7 @@ struct Homogeneous {
   HomogeneousRay operator()(int turn) const { return HomogeneousRay(turned[turn]); }
 };
 
-TEST(Flight, UniformMediaPassScatterAndEmitAsTheClosedFormsSay) {
+TEST(Flight, UniformMediaAgreeWithTheClosedForms) {
   const Homogeneous medium;
   for (const float length : {0.05f, 1.0f, 4.0f}) {
     const Means means = FlyOften(medium, length);
@@ -101,7 +101,7 @@ TEST(Flight, UniformMediaPassScatterAndEmitAsTheClosedFormsSay) {
   }
 }
 
-TEST(Flight, WhatOnlyAbsorbsIsFreeOfChance) {
+TEST(Flight, MediaThatOnlyAbsorbHaveNoNoise) {
   const HomogeneousCoefficients tea{{0.1f, 0.5f, 0, 2}, {}, {}};
   for (const float u : {0.0f, 0.3f, 0.9999f}) {
     const Ray ray;
@@ -114,7 +114,7 @@ TEST(Flight, WhatOnlyAbsorbsIsFreeOfChance) {
   }
 }
 
-TEST(Flight, NothingReturnsFromAnInfiniteMediumButItsGlow) {
+TEST(Flight, InfiniteMediumReturnsOnlyItsEmission) {
   const Homogeneous medium;
   const Means means = FlyOften(medium, kNothingElse);
   ExpectNear(means.passed, {0, 0, 0, 0}, 0, "passed");
@@ -133,7 +133,7 @@ TEST(Flight, TransmittanceOfShadowRaysIsExactWhereTheMediumIsUniform) {
   EXPECT_EQ(ToFour(weights.r_l), (Four{1, 1, 1, 1}));
 }
 
-TEST(Flight, ThinMediaWithoutEndAreLeftBeforeFloatsOverflow) {
+TEST(Flight, InfiniteThinMediaAreLeftBeforeFloatsOverflow) {
   const HomogeneousCoefficients thin{{}, SampledSpectrum(1e-30f), {}};
   const Ray ray;
   FlightRandom numbers(ray, 0.5f);
@@ -149,8 +149,8 @@ TEST(Flight, PathsAndShadowRaysAgreeOnTheRatioOfTheirDensities) {
   const Homogeneous medium;
   const Ray ray;
   for (int turn = 0; turn < 4; ++turn) {
-    FlightRandom numbers(ray,
-                         0);  // the longest way before a collision is at the end of the range, so take ...
+    FlightRandom numbers(ray, 0);
+    // The largest number gives the longest flight, which passes.
     FlightRandom late(ray, 0x1.fffffep-1f);
     PathWeights shadow, path;
     float t = 0;
@@ -214,7 +214,7 @@ RisingMeans IntegrateRising(double length) {
   return means;
 }
 
-TEST(Flight, NullCollisionsLeaveTheMeansOfMediaThatVary) {
+TEST(Flight, NullCollisionsKeepTheMeansOfVaryingMedia) {
   for (const float length : {0.6f, 2.0f, 5.0f}) {
     const RisingMeans expected = IntegrateRising(static_cast<double>(length));
     const Means means = FlyOften([](int turn) { return RisingMedium(turn); }, length);
@@ -224,7 +224,7 @@ TEST(Flight, NullCollisionsLeaveTheMeansOfMediaThatVary) {
   }
 }
 
-TEST(Flight, RatioTrackingFindsTheTransmittanceOfMediaThatVary) {
+TEST(Flight, RatioTrackingEstimatesTheTransmittanceOfVaryingMedia) {
   for (const float length : {0.6f, 2.0f, 5.0f}) {
     const RisingMeans expected = IntegrateRising(static_cast<double>(length));
     const Four mean = MeanTransmittance([](int turn) { return RisingMedium(turn); }, length);
@@ -232,7 +232,7 @@ TEST(Flight, RatioTrackingFindsTheTransmittanceOfMediaThatVary) {
   }
 }
 
-TEST(Flight, TheIntegralOfTheExponentialHoldsForSmallAndLargeDepths) {
+TEST(Flight, IntegralOfTheExponentialIsExactForSmallAndLargeDepths) {
   for (const float t : {1e-6f, 0.3f, 5.0f, 3e38f}) {
     const SampledSpectrum found = IntegralOfExp({0, 1e-5f, 0.033f, 40}, t);
     const Four sigma{0, static_cast<double>(1e-5f), static_cast<double>(0.033f), 40};

@@ -79,7 +79,8 @@ TEST(Medium, PositiveAsymmetryScattersForward) {
   EXPECT_GT(phase.Evaluate({0, 0, 1}, {0, 0, -1}), phase.Evaluate({0, 0, 1}, {0, 0, 1}));
 }
 
-// The luminance of a given spectrum does not count, as for lights; that of an RGB colour does.
+// As for lights, emission given as a spectrum is normalised to luminance 1; an RGB colour keeps its
+// magnitude.
 TEST(Medium, EmissionHasUnitLuminanceTimesItsScale) {
   const auto luminance = [](const BuiltMedia& built) {
     double sum = 0, weight = 0;
@@ -143,7 +144,7 @@ TEST(Medium, UnknownPresetIsAWarningAndTheCoefficientsApply) {
   ExpectAll(CoefficientsOf(built, kWavelengths).sigma_a, 0);
 }
 
-TEST(Medium, WhatIsWrongIsNamedWithItsPlace) {
+TEST(Medium, ErrorsNameTheirPlace) {
   EXPECT_EQ(Homogeneous("\"float g\" 1.5").error, "m.pbrt:3:49: g must lie between -1 and 1");
   EXPECT_EQ(Homogeneous("\"float scale\" -1").error, "m.pbrt:3:49: scale must not be negative");
   EXPECT_EQ(Homogeneous("\"rgb sigma_s\" [ 3e38 0 3e38 ]").error,
@@ -153,11 +154,11 @@ TEST(Medium, WhatIsWrongIsNamedWithItsPlace) {
   EXPECT_NE(
       Homogeneous("\"float sigma\" 1").error.find("unknown parameter \"float sigma\" of MakeNamedMedium"),
       std::string::npos);
-  // A preset stands for both coefficients: one of them beside it would be ignored.
+  // A preset sets both coefficients: one of them beside it would be ignored.
   EXPECT_NE(Homogeneous("\"string preset\" \"Marble\" \"rgb sigma_a\" [ 1 1 1 ]").error, "");
 }
 
-TEST(Medium, KindsThatAreNotSupportedAreNamedWithTheirPlace) {
+TEST(Medium, UnsupportedKindsAreNamedWithTheirPlace) {
   for (const std::string kind : {"uniformgrid", "rgbgrid", "cloud", "nanovdb"}) {
     const std::string text =
         "MakeNamedMedium \"m\" \"string type\" \"" + kind + "\" \"float density\" [ 1 2 ]";

@@ -23,7 +23,7 @@ TEST(PhaseFunction, SampledDirectionsFollowTheirPdf) {
   }
 }
 
-TEST(PhaseFunction, ASampleReportsItsDensityAndIsOfUnitLength) {
+TEST(PhaseFunction, SamplesHaveTheirDensityAndUnitLength) {
   TestRandom random(1);
   for (const float g : kAsymmetries) {
     const PhaseFunction phase(g);

@@ -46,7 +46,7 @@ std::vector<float> RandomValues(size_t count, unsigned seed) {
   return values;
 }
 
-// What bilinear interpolation of a level means, written out. Repeats.
+// Bilinear interpolation of a level, written out, of a repeating image.
 float BilinearOf(const MipMap& map, int level, Point2 st) {
   const int w = std::max(1, map.width() >> level), h = std::max(1, map.height() >> level);
   const float x = st.x * w - 0.5f, y = st.y * h - 0.5f;
@@ -57,7 +57,7 @@ float BilinearOf(const MipMap& map, int level, Point2 st) {
          dy * ((1 - dx) * texel(xi, yi + 1) + dx * texel(xi + 1, yi + 1));
 }
 
-TEST(MipMap, AConstantPictureIsThatConstantWhateverTheFilterAndFootprint) {
+TEST(MipMap, ConstantImageGivesItsConstantForEveryFilterAndFootprint) {
   const Image pictures[] = {FloatImage(8, 4, 1, std::vector<float>(32, 0.3f)),
                             FloatImage(5, 7, 1, std::vector<float>(35, 0.3f)),
                             ByteImage(6, 6, 1, std::vector<uint8_t>(36, 100))};
@@ -94,7 +94,7 @@ TEST(MipMap, EachLevelIsTheMeanOfFourTexelsOfTheOneBelow) {
   }
 }
 
-TEST(MipMap, SidesThatAreNoPowersOfTwoAreResampledWithoutChangingTheMean) {
+TEST(MipMap, ResamplingToPowersOfTwoKeepsTheMean) {
   std::vector<float> ramp;
   for (int y = 0; y < 12; ++y) {
     for (int x = 0; x < 24; ++x) ramp.push_back(static_cast<float>(x) + 0.5f);
@@ -106,7 +106,7 @@ TEST(MipMap, SidesThatAreNoPowersOfTwoAreResampledWithoutChangingTheMean) {
   EXPECT_NEAR(map.Texel(map.levels() - 1, 0, 0, 0), 12, 0.1f);
 }
 
-TEST(MipMap, EightBitPicturesStayEightBitAndDecodeAsTheyWere) {
+TEST(MipMap, EightBitImagesKeepTheirValues) {
   std::vector<uint8_t> values(256);
   for (int i = 0; i < 256; ++i) values[i] = static_cast<uint8_t>(i);
   const Image picture = ByteImage(16, 16, 1, values);
@@ -137,7 +137,7 @@ TEST(MipMap, TrilinearLookupsBlendTheTwoLevelsNextToTheFootprint) {
   }
 }
 
-TEST(MipMap, SmallFootprintsSeeTheFinestLevelAndWideOnesTheMean) {
+TEST(MipMap, SmallFootprintsUseTheFinestLevelAndWideOnesTheMean) {
   const int size = 16;
   const MipMap map =
       MipMap::Grey(FloatImage(size, size, 1, RandomValues(size * size, 4)), 0, WrapMode::kRepeat);
@@ -169,7 +169,7 @@ TEST(MipMap, TheEllipticalFilterKeepsStripesThatLieAlongItsFootprint) {
               0.1f);
 }
 
-TEST(MipMap, EveryWrapModeContinuesThePictureInItsWay) {
+TEST(MipMap, EveryWrapModeExtendsTheImageAsNamed) {
   const std::vector<float> values{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
   const auto at = [&](WrapMode wrap, int x, int y) {
     const MipMap map = MipMap::Grey(FloatImage(4, 4, 1, values), 0, wrap);
@@ -211,7 +211,7 @@ TEST(MipMap, ColorsKeepTheirChannelsInEveryFormat) {
   EXPECT_EQ(blue(floats, {0, 1, 2}), 0.25f);
 }
 
-TEST(MipMap, NothingInAPictureOrALookupMakesTheResultInfinite) {
+TEST(MipMap, ResultIsFiniteForAnyImageAndAnyLookup) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const float kNan = std::nanf("");
   const MipMap map =

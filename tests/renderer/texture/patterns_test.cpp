@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-TEST(Checkerboard, ANarrowFootprintSeesTheSquaresThemselves) {
+TEST(Checkerboard, NarrowFootprintsShowTheSquaresUnfiltered) {
   for (const Point2 st :
        {Point2{0.5f, 0.5f}, Point2{1.5f, 1.5f}, Point2{-0.5f, -0.5f}, Point2{2.5f, -1.5f}}) {
     const int parity = static_cast<int>(std::floor(st.x) + std::floor(st.y) + 100) % 2;
@@ -22,7 +22,7 @@ TEST(Checkerboard, ANarrowFootprintSeesTheSquaresThemselves) {
   EXPECT_EQ(CheckerboardWeight(TextureCoordinates3{{-0.5f, 1.5f, -0.5f}, {}, {}}), 1);
 }
 
-TEST(Checkerboard, AWideFootprintSeesHalfOfEach) {
+TEST(Checkerboard, WideFootprintsShowHalfOfEachColor) {
   std::mt19937 random(1);
   for (int i = 0; i < 100; ++i) {
     const float s = static_cast<float>(random() % 1000) / 100, t = static_cast<float>(random() % 1000) / 100;
@@ -64,7 +64,7 @@ TEST(Checkerboard, FootprintsThatAreNotFiniteGiveAFiniteWeight) {
   EXPECT_EQ(CheckerboardWeight(TextureCoordinates2{{1, 2}, {1e30f, 0}, {}}), 0.5f);
 }
 
-TEST(Noise, IsPerlinsOfTheSamePermutation) {
+TEST(Noise, AgreesWithPerlinsReferenceImplementation) {
   // From an implementation of the 2002 article in another language.
   EXPECT_FLOAT_EQ(Noise({0.5f, 0.5f, 0.5f}), -0.125f);
   EXPECT_NEAR(Noise({1.25f, 2.5f, 3.75f}), -0.03836346f, 1e-6f);
@@ -72,7 +72,7 @@ TEST(Noise, IsPerlinsOfTheSamePermutation) {
   EXPECT_NEAR(Noise({255.5f, 0.25f, -0.5f}), -0.29736328f, 1e-6f);
 }
 
-TEST(Noise, IsZeroAtWholePlacesAndBetweenMinusOneAndOne) {
+TEST(Noise, IsZeroAtIntegerPointsAndWithinMinusOneAndOne) {
   std::mt19937 random(4);
   const auto draw = [&random] { return static_cast<float>(random() % 100000) / 1000 - 50; };
   float least = 0, most = 0;
@@ -101,7 +101,7 @@ TEST(Noise, OctavesFinerThanTheFootprintFadeOut) {
   for (int i = 0; i < 100; ++i) EXPECT_GE(Turbulence(p * (0.37f * i), {0.1f, 0, 0}, {}, 0.5f, 6), 0);
 }
 
-TEST(Dots, CoverTheirCellsAsFarAsTheirRadiusReaches) {
+TEST(Dots, CoverTheExpectedFractionOfTheSurface) {
   constexpr int kCells = 100;
   int with_dot = 0, inside = 0;
   for (int i = 0; i < kCells * kCells; ++i) {

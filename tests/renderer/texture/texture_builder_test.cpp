@@ -73,7 +73,7 @@ TEST(TextureBuilder, DirectionMixFollowsTheNormal) {
   EXPECT_NEAR(FloatOf(mix, context), 20, 1e-5f);
 }
 
-TEST(TextureBuilder, BilerpMeetsItsCorners) {
+TEST(TextureBuilder, BilerpHasTheValuesOfItsCorners) {
   const std::string bilerp =
       R"(Texture "t" "float" "bilerp" "float v00" 1 "float v01" 2 "float v10" 3 "float v11" 4)";
   EXPECT_EQ(FloatOf(bilerp, ContextAtUv(0, 0)), 1);
@@ -139,7 +139,7 @@ TEST(TextureBuilder, ScalingAnImageByAConstantChangesItsOwnScaleAsInPbrt) {
   EXPECT_FLOAT_EQ(FloatOf(other_way, ContextAtUv(0.75f, 0.75f), kPicture), 1);
 }
 
-TEST(TextureBuilder, AFloatTextureOfAColorPictureIsItsMean) {
+TEST(TextureBuilder, FloatTextureOfAColorImageIsItsMean) {
   const std::map<std::string, std::string> files{{"a.pfm", FloatMap(1, 1, {0.25f, 0.5f, 1.5f})}};
   EXPECT_FLOAT_EQ(FloatOf(kUsesPicture, ContextAtUv(0, 0), files), 0.75f);
   EXPECT_FLOAT_EQ(FloatOf(kUsesPicture + "\"string filter\" \"ewa\"", ContextAtUv(0, 0), files), 0.25f);
@@ -156,7 +156,7 @@ TEST(TextureBuilder, SpectrumImagesDependOnTheirUse) {
   EXPECT_NEAR(SpectrumOf(picture, context, SpectrumUse::kIlluminant, files) / (3 * white), 1, 1e-2f);
 }
 
-TEST(TextureBuilder, AColorPictureLooksLikeTheSameColorGivenAsConstant) {
+TEST(TextureBuilder, ColorImageEqualsTheSameColorAsConstant) {
   TextureScene scene({{"a.pfm", FloatMap(1, 1, {0.8f, 0.3f, 0.1f})}});
   ASSERT_EQ(scene.Build(R"(Texture "t" "spectrum" "imagemap" "string filename" "a.pfm")",
                         R"("texture a" "t" "rgb b" [0.8 0.3 0.1])"),
@@ -170,7 +170,7 @@ TEST(TextureBuilder, AColorPictureLooksLikeTheSameColorGivenAsConstant) {
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(a[i], b[i], 2e-3f);
 }
 
-TEST(TextureBuilder, PicturesAreKeptOnceForAllTexturesThatUseThem) {
+TEST(TextureBuilder, ImagesAreKeptOnceForAllTexturesThatUseThem) {
   TextureScene scene(kPicture);
   std::string textures;
   for (const std::string name : {"a", "b", "c"}) {
@@ -214,7 +214,7 @@ TEST(TextureBuilder, DotsArePaintedAsInPbrtWithInsideAndOutsideSwapped) {
   EXPECT_GT(inside, 20);
 }
 
-TEST(TextureBuilder, NamesOfTheTwoTypesDoNotMeet) {
+TEST(TextureBuilder, FloatAndSpectrumTexturesHaveSeparateNames) {
   TextureScene scene;
   ASSERT_EQ(scene.Build(R"(Texture "t" "float" "constant" "float value" 2
                            Texture "t" "spectrum" "constant" "rgb value" [0.5 0.5 0.5])",
@@ -224,7 +224,7 @@ TEST(TextureBuilder, NamesOfTheTwoTypesDoNotMeet) {
   EXPECT_NEAR(scene.SpectrumInputOf("a").constant.At(500), 0.5f, 1e-3f);
 }
 
-TEST(TextureBuilder, AnAlbedoAboveOneIsAnErrorOnlyWhereAnAlbedoIsWanted) {
+TEST(TextureBuilder, AlbedoAboveOneIsAnErrorOnlyWhereAnAlbedoIsExpected) {
   TextureScene scene;
   ASSERT_EQ(scene.Build(R"(Texture "t" "spectrum" "constant" "rgb value" [2 2 2])", R"("texture a" "t")"),
             "");
@@ -234,7 +234,7 @@ TEST(TextureBuilder, AnAlbedoAboveOneIsAnErrorOnlyWhereAnAlbedoIsWanted) {
   EXPECT_THAT(scene.error(), testing::StartsWith("a.pbrt:2:35: "));
 }
 
-TEST(TextureErrors, NameTheirPlaceAndWhatWasMeant) {
+TEST(TextureErrors, NameTheirPlaceAndSuggestNames) {
   TextureScene scene;
   ASSERT_EQ(scene.Build(R"(Texture "wood" "spectrum" "constant"
 Texture "bump" "float" "constant")",
@@ -248,7 +248,7 @@ Texture "bump" "float" "constant")",
   EXPECT_EQ(scene.error(), "a.pbrt:4:57: texture \"wood\" is a spectrum texture, expected a float texture");
 }
 
-TEST(TextureErrors, AreGivenWhenTexturesAreAdded) {
+TEST(TextureErrors, AreReportedWhenTexturesAreAdded) {
   EXPECT_EQ(ErrorOf(R"(Texture "t" "float" "imagmap")"),
             "a.pbrt:2:1: unknown float texture \"imagmap\" (did you mean \"imagemap\"?)");
   EXPECT_EQ(ErrorOf(R"(Texture "t" "spectrum" "ptex" "string filename" "a.ptx")"),
@@ -287,7 +287,7 @@ TEST(TextureErrors, OfImagesNameTheFile) {
             "a.pbrt:2:58: maxanisotropy is 0.5, expected at least 1");
 }
 
-TEST(TextureErrors, AChainThatDoublesIsRefusedBeforeItIsEvaluated) {
+TEST(TextureErrors, ChainThatDoublesIsRefusedBeforeItIsEvaluated) {
   std::string textures = "Texture \"t0\" \"float\" \"checkerboard\"\n";
   for (int i = 1; i < 40; ++i) {
     const std::string before = "\"t" + std::to_string(i - 1) + "\"";

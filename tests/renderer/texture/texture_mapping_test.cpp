@@ -69,7 +69,7 @@ TEST(TextureMapping, PlanarProjectsOnTwoAxes) {
   EXPECT_FLOAT_EQ(c.dy.y, 0.04f);
 }
 
-// The change of st when the point moves by a small share of dpdx or dpdy.
+// The change of st when the point moves by a small fraction of dpdx or dpdy.
 Vec2 Difference(const TextureMapping& mapping, TextureContext context, Vec3 step) {
   constexpr float kShare = 0.05f;
   const Point2 from = mapping.Map2(context).st;
