@@ -196,7 +196,7 @@ Result<RadianceTile> DecodeRadianceTile(std::string_view bytes) {
   const auto header = ReadHeader(body);
   if (!header) return header.error();
   if (std::memcmp(Sha256(body).bytes.data(), bytes.data() + body.size(), kCheckSize) != 0) {
-    return Failed("radiance tile: checksum mismatch: the bytes were damaged on the way");
+    return Failed("radiance tile: checksum mismatch: the bytes were corrupted in transit");
   }
   if (auto ok = CheckHeader(*header); !ok) return ok.error();
   RadianceTile tile;

@@ -65,7 +65,6 @@ PENDING = {
     "coordinator/store/blob_room.h",
     "coordinator/store/blob_store.h",
     "renderer/film/adaptive.h",
-    "renderer/film/radiance_tile.cpp",
     "renderer/math/motion.h",
     "renderer/math/transform.h",
     "renderer/scene/scene.h",
