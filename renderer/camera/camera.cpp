@@ -22,11 +22,9 @@ constexpr KindTable<CameraReader> kCameraTable("camera", kCameras);
 
 }  // namespace
 
-Result<Camera> Camera::Read(const Entity& entity, const TransformPair& camera_from_world, int width,
-                            int height) {
+Result<Camera> Camera::Read(const Entity& entity, const Transform& camera_from_world, int width, int height) {
   const Kind<CameraReader>* kind = kCameraTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kCameraTable.Refusal(entity.kind));
-  TESSERA_CHECK(!camera_from_world.IsAnimated());
   ParameterReader reader(entity);
   Camera camera;
   camera.shutter_open_ = reader.Float("shutteropen", 0);
@@ -37,7 +35,7 @@ Result<Camera> Camera::Read(const Entity& entity, const TransformPair& camera_fr
   camera.kind_ = kind->reader({reader, width, height});
   if (Result<void> done = reader.Finish(); !done) return done.error();
 
-  const Transform world_from_camera = camera_from_world.start.Inverse();
+  const Transform world_from_camera = camera_from_world.Inverse();
   const Point3 eye = world_from_camera.ToPoint({0, 0, 0});
   camera.render_from_world_ = Translate(-eye);
   camera.render_from_camera_ = camera.render_from_world_ * world_from_camera;

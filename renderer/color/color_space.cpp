@@ -39,7 +39,7 @@ bool IsGrey(Rgb rgb) {
 
 }  // namespace
 
-// Fills in what no one else may change.
+// Fills in the members that are constant afterwards.
 struct ColorSpaceMaker {
   static ColorSpace Make(const RgbPrimaries& primaries, const float* table) {
     const Matrix3d xyz_from_rgb = XyzFromRgb(primaries);

@@ -21,7 +21,7 @@ using Rgb = Vec3;
 class ColorSpace {
  public:
   static const ColorSpace& Srgb();
-  // "srgb", "dci-p3", "rec2020", "aces2065-1" in any case; nullptr for another name.
+  // "srgb", "dci-p3", "rec2020", "aces2065-1" in any case; nullptr for any other name.
   static const ColorSpace* Named(std::string_view name);
 
   std::string_view name() const { return name_; }
@@ -36,10 +36,10 @@ class ColorSpace {
   // The same by interpolation in a table, fast enough for every texture lookup.
   SigmoidPolynomial AlbedoPolynomialFast(Rgb rgb) const;
   // An RGB triple as a spectrum of the given use; sRGB by the table, so that a constant and a texture of the
-  // same colour, and pbrt, agree; other spaces exactly, for a table of theirs is not built before a texture
-  // needs it.
+  // same colour, and pbrt, agree; other spaces exactly, because their tables are only built when a texture
+  // needs them.
   Spectrum ToSpectrum(Rgb rgb, SpectrumUse use) const;
-  // The same for texture lookups, evaluated at once.
+  // The same for texture lookups, evaluated immediately.
   SampledSpectrum SampleFast(Rgb rgb, SpectrumUse use, const SampledWavelengths& wavelengths) const;
 
  private:

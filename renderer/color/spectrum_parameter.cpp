@@ -13,8 +13,8 @@ std::optional<Spectrum> FindSpectrumParameter(ParameterReader& reader, std::stri
 }
 
 Spectrum SpectrumParameter(ParameterReader& reader, std::string_view name, SpectrumUse use,
-                           const Spectrum& otherwise, FileSource& files) {
-  return FindSpectrumParameter(reader, name, use, files).value_or(otherwise);
+                           const Spectrum& default_value, FileSource& files) {
+  return FindSpectrumParameter(reader, name, use, files).value_or(default_value);
 }
 
 }  // namespace tessera

@@ -9,12 +9,12 @@
 namespace tessera {
 
 // Checks ranges (an albedo in [0, 1], no negative component) and reads spectrum files from `files`. Errors
-// carry the parameter's place.
+// have the parameter's place.
 Result<Spectrum> MakeSpectrum(const SpectrumValue& value, SpectrumUse use, FileSource& files);
 
-// The rgb, spectrum or blackbody parameter `name`, or `otherwise`; errors are remembered by the reader.
+// The rgb, spectrum or blackbody parameter `name`, or `default_value`; errors are remembered by the reader.
 Spectrum SpectrumParameter(ParameterReader& reader, std::string_view name, SpectrumUse use,
-                           const Spectrum& otherwise, FileSource& files);
+                           const Spectrum& default_value, FileSource& files);
 std::optional<Spectrum> FindSpectrumParameter(ParameterReader& reader, std::string_view name, SpectrumUse use,
                                               FileSource& files);
 

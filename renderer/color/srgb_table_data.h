@@ -3,7 +3,7 @@
 
 namespace tessera {
 
-// kRgbTableFloats and one more.
+// kRgbTableFloats floats and one more.
 const float* SrgbTable();
 
 }  // namespace tessera

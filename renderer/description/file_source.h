@@ -19,18 +19,20 @@ namespace tessera {
 constexpr uint64_t kSceneFileSizeMax = uint64_t{4} << 30;  // bytes: larger than any asset we have met
 
 // Gives the bytes of a file by the name that the scene uses for it, and what was made of these bytes before,
-// for whatever scene: the frames of a sequence share most of their files. Thread safe.
+// for this or another scene: the frames of a sequence share most of their files. Thread safe.
 class FileSource {
  public:
   FileSource() = default;
-  // `cache` holds what is made of files; sources may share it.
+  // `cache` holds what is made of files; sources may share it. Nothing is kept without one.
   explicit FileSource(std::shared_ptr<SharedCache> cache) : cache_(std::move(cache)) {}
   virtual ~FileSource() = default;
-  // An error that names the file if there is none, it cannot be read or it is too large.
+  // The bytes of the file. An error that names it if there is none, it cannot be read or it is too large.
   virtual Result<std::string> Read(const std::string& name) = 0;
+  // The digest of the file if it is known without reading it; the file then counts as read.
+  virtual std::optional<Digest> Identify(const std::string&) { return std::nullopt; }
 
-  // What was made of the file and kept under `what` (which names the type and all that it depends on besides
-  // the file); null if there is nothing. Counts as reading the file if there is something.
+  // What was made of the file and kept under `what`, which names the type and all that it depends on besides
+  // the file. Returns null if nothing was kept; the file counts as read if something was.
   template <typename T>
   std::shared_ptr<const T> Recall(const std::string& name, const std::string& what) {
     const auto digest = cache_ ? Identify(name) : std::nullopt;
@@ -44,13 +46,10 @@ class FileSource {
     if (digest) cache_->Keep(Key(*digest, name, what), std::move(value), bytes);
   }
 
- protected:
-  // The digest of the file if it is known without reading it; it then counts as read.
-  virtual std::optional<Digest> Identify(const std::string&) { return std::nullopt; }
-  SharedCache* cache() { return cache_.get(); }
+  const std::shared_ptr<SharedCache>& cache() const { return cache_; }
 
  private:
-  // With the name: what is said about a file names it, and its ending tells its format.
+  // With the name, because messages about a file name it and its ending decides its format.
   static std::string Key(const Digest& digest, const std::string& name, const std::string& what) {
     return what + '\n' + digest.Hex() + '\n' + name;
   }
@@ -59,8 +58,8 @@ class FileSource {
 };
 
 // Files on disk. Names are relative to the folder of the top-level scene file; a name not found there is
-// tried as given. Remembers the digest and size of all that was read: what a worker will need to render the
-// scene.
+// tried as given. Remembers the digest and size of all that was read: a worker needs these files to render
+// the scene.
 class DiskFileSource : public FileSource {
  public:
   struct File {
@@ -69,16 +68,14 @@ class DiskFileSource : public FileSource {
     uint64_t size = 0;
   };
 
-  // `folder` is the folder of the top-level scene file. A `cache` also remembers the digests of files that
-  // have not changed since.
+  // `folder` is the folder of the top-level scene file. A cache also keeps the digests of files, for as long
+  // as they do not change.
   explicit DiskFileSource(std::string folder, std::shared_ptr<SharedCache> cache = nullptr)
       : FileSource(std::move(cache)), folder_(std::move(folder)) {}
   Result<std::string> Read(const std::string& name) override;
+  std::optional<Digest> Identify(const std::string& name) override;
   // By the name that the scene used, in order of name.
   std::map<std::string, File> FilesRead() const;
-
- protected:
-  std::optional<Digest> Identify(const std::string& name) override;
 
  private:
   std::string PathOf(const std::string& name) const;

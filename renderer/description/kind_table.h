@@ -1,5 +1,5 @@
 // The kinds of one family (materials, shapes, samplers, ...) by the names that scenes and options use for
-// them. One table a family decides what is read, what a misspelled or unsupported name is answered with, and
+// them. One table per family decides what is read, how a misspelled or unsupported name is answered, and
 // what the help, `info` and the README list.
 #pragma once
 
@@ -50,7 +50,7 @@ class KindTable {
   constexpr KindTable(std::string_view family, std::span<const Kind<Reader>> kinds)
       : family_(family), kinds_(kinds) {}
 
-  // The kind of this name unless it is not supported; null if there is none.
+  // Returns the kind of this name, or null if there is none or it is not supported.
   const Kind<Reader>* Find(std::string_view name) const {
     const Kind<Reader>* kind = FindAny(name);
     return kind != nullptr && kind->support != Support::kNotSupported ? kind : nullptr;

@@ -1,4 +1,4 @@
-// What moves in a scene, at one moment.
+// Shows what moves in a scene at one moment.
 #pragma once
 
 #include <optional>
@@ -8,11 +8,9 @@
 
 namespace tessera {
 
-// Puts the camera, the shapes and the instances that move where they are at `time` (seconds, as
-// TransformTimes counts them; before the first and after the last time everything rests), so that nothing
-// moves any more; without a time, where they are in the middle of the shutter. How many there were. A map
-// that is singular at that time is an error with its place. Lights, textures and media stay as they were:
-// they do not move (their directives say so).
-Result<int> StopMotion(std::optional<double> time, SceneDescription* scene);
+// Fixes the transforms of the camera, the shapes and the instances that move at their values at `time_s`, or
+// in the middle of the camera's shutter if there is no time. Returns how many moved. A transform that is
+// singular at that time is an error with its place.
+Result<int> StopMotion(std::optional<double> time_s, SceneDescription& scene);
 
 }  // namespace tessera

@@ -46,7 +46,7 @@ const Parameter* ParameterReader::FindAny(std::span<const std::string_view> type
   const Parameter* found = nullptr;
   for (const Parameter& p : entity_->parameters) {
     if (p.name != name || std::find(types.begin(), types.end(), p.type) == types.end()) continue;
-    if (!found || found->from_attribute == p.from_attribute) found = &p;  // explicit ones stand first
+    if (!found || found->is_default == p.is_default) found = &p;  // written ones stand first
   }
   return found;
 }
@@ -111,52 +111,52 @@ std::optional<std::string> ParameterReader::FindString(std::string_view name) {
   return FindStringOf("string", name);
 }
 
-float ParameterReader::Float(std::string_view name, float otherwise) {
-  return FindFloat(name).value_or(otherwise);
+float ParameterReader::Float(std::string_view name, float default_value) {
+  return FindFloat(name).value_or(default_value);
 }
 
-int ParameterReader::Integer(std::string_view name, int otherwise) {
-  return FindInteger(name).value_or(otherwise);
+int ParameterReader::Integer(std::string_view name, int default_value) {
+  return FindInteger(name).value_or(default_value);
 }
 
-bool ParameterReader::Bool(std::string_view name, bool otherwise) {
+bool ParameterReader::Bool(std::string_view name, bool default_value) {
   const Parameter* p = Find("bool", name);
-  if (!p) return otherwise;
+  if (!p) return default_value;
   if (p->bools.size() == 1) return p->bools[0];
   FailCount(*p, p->bools.size(), "1");
-  return otherwise;
+  return default_value;
 }
 
-std::string ParameterReader::String(std::string_view name, std::string_view otherwise) {
+std::string ParameterReader::String(std::string_view name, std::string_view default_value) {
   std::optional<std::string> value = FindString(name);
-  return value ? *std::move(value) : std::string(otherwise);
+  return value ? *std::move(value) : std::string(default_value);
 }
 
-Point2 ParameterReader::Point2Value(std::string_view name, Point2 otherwise) {
+Point2 ParameterReader::Point2Value(std::string_view name, Point2 default_value) {
   const float* v = FindNumbers("point2", name, 2);
-  return v ? Point2{v[0], v[1]} : otherwise;
+  return v ? Point2{v[0], v[1]} : default_value;
 }
 
-Point3 ParameterReader::Point3Value(std::string_view name, Point3 otherwise) {
+Point3 ParameterReader::Point3Value(std::string_view name, Point3 default_value) {
   const float* v = FindNumbers("point3", name, 3);
-  return v ? Point3{v[0], v[1], v[2]} : otherwise;
+  return v ? Point3{v[0], v[1], v[2]} : default_value;
 }
 
-Vec3 ParameterReader::Vector3Value(std::string_view name, Vec3 otherwise) {
+Vec3 ParameterReader::Vector3Value(std::string_view name, Vec3 default_value) {
   const float* v = FindNumbers("vector3", name, 3);
-  return v ? Vec3{v[0], v[1], v[2]} : otherwise;
+  return v ? Vec3{v[0], v[1], v[2]} : default_value;
 }
 
-std::string ParameterReader::Choice(std::string_view name, std::string_view otherwise,
+std::string ParameterReader::Choice(std::string_view name, std::string_view default_value,
                                     std::span<const std::string_view> allowed) {
   const std::optional<std::string> value = FindString(name);
-  if (!value) return std::string(otherwise);
+  if (!value) return std::string(default_value);
   if (std::find(allowed.begin(), allowed.end(), *value) != allowed.end()) return *value;
   std::string list;
   for (const std::string_view a : allowed) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", a);
   FailAt(name, fmt::format("\"string {}\" of {} is {}, expected one of {}{}", name, Subject(*entity_),
                            Quoted(*value), list, DidYouMean(*value, allowed)));
-  return std::string(otherwise);
+  return std::string(default_value);
 }
 
 std::optional<std::string> ParameterReader::FindTexture(std::string_view name) {
@@ -275,7 +275,7 @@ SourceLocation ParameterReader::LocationOf(std::string_view name) const {
   const Parameter* found = nullptr;
   for (const Parameter& p : entity_->parameters) {
     if (p.name != name) continue;
-    if (!found || found->from_attribute == p.from_attribute) found = &p;
+    if (!found || found->is_default == p.is_default) found = &p;
   }
   return found ? found->location : entity_->location;
 }
@@ -330,7 +330,7 @@ Result<void> ParameterReader::Finish() {
   if (error_) return *error_;
   for (size_t i = 0; i < used_.size(); ++i) {
     const Parameter& p = entity_->parameters[i];
-    if (!used_[i] && !p.from_attribute && !IsShadowed(p)) return UnknownParameter(p);
+    if (!used_[i] && !p.is_default && !IsShadowed(p)) return UnknownParameter(p);
   }
   return {};
 }

@@ -1,6 +1,6 @@
 // Reads the parameters of one Entity, each by exact type and name. Remembers the first error and which
-// parameters were read, so that a kind reads all it knows and then asks once, with Finish(), whether all was
-// well.
+// parameters were read, so that a kind reads all that it knows and checks once, with Finish(), whether all
+// was well.
 #pragma once
 
 #include <optional>
@@ -24,7 +24,7 @@ struct SpectrumValue {
   float kelvin = 0;                // of kBlackbody
   std::vector<float> wavelengths;  // of kSamples: nm, strictly rising
   std::vector<float> values;
-  std::string name;  // of kNamed: a named spectrum, or else a file of pairs
+  std::string name;  // of kNamed: a named spectrum or a file of pairs
   SourceLocation location;
 };
 
@@ -37,18 +37,18 @@ class ParameterReader {
 
   // Single values: the default where there is none; a wrong count or a bad value is remembered as an error
   // and gives the default. Numbers are finite.
-  float Float(std::string_view name, float otherwise);
-  int Integer(std::string_view name, int otherwise);
-  bool Bool(std::string_view name, bool otherwise);
-  std::string String(std::string_view name, std::string_view otherwise);
-  Point2 Point2Value(std::string_view name, Point2 otherwise);
-  Point3 Point3Value(std::string_view name, Point3 otherwise);
-  Vec3 Vector3Value(std::string_view name, Vec3 otherwise);
+  float Float(std::string_view name, float default_value);
+  int Integer(std::string_view name, int default_value);
+  bool Bool(std::string_view name, bool default_value);
+  std::string String(std::string_view name, std::string_view default_value);
+  Point2 Point2Value(std::string_view name, Point2 default_value);
+  Point3 Point3Value(std::string_view name, Point3 default_value);
+  Vec3 Vector3Value(std::string_view name, Vec3 default_value);
   std::optional<float> FindFloat(std::string_view name);
   std::optional<int> FindInteger(std::string_view name);
   std::optional<std::string> FindString(std::string_view name);
-  // One of `allowed`; another value is an error that lists them and suggests the nearest.
-  std::string Choice(std::string_view name, std::string_view otherwise,
+  // One of `allowed`; any other value is an error that lists them and suggests the nearest.
+  std::string Choice(std::string_view name, std::string_view default_value,
                      std::span<const std::string_view> allowed);
   // The texture that `texture name` refers to.
   std::optional<std::string> FindTexture(std::string_view name);
@@ -66,7 +66,7 @@ class ParameterReader {
 
   // Whether a parameter of this name, of any type, was written.
   bool Has(std::string_view name) const;
-  // Where the parameter of this name was written, else where the entity was.
+  // Where the parameter of this name was written, or the entity if there is none.
   SourceLocation LocationOf(std::string_view name) const;
 
   // Remembers an error at the entity, or at one of its parameters. Only the first is kept.
@@ -74,9 +74,9 @@ class ParameterReader {
   void FailAt(std::string_view name, const std::string& message);
   void Fail(const Error& error);  // already has its place
   bool failed() const { return error_.has_value(); }
-  // Counts every parameter as read: for kinds that ignore theirs.
+  // Counts every parameter as read: for kinds that ignore their parameters.
   void IgnoreRest();
-  // The first error: one remembered, or a parameter that nobody read ("unknown parameter ... of Camera").
+  // The first error: one remembered, or a parameter that was not read ("unknown parameter ... of Camera").
   Result<void> Finish();
 
  private:
@@ -84,7 +84,7 @@ class ParameterReader {
     std::string type, name;
   };
 
-  // The last parameter of this type and name, marked as read; explicit ones before Attribute defaults.
+  // The last parameter of this type and name, marked as read; written ones before defaults.
   const Parameter* Find(std::string_view type, std::string_view name);
   // The same for several types, not marked.
   const Parameter* FindAny(std::span<const std::string_view> types, std::string_view name) const;
@@ -100,7 +100,7 @@ class ParameterReader {
   bool ReadNamed(const Parameter& p, SpectrumValue* value);
   bool ReadSamples(const Parameter& p, SpectrumValue* value);
 
-  // Always false, to be returned.
+  // Always returns false, for use as a return value.
   bool FailCount(const Parameter& p, size_t found, const std::string& expected);
   // Whether a parameter of the same type and name was read instead.
   bool IsShadowed(const Parameter& unused) const;

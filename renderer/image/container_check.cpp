@@ -31,7 +31,7 @@ bool IsValidDepth(int color_type, int depth) {
   }
 }
 
-// One that a reader must know, or one it may skip: four letters, the first of them small.
+// One that a reader must know, or one it may skip: four letters, the first of them lower case.
 bool IsKnownChunk(std::string_view type) {
   if (type == "IHDR" || type == "PLTE" || type == "IDAT") return true;
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
@@ -72,7 +72,7 @@ Result<void> CheckPng(const std::string& bytes, const std::string& name) {
 
 Result<void> CheckJpeg(const std::string& bytes, const std::string& name) {
   const std::string_view all = bytes;
-  size_t at = 2;  // behind the start mark
+  size_t at = 2;  // after the start mark
   while (at + 4 <= all.size() && static_cast<uint8_t>(all[at]) == 0xff) {
     const uint8_t marker = static_cast<uint8_t>(all[at + 1]);
     if (marker == 0xff) {  // a fill byte

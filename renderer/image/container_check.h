@@ -1,6 +1,7 @@
-// A look at the outside of a file before a library reads the inside: that it is whole, which libraries do not
-// always ask, and that it is not damaged in ways that make them print to stderr what only the caller should
-// say.
+// Checks of a file's structure before a library decodes it: that it is complete, which libraries do not
+// always check, and that it is not damaged in ways about which they print to stderr instead of returning an
+// error.
+
 #pragma once
 
 #include <string>
@@ -9,10 +10,10 @@
 
 namespace tessera {
 
-// Whether the chunks follow each other to the end mark, with right checksums.
+// Whether the chunks follow each other up to the end mark, with correct checksums.
 Result<void> CheckPng(const std::string& bytes, const std::string& name);
 
-// Whether the segments lead to the pixels, and these to the end mark.
+// Whether the segments lead to the pixels, and the pixels to the end mark.
 Result<void> CheckJpeg(const std::string& bytes, const std::string& name);
 
 }  // namespace tessera

@@ -39,16 +39,16 @@ struct Image {
   float Get(int x, int y, int channel) const;
   // Index of the channel of this name, -1 if there is none.
   int ChannelIndex(std::string_view name) const;
-  // Index of R, G and B; nothing if the picture lacks one of them.
+  // Indices of R, G and B. Returns nullopt if the picture lacks one of them.
   std::optional<std::array<int, 3>> RgbChannels() const;
 };
 
 // Reads EXR, PNG, JPEG, TGA, HDR, TIFF, BMP, WebP, PFM and QOI, decided by content and checked against
-// `name`'s ending; sizes are bounded. `encoding` is for 8-bit data; nothing means sRGB for 8-bit files.
+// `name`'s ending; sizes are bounded. `encoding` is for 8-bit data, which is sRGB without one.
 Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
                           std::optional<ColorEncoding> encoding);
 
-// Different for different encodings: for keys.
+// A different text for each encoding, for cache keys.
 std::string EncodingText(const std::optional<ColorEncoding>& encoding);
 
 // Images by file name and encoding, each read once. Thread safe.

@@ -1,4 +1,4 @@
-// Which of the formats on our allow-list a file holds.
+// Which of the allowed formats a file holds.
 #pragma once
 
 #include <string_view>
@@ -7,9 +7,9 @@ namespace tessera {
 
 enum class ImageFormat { kUnknown, kExr, kPng, kJpeg, kTga, kHdr, kTiff, kBmp, kWebp, kPfm, kQoi };
 
-// By the first bytes; a TGA has none of its own and is known by its ending or its footer.
+// By the first bytes; a TGA, which has no magic number, by its ending or its footer.
 ImageFormat FormatOfContent(std::string_view bytes, std::string_view name);
-// By the ending of the name; kUnknown for an ending we do not know.
+// By the ending of the name; kUnknown for any other ending.
 ImageFormat FormatOfEnding(std::string_view name);
 // "PNG", for messages.
 std::string_view FormatName(ImageFormat format);

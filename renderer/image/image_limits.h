@@ -1,4 +1,4 @@
-// How large a picture may be. Files are untrusted: every size is checked before memory is asked for.
+// How large a picture may be. Files are untrusted: every size is checked before memory is allocated.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ constexpr int64_t kImageBytesMax = int64_t{1} << 31;  // decoded: a 16k x 8k flo
 constexpr int64_t kImageExpansionMax = 10000;         // decoded bytes per file byte: deflate reaches 1032
 constexpr int64_t kImageExpansionFloor = int64_t{1} << 24;  // bytes decoded from any file, however small
 
-// Whether a picture of this size may be decoded from a file of `file_bytes`; the error says which limit it
-// breaks.
+// Whether a picture of this size may be decoded from a file of `file_bytes`; the error names the limit
+// that it exceeds.
 Result<void> CheckImageSize(const std::string& name, int64_t width, int64_t height, int64_t channels,
                             int64_t bytes_per_value, uint64_t file_bytes);
 

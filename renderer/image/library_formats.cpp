@@ -29,7 +29,7 @@ const char* PluginName(ImageFormat format) {
   }
 }
 
-// The library is not to start threads of its own: the process that uses us decides how many there are.
+// Keeps the library from starting threads: the process decides how many there are.
 void SetUpLibrary() {
   static std::once_flag once;
   std::call_once(once, [] {

@@ -1,4 +1,4 @@
-// The formats that OpenImageIO reads for us.
+// The formats that OpenImageIO reads.
 #pragma once
 
 #include "renderer/image/image.h"

@@ -18,7 +18,7 @@ bool IsSpace(char c) {
   return c == ' ' || c == '\n' || c == '\t' || c == '\r';
 }
 
-// The next word of the header; `position` is left just behind the one white space that ends it.
+// The next word of the header; `position` is left just after the white space that ends it.
 std::string_view NextWord(std::string_view bytes, size_t& position) {
   const size_t start = position;
   while (position < bytes.size() && !IsSpace(bytes[position])) ++position;

@@ -15,12 +15,12 @@ struct Pixel {
   uint8_t r = 0, g = 0, b = 0, a = 0;
 };
 
-// The stream of chunks behind the header; gives one pixel at a time.
+// The stream of chunks after the header; yields one pixel at a time.
 class Decoder {
  public:
   explicit Decoder(std::string_view chunks) : chunks_(chunks) {}
 
-  // False at the end of the bytes.
+  // Returns false at the end of the bytes.
   bool Next(Pixel& pixel) {
     if (run_ > 0) {
       --run_;

@@ -5,7 +5,7 @@
 
 namespace tessera {
 
-// Channels R G B or R G B A. Without an encoding the header's is taken.
+// Channels R G B or R G B A. The encoding of the header is used unless one is given.
 Result<Image> DecodeQoi(const std::string& bytes, const std::string& name,
                         std::optional<ColorEncoding> encoding);
 

@@ -56,14 +56,10 @@ class LightBuilder {
 
 Result<SourceLight> LightBuilder::ReadSource(const LightDescription& description) {
   const Entity& entity = description.entity;
-  if (description.world_from_light.IsAnimated()) {
-    diagnostics_.Warn(entity.location,
-                      "animated lights are not supported: the transform at the start of the shutter is used");
-  }
   const Kind<SourceReader>* kind = kSourceTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kSourceTable.Refusal(entity.kind));
   ParameterReader reader(entity);
-  SourceLight light = kind->reader(reader, {inputs_.render_from_world * description.world_from_light.start,
+  SourceLight light = kind->reader(reader, {inputs_.render_from_world * description.world_from_light,
                                             inputs_.files, inputs_.images});
   if (const Result<void> finished = reader.Finish(); !finished) return finished.error();
   return light;
@@ -96,7 +92,7 @@ Result<int> LightBuilder::AddArea(const Shape& shape, const Entity& entity) {
 Result<void> LightBuilder::AddAreas(std::vector<int>* area_lights) {
   TESSERA_CHECK(inputs_.shape_sources.size() == geometry_.shapes.size());
   for (size_t i = 0; i < geometry_.shapes.size(); ++i) {
-    const std::optional<Entity>& entity = inputs_.shape_sources[i]->area_light;
+    const std::shared_ptr<const Entity>& entity = inputs_.shape_sources[i]->area_light;
     const Result<int> first = entity ? AddArea(geometry_.shapes[i], *entity) : Result<int>(-1);
     if (!first) return first.error();
     area_lights->push_back(*first);

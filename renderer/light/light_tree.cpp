@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "renderer/light/light_tree_builder.h"
+#include "renderer/util/hash.h"
 
 #include "renderer/util/hash.h"
 

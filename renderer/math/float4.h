@@ -102,10 +102,6 @@ inline float MaxElement(Float4 a) {
   const __m128 pairs = _mm_max_ps(a.v, _mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(2, 3, 0, 1)));
   return _mm_cvtss_f32(_mm_max_ss(pairs, _mm_movehl_ps(pairs, pairs)));
 }
-inline float MinElement(Float4 a) {
-  const __m128 pairs = _mm_min_ps(a.v, _mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(2, 3, 0, 1)));
-  return _mm_cvtss_f32(_mm_min_ss(pairs, _mm_movehl_ps(pairs, pairs)));
-}
 // Whether any element is not 0.
 inline bool AnyNonZero(Float4 a) {
   return _mm_movemask_ps(_mm_cmpneq_ps(a.v, _mm_setzero_ps())) != 0;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "renderer/math/vec.h"
+#include "renderer/util/hash.h"
 
 namespace tessera {
 
@@ -72,7 +73,7 @@ inline Vec3 SampleUniformTriangle(Point2 u) {
 inline float SampleLinear(float u, float a, float b) {
   if (u == 0 && a == 0) return 0;
   const float x = u * (a + b) / (a + std::sqrt(Lerp(u, a * a, b * b)));
-  return std::min(x, 0x1.fffffep-1f);
+  return std::min(x, kOneMinusEpsilon);
 }
 inline float LinearPdf(float x, float a, float b) {
   if (x < 0 || x > 1) return 0;

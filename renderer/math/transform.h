@@ -17,7 +17,7 @@ struct Matrix4 {
 
 Matrix4 operator*(const Matrix4& a, const Matrix4& b);
 Matrix4 Transpose(const Matrix4& a);
-// Nothing if singular.
+// Returns nullopt if the matrix is singular.
 std::optional<Matrix4> Inverse(const Matrix4& a);
 float Determinant(const Matrix4& a);
 
@@ -27,7 +27,7 @@ class Transform {
   Transform() = default;
   // `inverse` must be the inverse of `matrix`.
   Transform(const Matrix4& matrix, const Matrix4& inverse) : m_(matrix), inverse_(inverse) {}
-  // Nothing if singular or not finite.
+  // Returns nullopt if the matrix is singular or not finite.
   static std::optional<Transform> FromMatrix(const Matrix4& matrix);
 
   const Matrix4& matrix() const { return m_; }
@@ -57,8 +57,8 @@ Transform Translate(Vec3 delta);
 Transform Scale(float x, float y, float z);
 // By `degrees` about `axis`, which must not be zero.
 Transform Rotate(float degrees, Vec3 axis);
-// World to camera: +x right, +y up, +z forward, left-handed as in pbrt. Nothing if `up` is parallel to the
-// view or the points coincide.
+// World to camera: +x right, +y up, +z forward, left-handed as in pbrt. Returns nullopt if `up` is
+// parallel to the view or the points coincide.
 std::optional<Transform> LookAt(Point3 eye, Point3 look, Vec3 up);
 // Projection onto z = 1 with z mapped from [near, far] to [0, 1].
 Transform Perspective(float fov_degrees, float near, float far);

@@ -179,20 +179,8 @@ struct Frame {
 };
 
 // Functions of a direction in a frame whose z axis is the surface normal.
-inline float CosTheta(Vec3 w) {
-  return w.z;
-}
 inline float AbsCosTheta(Vec3 w) {
   return std::abs(w.z);
-}
-inline float Cos2Theta(Vec3 w) {
-  return w.z * w.z;
-}
-inline float Sin2Theta(Vec3 w) {
-  return std::max(0.0f, 1 - w.z * w.z);
-}
-inline float SinTheta(Vec3 w) {
-  return std::sqrt(Sin2Theta(w));
 }
 inline bool SameHemisphere(Vec3 a, Vec3 b) {
   return a.z * b.z > 0;

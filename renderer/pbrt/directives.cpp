@@ -46,7 +46,7 @@ struct DirectiveTable {
       {"Transform", kAny, &P::SetTransform},
       {"TransformBegin", kWorld, &P::TransformBegin},
       {"TransformEnd", kWorld, &P::AttributeEnd},
-      {"TransformTimes", kBefore, &P::TransformTimes},
+      {"TransformTimes", kBefore, &P::SetTransformTimes},
       {"Translate", kAny, &P::Translate},
       {"WorldBegin", kBefore, &P::WorldBegin},
   });

@@ -1,5 +1,6 @@
 #include "renderer/pbrt/graphics_state.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
@@ -18,6 +19,11 @@ bool IsFinite(const Transform& t) {
 }
 
 }  // namespace
+
+AnimatedTransform TransformTimes::Animate(const TransformPair& pair) const {
+  if (pair.start == pair.end) return AnimatedTransform(pair.start);
+  return AnimatedTransform({{start, pair.start}, {std::max(start, end), pair.end}});
+}
 
 bool GraphicsState::Replace(const Transform& start, const Transform& end) {
   if (start_is_active && !IsFinite(start)) return false;

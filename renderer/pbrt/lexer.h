@@ -22,7 +22,8 @@ struct Token {
     kBad,     // no token: `text` says why
   };
   Kind kind = Kind::kEnd;
-  // A string without its quotes, with its escapes resolved. Points into the lexer: gone with the next token.
+  // A string without its quotes, with its escapes resolved. Points into the lexer: valid until the next
+  // token.
   std::string_view text;
   int line = 1, column = 1;                                  // of its first byte
   const std::shared_ptr<const std::string>* file = nullptr;  // of the lexer
@@ -39,7 +40,7 @@ class Lexer {
   Lexer(const Lexer&) = delete;
   Lexer& operator=(const Lexer&) = delete;
 
-  // After kEnd and kBad: the same again.
+  // After kEnd or kBad, returns the same again.
   Token Next();
 
  private:
@@ -47,7 +48,7 @@ class Lexer {
   Token Make(Token::Kind kind, const char* start, std::string_view text) const;
   Token Bad(const char* start, std::string_view why);
   Token String();
-  // The string from `start` (its first byte behind the quote) to `stop`, escapes resolved.
+  // The string from `start` (its first byte after the quote) to `stop`, escapes resolved.
   Token Unescaped(const char* start, const char* stop);
 
   std::string text_;

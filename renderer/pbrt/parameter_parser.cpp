@@ -60,10 +60,6 @@ size_t ValueCount(const Parameter& p) {
   return p.floats.size() + p.integers.size() + p.strings.size() + p.bools.size();
 }
 
-bool IsEmpty(const Parameter& p) {
-  return ValueCount(p) == 0;
-}
-
 }  // namespace
 
 ValueKind ValueKindOf(std::string_view type) {
@@ -74,78 +70,96 @@ ValueKind ValueKindOf(std::string_view type) {
   return ValueKind::kNumber;
 }
 
-bool SceneParser::ReadParameters(std::vector<Parameter>* out) {
+std::optional<std::vector<Parameter>> SceneParser::ReadParameters() {
+  std::vector<Parameter> parameters;
   while (tokens_.Peek().kind == Token::Kind::kString) {
-    out->emplace_back();
-    if (!ReadParameter(&out->back())) return false;
+    std::optional<Parameter> parameter = ReadParameter();
+    if (!parameter) return std::nullopt;
+    parameters.push_back(*std::move(parameter));
   }
-  return tokens_.Peek().kind != Token::Kind::kBad || Unexpected(tokens_.Peek(), "");
+  if (tokens_.Peek().kind == Token::Kind::kBad) {
+    Unexpected(tokens_.Peek(), "");
+    return std::nullopt;
+  }
+  return parameters;
 }
 
-bool SceneParser::ReadDeclaration(const Token& token, Parameter* out) {
+std::optional<Parameter> SceneParser::ReadDeclaration(const Token& token) {
   std::string_view declaration = token.text;
   const std::string_view type = TakeWord(&declaration);
   const std::string_view name = TakeWord(&declaration);
-  out->location = token.Location();
+  const SourceLocation location = token.Location();
   if (name.empty()) {
-    return builder_->Fail(out->location,
-                          fmt::format("{} is no parameter, expected \"type name\"", Quoted(token.text)));
+    Fail(location, fmt::format("{} is no parameter, expected \"type name\"", Quoted(token.text)));
+    return std::nullopt;
   }
-  if (!IsType(type)) return builder_->Fail(out->location, UnknownType(type));
+  if (!IsType(type)) {
+    Fail(location, UnknownType(type));
+    return std::nullopt;
+  }
   if (name.size() > kNameLengthMax) {
-    return builder_->Fail(out->location, fmt::format("parameter name longer than {} bytes", kNameLengthMax));
+    Fail(location, fmt::format("parameter name longer than {} bytes", kNameLengthMax));
+    return std::nullopt;
   }
-  out->type = type;
-  out->name = name;
-  out->color_space = state_.color_space;
-  return true;
+  Parameter parameter;
+  parameter.type = type;
+  parameter.name = name;
+  parameter.location = location;
+  parameter.color_space = state_.color_space;
+  return parameter;
 }
 
-bool SceneParser::ReadParameter(Parameter* out) {
-  if (!ReadDeclaration(tokens_.Next(), out)) return false;
-  const ValueKind kind = ValueKindOf(out->type);
+std::optional<Parameter> SceneParser::ReadParameter() {
+  std::optional<Parameter> parameter = ReadDeclaration(tokens_.Next());
+  if (!parameter) return std::nullopt;
+  Parameter& p = *parameter;
+  const ValueKind kind = ValueKindOf(p.type);
   const Token first = tokens_.Next();
-  if (first.kind != Token::Kind::kOpen) return ReadValue(first, kind, out);
+  if (first.kind != Token::Kind::kOpen) {
+    if (!ReadValue(first, kind, p)) return std::nullopt;
+    return parameter;
+  }
   while (true) {
     const Token token = tokens_.Next();
     if (token.kind == Token::Kind::kClose) break;
     if (token.kind == Token::Kind::kEnd) {
-      return Unexpected(token, fmt::format("\"]\" after the values of \"{} {}\"", out->type, out->name));
+      Unexpected(token, fmt::format("\"]\" after the values of \"{} {}\"", p.type, p.name));
+      return std::nullopt;
     }
-    if (!ReadValue(token, kind, out)) return false;
+    if (!ReadValue(token, kind, p)) return std::nullopt;
   }
-  if (IsEmpty(*out)) {
-    return builder_->Fail(
-        out->location, fmt::format("\"{} {}\" has no values, expected at least one", out->type, out->name));
+  if (ValueCount(p) == 0) {
+    Fail(p.location, fmt::format("\"{} {}\" has no values, expected at least one", p.type, p.name));
+    return std::nullopt;
   }
-  out->floats.shrink_to_fit();
-  out->integers.shrink_to_fit();
-  return true;
+  p.floats.shrink_to_fit();
+  p.integers.shrink_to_fit();
+  return parameter;
 }
 
-bool SceneParser::ReadValue(const Token& token, ValueKind kind, Parameter* p) {
+bool SceneParser::ReadValue(const Token& token, ValueKind kind, Parameter& p) {
   const bool is_string = token.kind == Token::Kind::kString;
   const bool is_word = token.kind == Token::Kind::kWord;
-  if (kind == ValueKind::kNumber || (kind == ValueKind::kSpectrum && !is_string && p->strings.empty())) {
+  if (kind == ValueKind::kNumber || (kind == ValueKind::kSpectrum && !is_string && p.strings.empty())) {
     if (const std::optional<float> value = NumberOf(token)) {
-      p->floats.push_back(*value);
+      p.floats.push_back(*value);
       return true;
     }
   } else if (kind == ValueKind::kInteger) {
     if (const std::optional<int> value = is_word ? ParseInteger(token.text) : std::nullopt) {
-      p->integers.push_back(*value);
+      p.integers.push_back(*value);
       return true;
     }
   } else if (kind == ValueKind::kBool) {
     if (is_word && (token.text == "true" || token.text == "false")) {
-      p->bools.push_back(token.text == "true");
+      p.bools.push_back(token.text == "true");
       return true;
     }
-  } else if (is_string && p->floats.empty()) {
-    p->strings.emplace_back(token.text);
+  } else if (is_string && p.floats.empty()) {
+    p.strings.emplace_back(token.text);
     return true;
   }
-  return Unexpected(token, Expected(kind, *p));
+  return Unexpected(token, Expected(kind, p));
 }
 
 }  // namespace tessera

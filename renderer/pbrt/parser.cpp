@@ -1,28 +1,24 @@
 #include "renderer/pbrt/parser.h"
 
+#include <utility>
+
 #include "renderer/pbrt/scene_parser.h"
 
 namespace tessera {
-namespace {
-
-Result<SceneDescription> Parse(SceneBuilder& builder, std::unique_ptr<Lexer> lexer) {
-  if (lexer) {
-    SceneParser parser(builder, std::move(lexer));
-    if (parser.Run() && builder.Finish()) return std::move(builder.scene());
-  }
-  return *builder.error();
-}
-
-}  // namespace
 
 Result<SceneDescription> ParseScene(FileSource& files, const std::string& name) {
-  SceneBuilder builder(files, name);
-  return Parse(builder, builder.Open(builder.top(), "", name));
+  DescriptionBuilder builder(name);
+  SceneFiles scene_files(files, builder.top());
+  if (std::unique_ptr<Lexer> lexer = scene_files.OpenTop(builder.diagnostics()))
+    SceneParser(builder, scene_files, std::move(lexer)).Run();
+  return builder.Finish();
 }
 
 Result<SceneDescription> ParseSceneText(FileSource& files, const std::string& name, std::string text) {
-  SceneBuilder builder(files, name);
-  return Parse(builder, builder.OpenText(name, std::move(text)));
+  DescriptionBuilder builder(name);
+  SceneFiles scene_files(files, builder.top());
+  SceneParser(builder, scene_files, std::make_unique<Lexer>(std::move(text), builder.top().file)).Run();
+  return builder.Finish();
 }
 
 }  // namespace tessera

@@ -16,7 +16,7 @@ std::string Describe(const Token& token) {
   }
 }
 
-// Words of which people may think that they are directives.
+// Also explains a word that is a directive in other versions of the language.
 std::string UnknownDirective(std::string_view word) {
   if (word == "WorldEnd")
     return "unknown directive \"WorldEnd\": pbrt-v4 has none, the world ends with the file";
@@ -29,8 +29,10 @@ std::string UnknownDirective(std::string_view word) {
 
 SceneParser::SceneParser(const SceneParser& importer, std::unique_ptr<Lexer> lexer)
     : builder_(importer.builder_),
+      files_(importer.files_),
       tokens_(std::move(lexer)),
       state_(importer.state_),
+      transform_times_(importer.transform_times_),
       in_world_(true),
       is_import_(true),
       files_above_(importer.files_above_ + importer.tokens_.depth()),
@@ -52,133 +54,136 @@ bool SceneParser::Carry(const Token& token) {
   }
   if (!statement.directive) {
     if (ParseFloat(token.text)) return Unexpected(token, "a directive");
-    return builder_->Fail(statement.location, UnknownDirective(token.text));
+    return Fail(statement.location, UnknownDirective(token.text));
   }
   return CheckBlock(statement) && (this->*statement.directive->carry_out)(statement);
 }
 
 bool SceneParser::CheckBlock(const Statement& statement) {
   if (statement.directive->block == Block::kWorld && !in_world_) {
-    return builder_->Fail(statement.location,
-                          statement.name() + " is not allowed here, expected WorldBegin before it");
+    return Fail(statement.location, statement.name() + " is not allowed here, expected WorldBegin before it");
   }
   if (statement.directive->block == Block::kBeforeWorld && in_world_) {
-    return builder_->Fail(statement.location,
-                          statement.name() + " is not allowed after WorldBegin, expected it before");
+    return Fail(statement.location,
+                statement.name() + " is not allowed after WorldBegin, expected it before");
   }
   return true;
 }
 
 bool SceneParser::Unexpected(const Token& token, const std::string& expected) {
-  if (token.kind == Token::Kind::kBad) return builder_->Fail(token.Location(), std::string(token.text));
-  return builder_->Fail(token.Location(),
-                        fmt::format("unexpected {}, expected {}", Describe(token), expected));
+  if (token.kind == Token::Kind::kBad) return Fail(token.Location(), std::string(token.text));
+  return Fail(token.Location(), fmt::format("unexpected {}, expected {}", Describe(token), expected));
 }
 
-bool SceneParser::ReadString(const Statement& statement, std::string_view what, std::string* out) {
+std::optional<std::string> SceneParser::ReadString(const Statement& statement, std::string_view what) {
   const Token token = tokens_.Next();
-  if (token.kind != Token::Kind::kString) {
-    return Unexpected(token, fmt::format("the {} of {} in quotes", what, statement.name()));
-  }
-  *out = token.text;
-  return true;
+  if (token.kind == Token::Kind::kString) return std::string(token.text);
+  Unexpected(token, fmt::format("the {} of {} in quotes", what, statement.name()));
+  return std::nullopt;
 }
 
-bool SceneParser::ReadName(const Statement& statement, std::string_view what, std::string* out) {
-  if (!ReadString(statement, what, out)) return false;
-  if (out->size() <= kNameLengthMax) return true;
-  return builder_->Fail(statement.location, fmt::format("the {} of {} is longer than {} bytes", what,
-                                                        statement.name(), kNameLengthMax));
+std::optional<std::string> SceneParser::ReadName(const Statement& statement, std::string_view what) {
+  std::optional<std::string> name = ReadString(statement, what);
+  if (!name || name->size() <= kNameLengthMax) return name;
+  Fail(statement.location,
+       fmt::format("the {} of {} is longer than {} bytes", what, statement.name(), kNameLengthMax));
+  return std::nullopt;
 }
 
-bool SceneParser::ReadNumber(const Statement& statement, size_t index, size_t count, float* out) {
+std::optional<float> SceneParser::ReadNumber(const Statement& statement, size_t index, size_t count) {
   const Token token = tokens_.Next();
   const std::optional<float> value =
       token.kind == Token::Kind::kWord ? ParseFloat(token.text) : std::optional<float>();
-  if (!value) {
-    return Unexpected(token, fmt::format("number {} of the {} of {}", index + 1, count, statement.name()));
-  }
-  *out = *value;
-  return true;
+  if (!value) Unexpected(token, fmt::format("number {} of the {} of {}", index + 1, count, statement.name()));
+  return value;
 }
 
-bool SceneParser::ReadNumbers(const Statement& statement, std::span<float> out) {
+bool SceneParser::ReadNumbers(const Statement& statement, std::span<float> numbers) {
   if (tokens_.Peek().kind == Token::Kind::kOpen) {
     return Unexpected(tokens_.Peek(),
-                      fmt::format("the {} numbers of {} without brackets", out.size(), statement.name()));
+                      fmt::format("the {} numbers of {} without brackets", numbers.size(), statement.name()));
   }
-  for (size_t i = 0; i < out.size(); ++i) {
-    if (!ReadNumber(statement, i, out.size(), &out[i])) return false;
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    const std::optional<float> number = ReadNumber(statement, i, numbers.size());
+    if (!number) return false;
+    numbers[i] = *number;
   }
   return true;
 }
 
-bool SceneParser::ReadMatrix(const Statement& statement, Transform* out) {
+std::optional<Transform> SceneParser::ReadMatrix(const Statement& statement) {
   const Token open = tokens_.Next();
   if (open.kind != Token::Kind::kOpen) {
-    return Unexpected(open, "\"[\" before the 16 numbers of " + statement.name());
+    Unexpected(open, "\"[\" before the 16 numbers of " + statement.name());
+    return std::nullopt;
   }
   Matrix4 matrix;
   for (size_t i = 0; i < 16; ++i) {
+    const std::optional<float> number = ReadNumber(statement, i, 16);
+    if (!number) return std::nullopt;
     // Written column by column: the translation comes last.
-    if (!ReadNumber(statement, i, 16, &matrix.m[i % 4][i / 4])) return false;
+    matrix.m[i % 4][i / 4] = *number;
   }
   const Token close = tokens_.Next();
-  if (close.kind != Token::Kind::kClose)
-    return Unexpected(close, "\"]\" after the 16 numbers of " + statement.name());
+  if (close.kind != Token::Kind::kClose) {
+    Unexpected(close, "\"]\" after the 16 numbers of " + statement.name());
+    return std::nullopt;
+  }
   const std::optional<Transform> transform = Transform::FromMatrix(matrix);
   if (!transform)
-    return builder_->Fail(statement.location,
-                          statement.name() + " has a singular matrix, expected one with an inverse");
-  *out = *transform;
-  return true;
+    Fail(statement.location, statement.name() + " has a singular matrix, expected one with an inverse");
+  return transform;
 }
 
-bool SceneParser::ReadEntity(const Statement& statement, Entity* out) {
-  out->directive = statement.name();
-  out->location = statement.location;
-  return ReadName(statement, "kind", &out->kind) && ReadParameters(&out->parameters) &&
-         builder_->Charge(*out);
+std::optional<Entity> SceneParser::ReadEntity(const Statement& statement,
+                                              std::optional<AttributeTarget> target) {
+  std::optional<std::string> kind = ReadName(statement, "kind");
+  if (!kind) return std::nullopt;
+  std::optional<std::vector<Parameter>> parameters = ReadParameters();
+  if (!parameters) return std::nullopt;
+  Entity entity{statement.name(), *std::move(kind), statement.location, *std::move(parameters)};
+  if (!builder_->Charge(entity) || (target && !AddAttributes(*target, entity))) return std::nullopt;
+  return entity;
 }
 
-bool SceneParser::ReadEntity(const Statement& statement, AttributeTarget target, Entity* out) {
-  return ReadEntity(statement, out) && AddAttributes(target, out);
+std::optional<SceneParser::NamedEntity> SceneParser::ReadNamedEntity(const Statement& statement,
+                                                                     AttributeTarget target) {
+  std::optional<std::string> name = ReadName(statement, "name");
+  if (!name) return std::nullopt;
+  std::optional<std::vector<Parameter>> parameters = ReadParameters();
+  if (!parameters) return std::nullopt;
+  NamedEntity named{*std::move(name), {statement.name(), "", statement.location, *std::move(parameters)}};
+  if (!builder_->Charge(named.entity) || !AddAttributes(target, named.entity) ||
+      !TakeType(named.name, named.entity)) {
+    return std::nullopt;
+  }
+  return named;
 }
 
-bool SceneParser::ReadNamedEntity(const Statement& statement, AttributeTarget target, std::string* name,
-                                  Entity* out) {
-  out->directive = statement.name();
-  out->location = statement.location;
-  return ReadName(statement, "name", name) && ReadParameters(&out->parameters) && builder_->Charge(*out) &&
-         AddAttributes(target, out) && TakeType(*name, out);
-}
-
-bool SceneParser::AddAttributes(AttributeTarget target, Entity* entity) {
+bool SceneParser::AddAttributes(AttributeTarget target, Entity& entity) {
   const std::vector<Parameter>& defaults = state_.Attributes(target);
   if (defaults.empty()) return true;
-  if (!builder_->ChargeCopy(entity->location, SizeOf(defaults))) return false;
-  entity->parameters.insert(entity->parameters.end(), defaults.begin(), defaults.end());
+  if (!builder_->ChargeCopy(entity.location, SizeOf(defaults))) return false;
+  entity.parameters.insert(entity.parameters.end(), defaults.begin(), defaults.end());
   return true;
 }
 
-bool SceneParser::TakeType(const std::string& name, Entity* entity) {
+bool SceneParser::TakeType(const std::string& name, Entity& entity) {
   const Parameter* type = nullptr;
-  for (const Parameter& p : entity->parameters) {
+  for (const Parameter& p : entity.parameters) {
     if (p.type != "string" || p.name != "type") continue;
-    if (!type || type->from_attribute == p.from_attribute) type = &p;  // explicit ones first, else the last
+    if (!type || type->is_default == p.is_default) type = &p;  // written ones first, else the last
   }
   if (!type) {
-    return builder_->Fail(entity->location,
-                          fmt::format("{} {} has no kind, expected a parameter \"string type\"",
-                                      entity->directive, Quoted(name)));
+    return Fail(entity.location, fmt::format("{} {} has no kind, expected a parameter \"string type\"",
+                                             entity.directive, Quoted(name)));
   }
   if (type->strings.size() != 1) {
-    return builder_->Fail(type->location, fmt::format("\"string type\" of {} {} has {} values, expected 1",
-                                                      entity->directive, Quoted(name), type->strings.size()));
+    return Fail(type->location, fmt::format("\"string type\" of {} {} has {} values, expected 1",
+                                            entity.directive, Quoted(name), type->strings.size()));
   }
-  entity->kind = type->strings[0];
-  std::erase_if(entity->parameters,
-                [](const Parameter& p) { return p.type == "string" && p.name == "type"; });
+  entity.kind = type->strings[0];
+  std::erase_if(entity.parameters, [](const Parameter& p) { return p.type == "string" && p.name == "type"; });
   return true;
 }
 

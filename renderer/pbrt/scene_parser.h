@@ -11,11 +11,16 @@
 #include <string_view>
 #include <vector>
 
+#include "renderer/description/description_builder.h"
 #include "renderer/pbrt/graphics_state.h"
-#include "renderer/pbrt/scene_builder.h"
+#include "renderer/pbrt/scene_files.h"
 #include "renderer/pbrt/token_stream.h"
 
 namespace tessera {
+
+// Bytes of the Attribute defaults of one target: real ones are few.
+constexpr uint64_t kDefaultsSizeMax = 1 << 16;
+constexpr size_t kStateDepthMax = 1 << 16;  // open AttributeBegin: real scenes stay below 20
 
 class SceneParser;
 
@@ -45,11 +50,12 @@ std::span<const Directive> Directives();
 
 class SceneParser {
  public:
-  // Of a top-level file. `builder` must outlive the parser.
-  SceneParser(SceneBuilder& builder, std::unique_ptr<Lexer> lexer)
-      : builder_(&builder), tokens_(std::move(lexer)) {}
+  // Of a top-level file. `builder` and `files` must outlive the parser.
+  SceneParser(DescriptionBuilder& builder, SceneFiles& files, std::unique_ptr<Lexer> lexer)
+      : builder_(&builder), files_(&files), tokens_(std::move(lexer)) {}
 
-  // Reads all. False after an error, which the builder has.
+  // Reads all. Returns false after an error, which the builder's diagnostics hold, as does every function
+  // below; those that read a value return nullopt.
   bool Run();
 
  private:
@@ -61,31 +67,45 @@ class SceneParser {
     bool is_object;
     SourceLocation location;
   };
+  struct NamedEntity {
+    std::string name;
+    Entity entity;
+  };
 
   SceneParser(const SceneParser& importer, std::unique_ptr<Lexer> lexer);
 
-  // ---- The text: each reads one thing, or fails at its place (scene_parser.cpp)
+  bool Fail(const SourceLocation& where, const std::string& message) {
+    return builder_->Fail(where, message);
+  }
+  void Warn(const SourceLocation& where, const std::string& message) {
+    builder_->diagnostics().Warn(where, message);
+  }
+
+  // ---- Values (scene_parser.cpp, parameter_parser.cpp)
   bool Unexpected(const Token& token, const std::string& expected);
   // `what` of the directive, for messages: "kind".
-  bool ReadString(const Statement& statement, std::string_view what, std::string* out);
-  bool ReadName(const Statement& statement, std::string_view what, std::string* out);
+  std::optional<std::string> ReadString(const Statement& statement, std::string_view what);
+  std::optional<std::string> ReadName(const Statement& statement, std::string_view what);
   // Number `index` of `count`.
-  bool ReadNumber(const Statement& statement, size_t index, size_t count, float* out);
-  bool ReadNumbers(const Statement& statement, std::span<float> out);
-  bool ReadMatrix(const Statement& statement, Transform* out);
-  bool ReadParameters(std::vector<Parameter>* out);  // (parameter_parser.cpp)
-  bool ReadParameter(Parameter* out);
-  bool ReadDeclaration(const Token& token, Parameter* out);
-  bool ReadValue(const Token& token, ValueKind kind, Parameter* parameter);
-  // Kind and parameters, with the defaults of `target` behind them.
-  bool ReadEntity(const Statement& statement, Entity* out);
-  bool ReadEntity(const Statement& statement, AttributeTarget target, Entity* out);
-  bool ReadNamedEntity(const Statement& statement, AttributeTarget target, std::string* name, Entity* out);
+  std::optional<float> ReadNumber(const Statement& statement, size_t index, size_t count);
+  // As many as `numbers` has room for.
+  bool ReadNumbers(const Statement& statement, std::span<float> numbers);
+  std::optional<Transform> ReadMatrix(const Statement& statement);
+  std::optional<std::vector<Parameter>> ReadParameters();
+  std::optional<Parameter> ReadParameter();
+  std::optional<Parameter> ReadDeclaration(const Token& token);
+  // Appends a value.
+  bool ReadValue(const Token& token, ValueKind kind, Parameter& parameter);
+  // Kind and parameters, followed by the defaults of `target` if there is one.
+  std::optional<Entity> ReadEntity(const Statement& statement, std::optional<AttributeTarget> target = {});
+  // Name and parameters, of which one is the kind.
+  std::optional<NamedEntity> ReadNamedEntity(const Statement& statement, AttributeTarget target);
 
   bool Carry(const Token& token);
   bool CheckBlock(const Statement& statement);
-  bool AddAttributes(AttributeTarget target, Entity* entity);
-  bool TakeType(const std::string& name, Entity* entity);
+  bool AddAttributes(AttributeTarget target, Entity& entity);
+  // Turns the parameter "string type" into the kind.
+  bool TakeType(const std::string& name, Entity& entity);
 
   // ---- Transforms (transform_directives.cpp)
   bool Concat(const Statement& statement, const std::optional<Transform>& next);
@@ -99,11 +119,18 @@ class SceneParser {
   bool CoordinateSystem(const Statement& statement);
   bool CoordSysTransform(const Statement& statement);
   bool ActiveTransform(const Statement& statement);
-  bool TransformTimes(const Statement& statement);
+  bool SetTransformTimes(const Statement& statement);
+  // The current transform, for what may move.
+  AnimatedTransform Moving() const { return transform_times_.Animate(state_.transform); }
+  // The current transform, for what does not move: where it is at the start, with a warning if that differs
+  // from the end. `what` names it: "light".
+  Transform AtRest(const Statement& statement, std::string_view what);
 
   // ---- What is before WorldBegin, and the order of files and states (structure_directives.cpp)
   bool Option(const Statement& statement);
-  bool ReadOptionValue(Parameter* option);
+  bool ReadOptionValue(Parameter& option);
+  // One of the entities that a scene has once.
+  bool ReadSetting(const Statement& statement, Entity& setting);
   bool Camera(const Statement& statement);
   bool Film(const Statement& statement);
   bool PixelFilter(const Statement& statement);
@@ -136,14 +163,16 @@ class SceneParser {
   bool LightSource(const Statement& statement);
   bool AreaLightSource(const Statement& statement);
   bool Shape(const Statement& statement);
-  bool SetAreaLight(ShapeDescription* shape);
   bool ObjectInstance(const Statement& statement);
 
-  SceneBuilder* builder_;
+  DescriptionBuilder* builder_;
+  SceneFiles* files_;
   TokenStream tokens_;
   GraphicsState state_;
   std::vector<Pushed> pushed_;
   std::map<std::string, TransformPair> coordinate_systems_;
+  TransformTimes transform_times_;
+  TransformPair camera_from_world_;  // until WorldBegin: TransformTimes may follow the camera
   bool in_world_ = false;
   bool is_import_ = false;
   int files_above_ = 0;           // open files of the parsers that import this one

@@ -24,86 +24,76 @@ std::string Normalized(std::string_view name) {
 }  // namespace
 
 bool SceneParser::Option(const Statement& statement) {
-  std::string name;
-  const SourceLocation location = tokens_.Peek().Location();
-  if (!ReadName(statement, "name", &name)) return false;
   Parameter option;
-  option.name = Normalized(name);
-  option.location = location;
+  option.location = tokens_.Peek().Location();
+  const std::optional<std::string> name = ReadName(statement, "name");
+  if (!name) return false;
+  option.name = Normalized(*name);
   const Kind<std::string_view>* kind = OptionKinds().Find(option.name);
-  if (kind == nullptr) return builder_->Fail(location, OptionKinds().Refusal(option.name));
+  if (kind == nullptr) return Fail(option.location, OptionKinds().Refusal(option.name));
   option.type = kind->reader;
-  if (!ReadOptionValue(&option)) return false;
+  if (!ReadOptionValue(option)) return false;
   if (!builder_->Charge(statement.location, SizeOf(option))) return false;
   builder_->scene().options.push_back(std::move(option));
   return true;
 }
 
-bool SceneParser::ReadOptionValue(Parameter* option) {
+bool SceneParser::ReadOptionValue(Parameter& option) {
   const Token token = tokens_.Next();
   const SourceLocation location = token.Location();
-  if (!ReadValue(token, ValueKindOf(option->type), option)) return false;
-  if (option->type != "string") return true;
-  const std::string& value = option->strings[0];
-  if (value.empty()) return builder_->Fail(location, fmt::format("option \"{}\" is empty", option->name));
-  if (option->name != "rendercoordsys") return true;
+  if (!ReadValue(token, ValueKindOf(option.type), option)) return false;
+  if (option.type != "string") return true;
+  const std::string& value = option.strings[0];
+  if (value.empty()) return Fail(location, fmt::format("option \"{}\" is empty", option.name));
+  if (option.name != "rendercoordsys") return true;
   for (const std::string_view allowed : kRenderCoordSys) {
     if (value == allowed) return true;
   }
-  return builder_->Fail(location,
-                        fmt::format("unknown coordinate system {}{}, expected one of {}", Quoted(value),
+  return Fail(location, fmt::format("unknown coordinate system {}{}, expected one of {}", Quoted(value),
                                     DidYouMean(value, kRenderCoordSys), fmt::join(kRenderCoordSys, " ")));
 }
 
 bool SceneParser::Camera(const Statement& statement) {
-  SceneDescription& scene = builder_->scene();
-  Entity camera;
-  if (!ReadEntity(statement, &camera)) return false;
-  scene.camera = std::move(camera);
-  scene.camera_from_world = state_.transform;
-  scene.camera_medium = state_.outside_medium;
-  coordinate_systems_["camera"] = {state_.transform.start.Inverse(), state_.transform.end.Inverse()};
+  std::optional<Entity> camera = ReadEntity(statement);
+  if (!camera) return false;
+  builder_->scene().camera = *std::move(camera);
+  builder_->scene().camera_medium = state_.outside_medium;
+  camera_from_world_ = state_.transform;
+  coordinate_systems_["camera"] = state_.transform.Inverse();
   return true;
 }
 
 bool SceneParser::Film(const Statement& statement) {
-  Entity film;
-  if (!ReadEntity(statement, &film)) return false;
-  builder_->scene().film = std::move(film);
   builder_->scene().film_color_space = state_.color_space;
-  return true;
+  return ReadSetting(statement, builder_->scene().film);
 }
 
 bool SceneParser::PixelFilter(const Statement& statement) {
-  Entity filter;
-  if (!ReadEntity(statement, &filter)) return false;
-  builder_->scene().filter = std::move(filter);
-  return true;
+  return ReadSetting(statement, builder_->scene().filter);
 }
 
 bool SceneParser::Sampler(const Statement& statement) {
-  Entity sampler;
-  if (!ReadEntity(statement, &sampler)) return false;
-  builder_->scene().sampler = std::move(sampler);
-  return true;
+  return ReadSetting(statement, builder_->scene().sampler);
 }
 
 bool SceneParser::Integrator(const Statement& statement) {
-  Entity integrator;
-  if (!ReadEntity(statement, &integrator)) return false;
-  builder_->scene().integrator = std::move(integrator);
-  return true;
+  return ReadSetting(statement, builder_->scene().integrator);
 }
 
 bool SceneParser::Accelerator(const Statement& statement) {
-  Entity accelerator;
-  if (!ReadEntity(statement, &accelerator)) return false;
-  builder_->scene().accelerator = std::move(accelerator);
+  return ReadSetting(statement, builder_->scene().accelerator);
+}
+
+bool SceneParser::ReadSetting(const Statement& statement, Entity& setting) {
+  std::optional<Entity> entity = ReadEntity(statement);
+  if (!entity) return false;
+  setting = *std::move(entity);
   return true;
 }
 
 bool SceneParser::WorldBegin(const Statement&) {
   in_world_ = true;
+  builder_->scene().camera_from_world = transform_times_.Animate(camera_from_world_);
   state_.transform = {};
   state_.start_is_active = state_.end_is_active = true;
   coordinate_systems_["world"] = state_.transform;
@@ -111,15 +101,15 @@ bool SceneParser::WorldBegin(const Statement&) {
 }
 
 std::unique_ptr<Lexer> SceneParser::OpenNamed(const Statement& statement) {
-  std::string name;
   const SourceLocation location = tokens_.Peek().Location();
-  if (!ReadString(statement, "file name", &name)) return nullptr;
+  const std::optional<std::string> name = ReadString(statement, "file name");
+  if (!name) return nullptr;
   if (files_above_ + tokens_.depth() >= kIncludeDepthMax) {
-    builder_->Fail(location, fmt::format("{} {}: files nested deeper than {}, does one include itself?",
-                                         statement.name(), Quoted(name), kIncludeDepthMax));
+    Fail(location, fmt::format("{} {}: files nested deeper than {}, does one include itself?",
+                               statement.name(), Quoted(*name), kIncludeDepthMax));
     return nullptr;
   }
-  return builder_->Open(location, statement.name(), name);
+  return files_->Open(location, statement.name(), *name, builder_->diagnostics());
 }
 
 bool SceneParser::Include(const Statement& statement) {
@@ -138,8 +128,8 @@ bool SceneParser::Import(const Statement& statement) {
 
 bool SceneParser::Push(const Statement& statement, bool is_object) {
   if (pushed_.size() >= kStateDepthMax) {
-    return builder_->Fail(statement.location,
-                          fmt::format("{} nested deeper than {}", statement.name(), kStateDepthMax));
+    return Fail(statement.location,
+                fmt::format("{} nested deeper than {}", statement.name(), kStateDepthMax));
   }
   pushed_.push_back({state_, is_object, statement.location});
   return true;
@@ -148,13 +138,12 @@ bool SceneParser::Push(const Statement& statement, bool is_object) {
 bool SceneParser::Pop(const Statement& statement, bool is_object) {
   const std::string begin = is_object ? "ObjectBegin" : "AttributeBegin";
   if (pushed_.empty()) {
-    return builder_->Fail(statement.location,
-                          fmt::format("{} without {} before it", statement.name(), begin));
+    return Fail(statement.location, fmt::format("{} without {} before it", statement.name(), begin));
   }
   if (pushed_.back().is_object != is_object) {
-    return builder_->Fail(statement.location, fmt::format("{} does not match the {} at {}", statement.name(),
-                                                          is_object ? "AttributeBegin" : "ObjectBegin",
-                                                          pushed_.back().location.Text()));
+    return Fail(statement.location,
+                fmt::format("{} does not match the {} at {}", statement.name(),
+                            is_object ? "AttributeBegin" : "ObjectBegin", pushed_.back().location.Text()));
   }
   state_ = std::move(pushed_.back().state);
   pushed_.pop_back();
@@ -170,23 +159,22 @@ bool SceneParser::AttributeEnd(const Statement& statement) {
 }
 
 bool SceneParser::TransformBegin(const Statement& statement) {
-  builder_->WarnOnce("TransformBegin", statement.location,
-                     "TransformBegin and TransformEnd are deprecated: use AttributeBegin and AttributeEnd");
+  builder_->diagnostics().WarnOnce(
+      "TransformBegin", statement.location,
+      "TransformBegin and TransformEnd are deprecated: use AttributeBegin and AttributeEnd");
   return Push(statement, false);
 }
 
 bool SceneParser::ObjectBegin(const Statement& statement) {
-  ObjectDescription object;
-  object.location = statement.location;
-  if (!ReadName(statement, "name", &object.name)) return false;
+  std::optional<std::string> name = ReadName(statement, "name");
+  if (!name) return false;
   if (object_) {
-    return builder_->Fail(
-        statement.location,
-        fmt::format("ObjectBegin inside the definition of object {}, expected ObjectEnd first",
-                    Quoted(builder_->scene().objects[*object_].name)));
+    return Fail(statement.location,
+                fmt::format("ObjectBegin inside the definition of object {}, expected ObjectEnd first",
+                            Quoted(builder_->scene().objects[*object_].name)));
   }
-  if (!builder_->Charge(statement.location, sizeof object) || !Push(statement, true)) return false;
-  if (!builder_->DefineObject(std::move(object))) return false;
+  if (!Push(statement, true)) return false;
+  if (!builder_->AddObject({*std::move(name), statement.location, {}})) return false;
   object_ = builder_->scene().objects.size() - 1;
   return true;
 }
@@ -199,12 +187,11 @@ bool SceneParser::ObjectEnd(const Statement& statement) {
 
 bool SceneParser::CheckEnd() {
   const SourceLocation end = tokens_.Peek().Location();
-  if (!in_world_) return builder_->Fail(end, "the file ends without WorldBegin");
+  if (!in_world_) return Fail(end, "the file ends without WorldBegin");
   if (pushed_.empty()) return true;
-  return builder_->Fail(pushed_.back().location,
-                        pushed_.back().is_object
-                            ? "ObjectBegin without ObjectEnd before the end of the file"
-                            : "AttributeBegin without AttributeEnd before the end of the file");
+  return Fail(pushed_.back().location,
+              pushed_.back().is_object ? "ObjectBegin without ObjectEnd before the end of the file"
+                                       : "AttributeBegin without AttributeEnd before the end of the file");
 }
 
 }  // namespace tessera

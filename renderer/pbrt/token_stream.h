@@ -13,7 +13,7 @@ class TokenStream {
  public:
   explicit TokenStream(std::unique_ptr<Lexer> lexer) { lexers_.push_back(std::move(lexer)); }
 
-  // Goes on with the tokens of `lexer`, then with the rest of the present file. Not between Peek and Next.
+  // Continues with the tokens of `lexer`, then with the rest of the current file. Not between Peek and Next.
   void Push(std::unique_ptr<Lexer> lexer) { lexers_.push_back(std::move(lexer)); }
 
   // kEnd only at the end of the first file. A token's text is valid until the next call of Next or Peek.

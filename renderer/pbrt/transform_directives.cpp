@@ -9,10 +9,9 @@ namespace tessera {
 
 bool SceneParser::Concat(const Statement& statement, const std::optional<Transform>& next) {
   if (next && state_.ConcatTransform(*next)) return true;
-  return builder_->Fail(statement.location,
-                        "after " + statement.name() +
-                            " the current transformation has no inverse or is too large for a "
-                            "float, expected finite numbers and no scale of zero");
+  return Fail(statement.location, "after " + statement.name() +
+                                      " the current transformation has no inverse or is too large for a "
+                                      "float, expected finite numbers and no scale of zero");
 }
 
 bool SceneParser::Identity(const Statement&) {
@@ -34,7 +33,7 @@ bool SceneParser::Rotate(const Statement& statement) {
   if (!ReadNumbers(statement, v)) return false;
   const Vec3 axis{v[1], v[2], v[3]};
   if (v[1] == 0 && v[2] == 0 && v[3] == 0) {
-    return builder_->Fail(statement.location, "Rotate about the axis 0 0 0, expected a direction");
+    return Fail(statement.location, "Rotate about the axis 0 0 0, expected a direction");
   }
   return Concat(statement, tessera::Rotate(v[0], axis));
 }
@@ -45,41 +44,39 @@ bool SceneParser::LookAt(const Statement& statement) {
   const std::optional<Transform> look_at =
       tessera::LookAt({v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]});
   if (!look_at) {
-    return builder_->Fail(
-        statement.location,
-        "LookAt has no direction of view, expected two different points and an up vector that is "
-        "not parallel to the view");
+    return Fail(statement.location,
+                "LookAt has no direction of view, expected two different points and an up vector that is "
+                "not parallel to the view");
   }
   return Concat(statement, look_at);
 }
 
 bool SceneParser::SetTransform(const Statement& statement) {
-  Transform next;
-  return ReadMatrix(statement, &next) && state_.SetTransform(next);
+  const std::optional<Transform> next = ReadMatrix(statement);
+  return next && state_.SetTransform(*next);
 }
 
 bool SceneParser::ConcatTransform(const Statement& statement) {
-  Transform next;
-  return ReadMatrix(statement, &next) && Concat(statement, next);
+  const std::optional<Transform> next = ReadMatrix(statement);
+  return next && Concat(statement, next);
 }
 
 bool SceneParser::CoordinateSystem(const Statement& statement) {
-  std::string name;
-  if (!ReadName(statement, "name", &name)) return false;
-  coordinate_systems_[name] = state_.transform;
-  return builder_->Charge(statement.location, sizeof(TransformPair) + name.size());
+  const std::optional<std::string> name = ReadName(statement, "name");
+  if (!name) return false;
+  coordinate_systems_[*name] = state_.transform;
+  return builder_->Charge(statement.location, sizeof(TransformPair) + name->size());
 }
 
 bool SceneParser::CoordSysTransform(const Statement& statement) {
-  std::string name;
-  if (!ReadName(statement, "name", &name)) return false;
-  const auto found = coordinate_systems_.find(name);
+  const std::optional<std::string> name = ReadName(statement, "name");
+  if (!name) return false;
+  const auto found = coordinate_systems_.find(*name);
   if (found != coordinate_systems_.end()) {
     state_.transform = found->second;
   } else {
-    builder_->Warn(statement.location,
-                   fmt::format("coordinate system {} is not defined{}: the transformation stays",
-                               Quoted(name), is_import_ ? " in the imported file" : ""));
+    Warn(statement.location, fmt::format("coordinate system {} is not defined{}: the transformation stays",
+                                         Quoted(*name), is_import_ ? " in the imported file" : ""));
   }
   return true;
 }
@@ -96,12 +93,19 @@ bool SceneParser::ActiveTransform(const Statement&) {
   return true;
 }
 
-bool SceneParser::TransformTimes(const Statement& statement) {
+bool SceneParser::SetTransformTimes(const Statement& statement) {
   std::array<float, 2> times;
   if (!ReadNumbers(statement, times)) return false;
-  builder_->scene().shutter_start_time = times[0];
-  builder_->scene().shutter_end_time = times[1];
+  transform_times_ = {times[0], times[1]};
   return true;
+}
+
+Transform SceneParser::AtRest(const Statement& statement, std::string_view what) {
+  if (!(state_.transform.start == state_.transform.end)) {
+    Warn(statement.location,
+         fmt::format("the {} does not move: the transformation at the start time is used", what));
+  }
+  return state_.transform.start;
 }
 
 }  // namespace tessera

@@ -46,8 +46,9 @@ PixelBounds ReadCrop(ParameterReader& reader, const FilmSettings& film) {
   return crop;
 }
 
-int ReadResolution(ParameterReader& reader, std::string_view name, int otherwise, std::optional<int> option) {
-  const int value = reader.Integer(name, otherwise);
+int ReadResolution(ParameterReader& reader, std::string_view name, int default_value,
+                   std::optional<int> option) {
+  const int value = reader.Integer(name, default_value);
   if (option) return *option;
   if (value < 1 || value > kResolutionMax) {
     reader.FailAt(name, fmt::format("{} must lie between 1 and {}, not {}", name, kResolutionMax, value));

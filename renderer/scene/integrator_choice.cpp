@@ -18,7 +18,7 @@ void ReadLightSampler(ParameterReader& reader, IntegratorChoice* choice) {
     reader.FailAt("lightsampler", LightSamplers().Refusal(name));
 }
 
-// The parameters of a kind that we have.
+// The parameters of a supported kind.
 void ReadKind(ParameterReader& reader, IntegratorChoice* choice, Diagnostics& diagnostics) {
   switch (choice->integrator.kind) {
     case IntegratorKind::kPath:

@@ -21,7 +21,8 @@ std::vector<UnseenLight> UnseenLights(const SceneDescription& scene, const World
   }
   for (const Shape& shape : world.geometry.shapes) {
     if (shape.surface.area_light < 0 || world.lights.IsHitByRays(shape.surface.area_light)) continue;
-    const std::optional<Entity>& light = scene.shapes[static_cast<size_t>(shape.description)].area_light;
+    const std::shared_ptr<const Entity>& light =
+        scene.shapes[static_cast<size_t>(shape.description)].area_light;
     if (light) unseen.push_back({&light->location, "the area light of a shape of alpha 0"});
   }
   return unseen;

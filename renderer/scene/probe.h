@@ -1,5 +1,5 @@
-// The probe unit: a small picture of everything that there is. A worker that computes it with other bits than
-// its release does (another processor, compiler or library) would spoil every picture it has a part in.
+// The probe unit: small pictures of everything that can be rendered. A worker whose bits differ from those of
+// its release (another processor, compiler or library) would corrupt every picture it contributes to.
 #pragma once
 
 #include "renderer/util/digest.h"
@@ -8,8 +8,8 @@
 namespace tessera {
 
 // Renders built-in scenes that together touch every integrator, sampler, filter, accelerator, light sampler,
-// light, shape, material, texture and medium, and gives the digest of their sums; well below a second on one
-// thread. Reads no file. An error only if the renderer cannot read its own scenes.
+// light, shape, material, texture and medium, and returns the digest of their sums; well below a second on
+// one thread. Reads no file. An error only if the renderer cannot read its own scenes.
 Result<Digest> RenderProbe();
 
 }  // namespace tessera

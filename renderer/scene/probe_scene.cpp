@@ -37,7 +37,7 @@ MakeNamedMedium "haze" "string type" "homogeneous" "rgb sigma_a" [ 0.01 0.02 0.0
 MediumInterface "" "haze"
 )";
 
-// Four rows of five balls before a wall; the top row are shapes and lights.
+// Four rows of five balls in front of a wall; the top row holds shapes and lights.
 const char* const kProbeWorld = R"(
 WorldBegin
 MakeNamedMedium "milk" "string type" "homogeneous" "string preset" "Wholemilk" "float scale" 0.5

@@ -1,5 +1,5 @@
-// The scenes of the probe unit. When something new can be rendered it belongs in here; the digest then
-// changes.
+// The scenes of the probe unit. Whatever becomes possible to render belongs in here, which changes the
+// digest.
 #pragma once
 
 #include <span>
@@ -11,14 +11,14 @@ namespace tessera {
 struct ProbeVariant {
   const char* settings;
   const char* accelerator;
-  // With points and directions as lights, which only shadow rays find.
+  // Includes lights that are points or directions, which only shadow rays find.
   bool has_lights_of_no_size;
 };
 std::span<const ProbeVariant> ProbeVariants();
 
 extern const char* const kProbeHead;            // film and camera
 extern const char* const kProbeWorld;           // with WorldBegin
-extern const char* const kProbeLightsOfNoSize;  // to be put after it
+extern const char* const kProbeLightsOfNoSize;  // comes after it
 extern const char* const kProbeMesh;            // "probe.ply"
 std::string ProbeImage();                       // "probe.pfm": square, in colour
 

@@ -62,13 +62,14 @@ std::map<std::string, std::string> HeaderAttributes(const Scene::Data& data,
 
 }  // namespace
 
-// Reads a scene step by step; each step uses what the ones before it made.
-class SceneLoader {
+// Builds a scene from its description step by step; each step uses what the ones before it made.
+class SceneBuilder {
  public:
-  SceneLoader(FileSource& files, const RenderOptions& options)
-      : files_(files), options_(options), images_(files) {}
+  SceneBuilder(SceneDescription description, FileSource& files, const RenderOptions& options)
+      : options_(options), scene_(std::move(description)), files_(files, scene_.embedded_files) {}
 
-  Result<std::unique_ptr<Scene::Data>> Load(const std::string& name, Scene::Depth depth);
+  // `name` is that of the scene file.
+  Result<std::unique_ptr<Scene::Data>> Build(const std::string& name, Scene::Depth depth);
 
  private:
   Result<void> StopTime(const std::string& name);
@@ -78,35 +79,36 @@ class SceneLoader {
   void SurveyAccelerators();
   Result<void> CheckLights(const std::string& name);
 
-  FileSource& files_;
   const RenderOptions& options_;
-  ImageCache images_;
   SceneDescription scene_;
+  SceneFileSource files_;
+  ImageCache images_{files_};
   const Kind<AcceleratorMaker>* accelerator_ = nullptr;
   bool wavefront_ = false;  // the scene asks for pbrt's wavefront renderer
   std::unique_ptr<Scene::Data> data_ = std::make_unique<Scene::Data>();
 };
 
-Result<void> SceneLoader::StopTime(const std::string& name) {
-  const Result<int> moving = StopMotion(options_.time, &scene_);
+Result<void> SceneBuilder::StopTime(const std::string& name) {
+  const Result<int> moving = StopMotion(options_.time, scene_);
   if (!moving) return moving.error();
   data_->summary.moving = static_cast<uint64_t>(*moving);
   if (*moving > 0) {
-    scene_.diagnostics.Warn(name, std::string("what moves is shown as it is at one moment, ") +
+    scene_.diagnostics.Warn(name, std::string("moving things are shown at one moment, ") +
                                       (options_.time ? "the frame's time" : "the middle of the shutter") +
                                       ", without motion blur");
   }
   return {};
 }
 
-Result<void> SceneLoader::ReadSettings() {
+Result<void> SceneBuilder::ReadSettings() {
   Scene::Data& data = *data_;
   const Result<SceneOptions> scene_options = ReadSceneOptions(scene_, scene_.diagnostics);
   if (!scene_options) return scene_options.error();
   wavefront_ = scene_options->wavefront;
   const Result<FilmSettings> film = ReadFilm(scene_.film, options_);
   if (!film) return film.error();
-  Result<Camera> camera = Camera::Read(scene_.camera, scene_.camera_from_world, film->width, film->height);
+  Result<Camera> camera =
+      Camera::Read(scene_.camera, scene_.camera_from_world.Fixed(), film->width, film->height);
   if (!camera) return camera.error();
   data.world.camera = *camera;
   Result<Filter> filter = Filter::Read(scene_.filter);
@@ -120,7 +122,7 @@ Result<void> SceneLoader::ReadSettings() {
   data.summary.extendable = !data.sampler.sampler.DependsOnCount();
   const Result<IntegratorChoice> integrator = ChooseIntegrator(scene_, options_, scene_.diagnostics);
   if (!integrator) return integrator.error();
-  // As fine as pbrt's for many samples if the number is open: it must not show in the first of them.
+  // If samples can be added later the spacing must not depend on their number: the finest is used.
   constexpr float kSpacingMin = 0.125f;
   const float spacing = data.summary.extendable
                             ? kSpacingMin
@@ -137,7 +139,7 @@ Result<void> SceneLoader::ReadSettings() {
   return CheckLightsFor(data.estimator, scene_, data.world, scene_.diagnostics);
 }
 
-Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator) {
+Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator) {
   Scene::Data& data = *data_;
   const ColorSpace* color_space = ColorSpace::Named(scene_.film_color_space);
   if (color_space == nullptr) return ErrorAt(scene_.film.location, "unknown colour space of the film");
@@ -161,8 +163,8 @@ Result<void> SceneLoader::DescribeFrame(const FilmSettings& film, const Integrat
   return data.frame.Check();
 }
 
-// A scene without light is rendered black, as pbrt does, but for its wavefront renderer, which refuses it.
-Result<void> SceneLoader::CheckLights(const std::string& name) {
+// A scene without light renders black, as in pbrt, except for its wavefront renderer, which refuses it.
+Result<void> SceneBuilder::CheckLights(const std::string& name) {
   if (!data_->world.lights.empty() || data_->world.media.is_emissive()) return {};
   if (wavefront_)
     return BadInput(name + ": the scene asks for the wavefront renderer but has no light source");
@@ -170,7 +172,7 @@ Result<void> SceneLoader::CheckLights(const std::string& name) {
   return {};
 }
 
-Result<void> SceneLoader::BuildAccelerator() {
+Result<void> SceneBuilder::BuildAccelerator() {
   Scene::Data& data = *data_;
   Result<std::unique_ptr<Accelerator>> accelerator =
       MakeAccelerator(*accelerator_, data.world.geometry, data.world.textures);
@@ -180,7 +182,7 @@ Result<void> SceneLoader::BuildAccelerator() {
   return {};
 }
 
-void SceneLoader::SurveyAccelerators() {
+void SceneBuilder::SurveyAccelerators() {
   Scene::Data& data = *data_;
   const bool all = options_.accelerator.empty();
   for (const Kind<AcceleratorMaker>& kind : Accelerators().kinds()) {
@@ -196,12 +198,8 @@ void SceneLoader::SurveyAccelerators() {
   }
 }
 
-Result<std::unique_ptr<Scene::Data>> SceneLoader::Load(const std::string& name, Scene::Depth depth) {
+Result<std::unique_ptr<Scene::Data>> SceneBuilder::Build(const std::string& name, Scene::Depth depth) {
   const auto start = std::chrono::steady_clock::now();
-  if (Result<void> checked = CheckOptions(options_); !checked) return checked.error();
-  Result<SceneDescription> scene = ParseScene(files_, name);
-  if (!scene) return scene.error();
-  scene_ = std::move(*scene);
   if (Result<void> stopped = StopTime(name); !stopped) return stopped.error();
   if (Result<void> settings = ReadSettings(); !settings) return settings.error();
   if (Result<void> lit = CheckLights(name); !lit) return lit.error();
@@ -230,7 +228,21 @@ const SceneSummary& Scene::summary() const {
 
 Result<std::unique_ptr<Scene>> Scene::Load(FileSource& files, const std::string& name,
                                            const RenderOptions& options, Depth depth) {
-  Result<std::unique_ptr<Data>> data = SceneLoader(files, options).Load(name, depth);
+  const auto start = std::chrono::steady_clock::now();
+  Result<SceneDescription> description = ParseScene(files, name);
+  if (!description) return description.error();
+  const double seconds = SecondsSince(start);
+  Result<std::unique_ptr<Scene>> scene = Build(*std::move(description), files, name, options, depth);
+  if (scene) (*scene)->data_->summary.load_seconds += seconds;
+  return scene;
+}
+
+Result<std::unique_ptr<Scene>> Scene::Build(SceneDescription description, FileSource& files,
+                                            const std::string& name, const RenderOptions& options,
+                                            Depth depth) {
+  if (Result<void> checked = CheckOptions(options); !checked) return checked.error();
+  Result<std::unique_ptr<Data>> data =
+      SceneBuilder(std::move(description), files, options).Build(name, depth);
   if (!data) return data.error();
   return std::unique_ptr<Scene>(new Scene(std::move(*data)));
 }

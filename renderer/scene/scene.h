@@ -17,7 +17,9 @@
 
 namespace tessera {
 
-// Further channels that a picture may get.
+struct SceneDescription;
+
+// Names of the channels that may be added to a picture.
 std::vector<std::string_view> AovNames();
 
 // What the command line may override of a scene (DESIGN.md section 8).
@@ -26,8 +28,8 @@ struct RenderOptions {
   std::optional<int> width, height;
   std::optional<std::array<float, 4>> crop;  // x0, x1, y0, y1 as fractions
   std::optional<uint64_t> seed;
-  std::optional<double>
-      time;  // seconds: the moment that is seen of what moves; the middle of the shutter without
+  // Seconds: the moment at which moving things are shown. The middle of the shutter if not given.
+  std::optional<double> time;
   std::string integrator;   // empty: the scene's
   std::string accelerator;  // empty: "embree"
   std::optional<int> max_depth;
@@ -39,7 +41,7 @@ struct RenderOptions {
   bool operator==(const RenderOptions&) const = default;
 };
 
-// One codec for jobs and journals: text of key=value lines, sorted.
+// The one codec, for jobs and journals: sorted lines of key=value.
 std::string EncodeRenderOptions(const RenderOptions& options);
 Result<RenderOptions> DecodeRenderOptions(const std::string& text);
 
@@ -47,8 +49,8 @@ Result<RenderOptions> DecodeRenderOptions(const std::string& text);
 struct AcceleratorSummary {
   std::string kind;
   double build_seconds = 0;
-  uint64_t nodes = 0, bytes = 0;  // 0 nodes: none, or it does not tell
-  double surface_area_cost = 0;   // 0: it does not tell
+  uint64_t nodes = 0, bytes = 0;  // 0 nodes: none, or not reported by the kind
+  double surface_area_cost = 0;   // 0: not reported by the kind
   std::string refusal;            // not empty: why this accelerator cannot hold the scene
 };
 
@@ -64,16 +66,16 @@ struct SceneSummary {
   uint64_t shapes = 0, groups = 0, instances = 0;
   std::vector<PrimitiveTotal> primitives;  // of every form, also of those that the scene has none of
   uint64_t lights = 0, materials = 0, textures = 0, media = 0;
-  uint64_t moving = 0;  // the camera, shapes and instances that are elsewhere at another time
+  uint64_t moving = 0;  // the camera, shapes and instances that move
   uint64_t geometry_bytes = 0, image_bytes = 0;
   double load_seconds = 0;
   // Whether a pixel's samples are the first of those it would have with more samples per pixel.
   bool extendable = false;
   std::vector<AcceleratorSummary> accelerators;  // those that were built
-  std::vector<std::string> warnings;             // what is done otherwise than the scene asks
+  std::vector<std::string> warnings;             // what differs from what the scene asks for
 };
 
-// What rendering some units took.
+// What it took to render units.
 struct RenderStatistics {
   uint64_t camera_rays = 0, bounce_rays = 0, shadow_rays = 0;
   uint64_t discarded_samples = 0;  // not finite: counted as black
@@ -85,24 +87,29 @@ struct RenderStatistics {
 class Scene {
  public:
   enum class Depth {
-    kCheck,  // read and check everything, build no acceleration structure: cannot render
+    kCheck,  // read and check everything, but build no accelerator: cannot render
     kRender,
-    kSurvey,  // as kCheck, but build every accelerator, or the one that was asked for, to tell of it
+    kSurvey,  // as kCheck, but build every accelerator, or the one of the options, for the summary
   };
-  // Reads scene file `name` of `files` with all it refers to.
+  // Reads scene file `name` of `files` with all that it refers to.
   static Result<std::unique_ptr<Scene>> Load(FileSource& files, const std::string& name,
                                              const RenderOptions& options, Depth depth);
+  // The same for a scene that was read before; `name` stands for its file in messages.
+  static Result<std::unique_ptr<Scene>> Build(SceneDescription description, FileSource& files,
+                                              const std::string& name, const RenderOptions& options,
+                                              Depth depth);
   ~Scene();
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
-  // Of the scene and the options: the same on every machine. Its attributes hold settings, seed and software
-  // version; the scene digest is the caller's to add.
+  // Follows from the scene and the options: the same on every machine. Its attributes hold settings, seed and
+  // software version; the caller adds the scene digest.
   const FrameSpec& frame() const;
   const SceneSummary& summary() const;
 
   // Renders samples `range` of `pixels` of `bounds` on the calling thread: a pure function of the scene and
-  // the unit. Nothing if `stop` became true first; stop may be null. Adds to `statistics` unless it is null.
+  // the unit. Returns nullopt if `stop`, which may be null, became true first. Adds to `statistics` unless
+  // null.
   std::optional<RadianceTile> Render(PixelBounds bounds, const PixelMask& pixels, SampleRange range,
                                      const std::atomic<bool>* stop,
                                      RenderStatistics* statistics = nullptr) const;

@@ -1,11 +1,11 @@
-// The release that this is.
+// The version of this release.
 #pragma once
 
 #include <string_view>
 
 namespace tessera {
 
-// Of all programs, of the headers of pictures, and what coordinator and worker must agree on.
+// Shown by all programs and in the headers of pictures; coordinator and worker must agree on it.
 constexpr std::string_view kVersion = "0.1.0";
 
 }  // namespace tessera

@@ -89,10 +89,6 @@ Result<void> WorldBuilder::AddGroups() {
   for (const ObjectDescription& object : scene_.objects) {
     ShapeGroup group;
     for (const ShapeDescription& shape : object.shapes) {
-      if (shape.area_light) {
-        diagnostics_.Warn(shape.area_light->location,
-                          "area lights inside object definitions are not supported: the shape does not emit");
-      }
       if (Result<void> added = AddShape(shape, Transform(), &group.shapes, nullptr); !added) return added;
     }
     group_index_[object.name] = static_cast<int>(world_.geometry.groups.size());
@@ -107,10 +103,9 @@ Result<void> WorldBuilder::AddInstances() {
     if (group == group_index_.end()) {
       return ErrorAt(instance.location, "object \"" + instance.name + "\" is not defined");
     }
-    TESSERA_CHECK(!instance.world_from_object.IsAnimated());
     if (world_.geometry.groups[group->second].shapes.empty()) continue;
     world_.geometry.instances.push_back(
-        {group->second, render_from_world_ * instance.world_from_object.start});
+        {group->second, render_from_world_ * instance.world_from_object.Fixed()});
   }
   return {};
 }

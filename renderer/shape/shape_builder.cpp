@@ -18,11 +18,10 @@ bool IsFinite(const Shape& shape) {
 Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, const Transform& render_from_world,
                                       FileSource& files, TextureBuilder& textures, Diagnostics& diagnostics) {
   const Entity& entity = description.entity;
-  TESSERA_CHECK(!description.world_from_object.IsAnimated());
   const Kind<ShapeReader>* kind = ShapeKinds().Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, ShapeKinds().Refusal(entity.kind));
   ParameterReader reader(entity);
-  const Transform render_from_object = render_from_world * description.world_from_object.start;
+  const Transform render_from_object = render_from_world * description.world_from_object.Fixed();
   const FloatInput alpha = textures.Float(reader, "alpha", 1);
   std::vector<Form> forms =
       kind->reader({reader, {render_from_object, description.reverse_orientation}, files, diagnostics});

@@ -53,7 +53,7 @@ struct TextureBuilder::State {
   Result<FloatInput> MakeFloat(TextureBuilder& builder, const TextureDescription& description) {
     ParameterReader reader(description.entity);
     TextureKindContext context{builder, assembly, reader,
-                               render_from_world * description.world_from_texture.start};
+                               render_from_world * description.world_from_texture};
     const FloatInput input = MakeFloatTexture(context);
     if (const Result<void> read = reader.Finish(); !read) return read.error();
     return input;
@@ -67,7 +67,7 @@ struct TextureBuilder::State {
     const TextureDescription& description = texture.description;
     ParameterReader reader(description.entity);
     TextureKindContext context{builder, assembly, reader,
-                               render_from_world * description.world_from_texture.start};
+                               render_from_world * description.world_from_texture};
     const SpectrumInput input = MakeSpectrumTexture(context, use);
     if (const Result<void> read = reader.Finish(); !read) return read.error();
     variant = input;

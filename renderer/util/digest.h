@@ -19,14 +19,14 @@ struct Digest {
   auto operator<=>(const Digest&) const = default;
   // 64 lower-case hexadecimal digits.
   std::string Hex() const;
-  // Nothing if `hex` is not exactly 64 hexadecimal digits.
+  // Returns nullopt if `hex` is not exactly 64 hexadecimal digits.
   static std::optional<Digest> FromHex(std::string_view hex);
 };
 
 Digest Sha256(std::span<const std::byte> bytes);
 Digest Sha256(std::string_view bytes);
 
-// SHA-256 of bytes that come in pieces.
+// SHA-256 of bytes that arrive in pieces.
 class Sha256Stream {
  public:
   Sha256Stream();

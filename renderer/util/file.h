@@ -23,7 +23,7 @@ Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes
 // "PATH: WHAT: " with the reason that errno holds, as in "/data/journal: cannot be written: No space left on device".
 Error SystemError(const std::string& path, const char* what);
 
-// Makes names that were given or taken in a folder last. Where the system cannot, nothing happens.
+// Syncs a folder, so that what was created, renamed or removed in it survives a crash. Ignores errors.
 void SyncFolder(const std::string& folder);
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
 // Compiled for the first x86-64 (renderer/CMakeLists.txt): nothing here may need what it checks for. So it
-// uses no other code of ours and none of the standard library's templates.
+// uses no other code of Tessera and no template of the standard library.
 #include "renderer/util/processor.h"
 
 #include <cpuid.h>

@@ -1,4 +1,4 @@
-// Values that are dear to make, kept for whoever needs the same again: decoded pictures, parsed meshes.
+// Values that are expensive to make, kept to be used again: decoded pictures, parsed meshes.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@
 
 namespace tessera {
 
-// Bounded: what was not used for longest goes first. A value that has gone lives on with those who use it.
+// Bounded: least recently used values are evicted first. An evicted value lives on while it is used.
 // Thread safe.
 class SharedCache {
  public:
   explicit SharedCache(uint64_t bytes_max) : bytes_max_(bytes_max) {}
 
-  // Null if there is none. A key belongs to one type for ever: name the type in it.
+  // Returns null if there is none. All values of a key must have the same type: name the type in it.
   template <typename T>
   std::shared_ptr<const T> Find(const std::string& key) {
     return std::static_pointer_cast<const T>(FindAny(key));
@@ -41,7 +41,7 @@ class SharedCache {
   mutable std::mutex mutex_;
   uint64_t bytes_ = 0;
   std::map<std::string, Entry> entries_;
-  std::list<std::string> uses_;  // keys, the longest unused first
+  std::list<std::string> uses_;  // keys, least recently used first
 };
 
 }  // namespace tessera

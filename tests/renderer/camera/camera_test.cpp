@@ -17,7 +17,7 @@ Parameter FloatParameter(const std::string& name, float value) {
 
 Camera MakeCamera(std::vector<Parameter> parameters, const Transform& camera_from_world = {}) {
   const Entity entity{"Camera", "perspective", {}, std::move(parameters)};
-  Result<Camera> camera = Camera::Read(entity, {camera_from_world, camera_from_world}, 400, 200);
+  Result<Camera> camera = Camera::Read(entity, camera_from_world, 400, 200);
   TESSERA_CHECK(camera.has_value());
   return *camera;
 }

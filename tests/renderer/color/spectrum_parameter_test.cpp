@@ -6,20 +6,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/renderer/memory_files.h"
+
 namespace tessera {
 namespace {
 
 using ::testing::HasSubstr;
-
-class FakeFiles : public FileSource {
- public:
-  Result<std::string> Read(const std::string& name) override {
-    const auto found = files.find(name);
-    if (found == files.end()) return BadInput(name + ": no such file");
-    return found->second;
-  }
-  std::map<std::string, std::string> files;
-};
 
 SpectrumValue RgbValue(Vec3 rgb) {
   SpectrumValue value;
@@ -45,13 +37,13 @@ SpectrumValue SamplesValue(std::vector<float> wavelengths, std::vector<float> va
   return value;
 }
 
-std::string ErrorOf(const SpectrumValue& value, SpectrumUse use, FakeFiles& files) {
+std::string ErrorOf(const SpectrumValue& value, SpectrumUse use, MemoryFiles& files) {
   const Result<Spectrum> spectrum = MakeSpectrum(value, use, files);
   return spectrum ? "" : spectrum.error().message;
 }
 
 TEST(MakeSpectrum, RefusesRgbOutsideItsRange) {
-  FakeFiles files;
+  MemoryFiles files;
   EXPECT_EQ(ErrorOf(RgbValue({0, 0.5f, 1}), SpectrumUse::kAlbedo, files), "");
   EXPECT_THAT(ErrorOf(RgbValue({0, 0.5f, 1.5f}), SpectrumUse::kAlbedo, files), HasSubstr("above 1"));
   EXPECT_EQ(ErrorOf(RgbValue({0, 0.5f, 1.5f}), SpectrumUse::kUnbounded, files), "");
@@ -65,7 +57,7 @@ TEST(MakeSpectrum, RefusesRgbOutsideItsRange) {
 }
 
 TEST(MakeSpectrum, KnowsNamesBeforeFiles) {
-  FakeFiles files;
+  MemoryFiles files;
   files.files["glass-BK7"] = "400 7 700 7";
   const Result<Spectrum> glass = MakeSpectrum(NamedValue("glass-BK7"), SpectrumUse::kUnbounded, files);
   ASSERT_TRUE(glass);
@@ -73,7 +65,7 @@ TEST(MakeSpectrum, KnowsNamesBeforeFiles) {
 }
 
 TEST(MakeSpectrum, ReadsFilesOfPairsWithComments) {
-  FakeFiles files;
+  MemoryFiles files;
   files.files["a.spd"] = "# measured\n400 0.5 # first\n\t500.0 1.5e0\r\n+600 2.5";
   const Result<Spectrum> spectrum = MakeSpectrum(NamedValue("a.spd"), SpectrumUse::kUnbounded, files);
   ASSERT_TRUE(spectrum) << spectrum.error().message;
@@ -83,7 +75,7 @@ TEST(MakeSpectrum, ReadsFilesOfPairsWithComments) {
 }
 
 TEST(MakeSpectrum, RefusesBrokenFilesWithTheReason) {
-  FakeFiles files;
+  MemoryFiles files;
   files.files = {
       {"word", "400 1\n500 one"}, {"odd", "400 1 500"},      {"falling", "500 1 400 1"},
       {"empty", "# nothing\n"},   {"infinite", "400 inf"},   {"negative", "400 -1 500 2"},
@@ -101,11 +93,11 @@ TEST(MakeSpectrum, RefusesBrokenFilesWithTheReason) {
   EXPECT_THAT(error("overflow"), HasSubstr("no number"));
   EXPECT_THAT(error("large"), HasSubstr("allowed"));
   EXPECT_THAT(error("metal-Cu-etha"), HasSubstr("metal-Cu-eta"));
-  EXPECT_THAT(error("absent.spd"), HasSubstr("no such file"));
+  EXPECT_THAT(error("absent.spd"), HasSubstr("No such file"));
 }
 
 TEST(MakeSpectrum, ChecksSamples) {
-  FakeFiles files;
+  MemoryFiles files;
   EXPECT_EQ(ErrorOf(SamplesValue({400, 500}, {1, 2}), SpectrumUse::kUnbounded, files), "");
   EXPECT_THAT(ErrorOf(SamplesValue({400, 400}, {1, 2}), SpectrumUse::kUnbounded, files),
               HasSubstr("do not rise"));
@@ -114,7 +106,7 @@ TEST(MakeSpectrum, ChecksSamples) {
 }
 
 TEST(MakeSpectrum, NoReflectanceIsAboveOne) {
-  FakeFiles files;
+  MemoryFiles files;
   const SpectrumValue value = SamplesValue({360, 830}, {0, 2});
   const Result<Spectrum> albedo = MakeSpectrum(value, SpectrumUse::kAlbedo, files);
   const Result<Spectrum> unbounded = MakeSpectrum(value, SpectrumUse::kUnbounded, files);
@@ -124,7 +116,7 @@ TEST(MakeSpectrum, NoReflectanceIsAboveOne) {
 }
 
 TEST(MakeSpectrum, BlackbodiesHaveAPositiveTemperature) {
-  FakeFiles files;
+  MemoryFiles files;
   SpectrumValue value;
   value.form = SpectrumValue::Form::kBlackbody;
   value.kelvin = 5000;
@@ -136,7 +128,7 @@ TEST(MakeSpectrum, BlackbodiesHaveAPositiveTemperature) {
 }
 
 TEST(SpectrumParameter, IsTheDefaultWhereNothingIsWrittenAndAnErrorWhereItIsBad) {
-  FakeFiles files;
+  MemoryFiles files;
   Entity entity;
   entity.directive = "Material";
   entity.kind = "diffuse";

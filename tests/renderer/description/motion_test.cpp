@@ -15,11 +15,10 @@ constexpr const char* kMovingSphere =
 
 float PlaceAt(std::optional<double> time) {
   SceneDescription scene = *ParseText(kMovingSphere);
-  const auto moving = StopMotion(time, &scene);
+  const auto moving = StopMotion(time, scene);
   EXPECT_TRUE(moving);
   EXPECT_EQ(*moving, 1);
-  EXPECT_FALSE(scene.shapes[0].world_from_object.IsAnimated());
-  return scene.shapes[0].world_from_object.start.ToPoint({0, 0, 0}).x;
+  return scene.shapes[0].world_from_object.Fixed().ToPoint({0, 0, 0}).x;
 }
 
 TEST(StopMotion, PutsThingsWhereTheyAreAtTheTime) {
@@ -43,8 +42,8 @@ TEST(StopMotion, TheCameraMovesNotTheWorldAroundIt) {
       "ActiveTransform StartTime LookAt 0 0 -4  0 0 0  0 1 0 ActiveTransform EndTime LookAt 4 0 0  0 0 0  0 "
       "1 0 "
       "ActiveTransform All Camera \"perspective\" WorldBegin");
-  ASSERT_TRUE(StopMotion(0.5, &scene));
-  const Point3 eye = scene.camera_from_world.start.Inverse().ToPoint({0, 0, 0});
+  ASSERT_TRUE(StopMotion(0.5, scene));
+  const Point3 eye = scene.camera_from_world.Fixed().Inverse().ToPoint({0, 0, 0});
   EXPECT_NEAR(eye.x, 2, 1e-5);
   EXPECT_NEAR(eye.z, -2, 1e-5);
 }
@@ -53,17 +52,17 @@ TEST(StopMotion, InstancesAndShapesInsideObjectsMove) {
   SceneDescription scene = *ParseText(
       "WorldBegin ObjectBegin \"o\" ActiveTransform EndTime Translate 2 0 0 Shape \"sphere\" ObjectEnd "
       "ActiveTransform EndTime Translate 0 4 0 ActiveTransform All ObjectInstance \"o\"");
-  const auto moving = StopMotion(0.5, &scene);
+  const auto moving = StopMotion(0.5, scene);
   ASSERT_TRUE(moving);
   EXPECT_EQ(*moving, 2);
-  EXPECT_FLOAT_EQ(scene.objects[0].shapes[0].world_from_object.start.ToPoint({0, 0, 0}).x, 1);
-  EXPECT_FLOAT_EQ(scene.instances[0].world_from_object.start.ToPoint({0, 0, 0}).y, 2);
+  EXPECT_FLOAT_EQ(scene.objects[0].shapes[0].world_from_object.Fixed().ToPoint({0, 0, 0}).x, 1);
+  EXPECT_FLOAT_EQ(scene.instances[0].world_from_object.Fixed().ToPoint({0, 0, 0}).y, 2);
 }
 
 TEST(StopMotion, AMapThatIsSingularThenIsAnErrorWithItsPlace) {
   SceneDescription scene =
       *ParseText("WorldBegin\nActiveTransform EndTime Scale -1 -1 -1 ActiveTransform All\nShape \"sphere\"");
-  const auto moving = StopMotion(0.5, &scene);
+  const auto moving = StopMotion(0.5, scene);
   ASSERT_FALSE(moving);
   EXPECT_THAT(moving.error().message, testing::HasSubstr(":3:1: what moves here has no volume at 0.5 s"));
 }

@@ -2,22 +2,13 @@
 
 #include "renderer/image/image.h"
 #include "tests/renderer/image/encoded_images.h"
+#include "tests/renderer/memory_files.h"
 
 namespace tessera {
 namespace {
 
-class CountingFiles : public FileSource {
- public:
-  Result<std::string> Read(const std::string& name) override {
-    ++reads;
-    if (name != "a.png") return BadInput(name + ": cannot be opened: No such file or directory");
-    return Encode("png", 2, 2, 3, Pattern8(2, 2, 3));
-  }
-  int reads = 0;
-};
-
 TEST(ImageCache, ReadsAPictureOnceForEachEncoding) {
-  CountingFiles files;
+  MemoryFiles files({{"a.png", Encode("png", 2, 2, 3, Pattern8(2, 2, 3))}});
   ImageCache cache(files);
   const auto first = cache.Get("a.png", {});
   const auto second = cache.Get("a.png", {});
@@ -30,7 +21,7 @@ TEST(ImageCache, ReadsAPictureOnceForEachEncoding) {
 }
 
 TEST(ImageCache, AMissingFileIsAnErrorEachTime) {
-  CountingFiles files;
+  MemoryFiles files({{"a.png", Encode("png", 2, 2, 3, Pattern8(2, 2, 3))}});
   ImageCache cache(files);
   EXPECT_FALSE(cache.Get("b.png", {}).has_value());
   const auto again = cache.Get("b.png", {});

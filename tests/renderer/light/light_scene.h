@@ -13,18 +13,9 @@
 #include "renderer/math/sampling.h"
 #include "renderer/pbrt/parser.h"
 #include "tests/chi_square.h"
+#include "tests/renderer/memory_files.h"
 
 namespace tessera {
-
-class MemoryFiles : public FileSource {
- public:
-  Result<std::string> Read(const std::string& name) override {
-    const auto found = files.find(name);
-    if (found == files.end()) return BadInput("cannot read \"" + name + "\"");
-    return found->second;
-  }
-  std::map<std::string, std::string> files;
-};
 
 // A portable float map of `width` pixels per row; pixels start at the top left.
 inline std::string Pfm(const std::vector<Vec3>& pixels, int width) {

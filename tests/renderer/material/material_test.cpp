@@ -9,19 +9,10 @@
 #include "renderer/pbrt/parser.h"
 #include "tests/chi_square.h"
 #include "tests/renderer/bxdf/bxdf_examples.h"
+#include "tests/renderer/memory_files.h"
 
 namespace tessera {
 namespace {
-
-class MemoryFiles : public FileSource {
- public:
-  Result<std::string> Read(const std::string& name) override {
-    const auto found = files.find(name);
-    if (found == files.end()) return BadInput("there is no file \"" + name + "\"");
-    return found->second;
-  }
-  std::map<std::string, std::string> files;
-};
 
 // An image of one normal, (n + 1) / 2, as a PFM of little-endian floats.
 std::string OnePixel(Vec3 value) {

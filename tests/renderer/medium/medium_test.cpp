@@ -5,14 +5,10 @@
 #include "renderer/color/named_spectra.h"
 #include "renderer/medium/scattering_presets.h"
 #include "renderer/pbrt/parser.h"
+#include "tests/renderer/memory_files.h"
 
 namespace tessera {
 namespace {
-
-class NoFiles : public FileSource {
- public:
-  Result<std::string> Read(const std::string& name) override { return BadInput("no file " + name); }
-};
 
 struct BuiltMedia {
   MediumTable table;
@@ -22,7 +18,7 @@ struct BuiltMedia {
 
 BuiltMedia Build(const std::string& media,
                  MediumTable::Unsupported unsupported = MediumTable::Unsupported::kRefuse) {
-  NoFiles files;
+  MemoryFiles files;
   BuiltMedia built;
   Result<SceneDescription> scene =
       ParseSceneText(files, "m.pbrt", "Camera \"perspective\"\nWorldBegin\n" + media);

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "renderer/pbrt/scene_builder.h"
+#include "renderer/description/description_builder.h"
 #include "tests/renderer/pbrt/parse_helpers.h"
 
 namespace tessera {
@@ -237,15 +237,14 @@ TEST(BadScene, LargeDefaultsAreRefused) {
 }
 
 TEST(BadScene, DescriptionsBeyondAllBoundsAreRefused) {
-  MemoryFileSource files;
-  SceneBuilder copies(files, "a.pbrt"), whole(files, "a.pbrt");
+  DescriptionBuilder copies("a.pbrt"), whole("a.pbrt");
   EXPECT_TRUE(copies.ChargeCopy(copies.top(), kCopiedSizeMax));
   EXPECT_FALSE(copies.ChargeCopy(copies.top(), 1));
-  EXPECT_EQ(copies.error()->message,
-            "a.pbrt:1:1: defaults and area lights of shapes hold more than 4294967296 bytes");
+  EXPECT_EQ(copies.Finish().error().message, "a.pbrt:1:1: copied defaults hold more than 4294967296 bytes");
   EXPECT_TRUE(whole.Charge(whole.top(), kDescriptionSizeMax));
   EXPECT_FALSE(whole.Charge(whole.top(), 1));
-  EXPECT_EQ(whole.error()->message, "a.pbrt:1:1: the scene describes more than 68719476736 bytes of data");
+  EXPECT_EQ(whole.Finish().error().message,
+            "a.pbrt:1:1: the scene describes more than 68719476736 bytes of data");
 }
 
 TEST(BadScene, AttributesNestedTooDeepAreRefused) {

@@ -21,7 +21,7 @@ SceneDescription Parsed(const std::string& text) {
 Point3 Origin(const std::string& world) {
   const SceneDescription scene = Parsed("WorldBegin\n" + world + "\nShape \"sphere\"");
   return scene.shapes.empty() ? Point3{-99, 0, 0}
-                              : scene.shapes[0].world_from_object.start.ToPoint({0, 0, 0});
+                              : scene.shapes[0].world_from_object.First().ToPoint({0, 0, 0});
 }
 
 TEST(Directives, MissingOnesHaveTheDefaultsOfPbrt) {
@@ -33,10 +33,8 @@ TEST(Directives, MissingOnesHaveTheDefaultsOfPbrt) {
   EXPECT_EQ(scene.integrator.kind, "volpath");
   EXPECT_EQ(scene.accelerator.kind, "bvh");
   EXPECT_EQ(scene.camera.directive, "Camera");
-  EXPECT_TRUE(scene.camera_from_world.start.IsIdentity());
+  EXPECT_TRUE(scene.camera_from_world.First().IsIdentity());
   EXPECT_EQ(scene.film_color_space, "srgb");
-  EXPECT_EQ(scene.shutter_start_time, 0);
-  EXPECT_EQ(scene.shutter_end_time, 1);
   ASSERT_EQ(scene.materials.size(), 1u);
   EXPECT_EQ(scene.materials[0].entity.kind, "diffuse");
   EXPECT_THAT(scene.diagnostics.WarningTexts(), IsEmpty());
@@ -95,12 +93,12 @@ TEST(Directives, MatricesAreWrittenColumnByColumn) {
   EXPECT_EQ(Origin("Translate 1 1 1 ConcatTransform [ 1 0 0 0 0 1 0 0 0 0 1 0 4 5 6 1 ]"), (Point3{5, 6, 7}));
   const SceneDescription scene =
       Parsed("WorldBegin Transform [ 1 2 3 0 0 1 4 0 0 0 1 0 0 0 0 1 ] Shape \"sphere\"");
-  EXPECT_EQ(scene.shapes[0].world_from_object.start.ToVector({1, 0, 0}), (Vec3{1, 2, 3}));
+  EXPECT_EQ(scene.shapes[0].world_from_object.First().ToVector({1, 0, 0}), (Vec3{1, 2, 3}));
 }
 
 TEST(Directives, LookAtBeforeTheCameraIsCameraFromWorld) {
   const SceneDescription scene = Parsed("LookAt 0 0 5  0 0 0  0 1 0 Camera \"perspective\" WorldBegin");
-  const Transform& camera_from_world = scene.camera_from_world.start;
+  const Transform& camera_from_world = scene.camera_from_world.First();
   EXPECT_EQ(camera_from_world.ToPoint({0, 0, 5}), (Point3{0, 0, 0}));
   EXPECT_EQ(camera_from_world.ToPoint({0, 0, 0}), (Point3{0, 0, 5}));
   EXPECT_EQ(camera_from_world.ToVector({0, 1, 0}), (Vec3{0, 1, 0}));
@@ -112,12 +110,12 @@ TEST(Directives, WorldBeginResetsTheTransformAndNothingElse) {
       "ColorSpace \"rec2020\" ActiveTransform StartTime Translate 1 2 3\nMakeNamedMedium \"m\" \"string "
       "type\" \"cloud\""
       "MediumInterface \"m\" WorldBegin Shape \"sphere\" \"rgb x\" [ 1 1 1 ] Translate 1 0 0 Shape \"disk\"");
-  EXPECT_TRUE(scene.shapes[0].world_from_object.start.IsIdentity());
+  EXPECT_TRUE(scene.shapes[0].world_from_object.First().IsIdentity());
   EXPECT_FALSE(scene.shapes[0].world_from_object.IsAnimated());
   EXPECT_FALSE(scene.shapes[1].world_from_object.IsAnimated());
   EXPECT_EQ(scene.shapes[0].inside_medium, "m");
   EXPECT_EQ(scene.shapes[0].entity.parameters[0].color_space, "rec2020");
-  EXPECT_EQ(scene.media[0].world_from_medium.start.ToPoint({0, 0, 0}), (Point3{1, 2, 3}));
+  EXPECT_EQ(scene.media[0].world_from_medium.ToPoint({0, 0, 0}), (Point3{1, 2, 3}));
 }
 
 TEST(Directives, ActiveTransformChoosesTheTimes) {
@@ -125,12 +123,32 @@ TEST(Directives, ActiveTransformChoosesTheTimes) {
       "TransformTimes .25 .75 WorldBegin Translate 1 0 0 ActiveTransform EndTime Translate 0 1 0 "
       "ActiveTransform "
       "StartTime Translate 0 0 1 ActiveTransform All Translate 1 0 0 Shape \"sphere\"");
-  const TransformPair& pair = scene.shapes[0].world_from_object;
-  EXPECT_TRUE(pair.IsAnimated());
-  EXPECT_EQ(pair.start.ToPoint({0, 0, 0}), (Point3{2, 0, 1}));
-  EXPECT_EQ(pair.end.ToPoint({0, 0, 0}), (Point3{2, 1, 0}));
-  EXPECT_EQ(scene.shutter_start_time, .25f);
-  EXPECT_EQ(scene.shutter_end_time, .75f);
+  const AnimatedTransform& transform = scene.shapes[0].world_from_object;
+  EXPECT_EQ(transform.At(.25)->ToPoint({0, 0, 0}), (Point3{2, 0, 1}));
+  EXPECT_NE(transform.At(.26)->ToPoint({0, 0, 0}), (Point3{2, 0, 1}));
+  EXPECT_NE(transform.At(.74)->ToPoint({0, 0, 0}), (Point3{2, 1, 0}));
+  EXPECT_EQ(transform.At(.75)->ToPoint({0, 0, 0}), (Point3{2, 1, 0}));
+}
+
+TEST(Directives, ThingsMoveBetweenTimesZeroAndOneWithoutTransformTimes) {
+  const SceneDescription scene =
+      Parsed("WorldBegin ActiveTransform EndTime Translate 0 1 0 Shape \"sphere\"");
+  EXPECT_EQ(scene.shapes[0].world_from_object.At(.5)->ToPoint({0, 0, 0}), (Point3{0, .5f, 0}));
+  EXPECT_EQ(scene.shapes[0].world_from_object.At(1)->ToPoint({0, 0, 0}), (Point3{0, 1, 0}));
+}
+
+TEST(Directives, TransformTimesMayFollowTheCamera) {
+  const SceneDescription scene =
+      Parsed("ActiveTransform EndTime Translate 0 2 0 Camera \"perspective\" TransformTimes 3 5 WorldBegin");
+  EXPECT_EQ(scene.camera_from_world.At(3)->ToPoint({0, 0, 0}), (Point3{0, 0, 0}));
+  EXPECT_EQ(scene.camera_from_world.At(5)->ToPoint({0, 0, 0}), (Point3{0, 2, 0}));
+}
+
+TEST(Directives, ReversedTransformTimesMoveThingsInOneStep) {
+  const SceneDescription scene =
+      Parsed("TransformTimes 5 3 WorldBegin ActiveTransform EndTime Translate 0 2 0 Shape \"sphere\"");
+  EXPECT_EQ(scene.shapes[0].world_from_object.At(5)->ToPoint({0, 0, 0}), (Point3{0, 0, 0}));
+  EXPECT_EQ(scene.shapes[0].world_from_object.At(5.01)->ToPoint({0, 0, 0}), (Point3{0, 2, 0}));
 }
 
 TEST(Directives, CoordinateSystemsAreRestoredByName) {
@@ -139,7 +157,7 @@ TEST(Directives, CoordinateSystemsAreRestoredByName) {
   EXPECT_EQ(Origin("Translate 1 2 3 CoordSysTransform \"world\""), (Point3{0, 0, 0}));
   const SceneDescription scene = Parsed(
       "Translate 0 0 5 Camera \"perspective\" WorldBegin CoordSysTransform \"camera\" Shape \"sphere\"");
-  EXPECT_EQ(scene.shapes[0].world_from_object.start.ToPoint({0, 0, 0}), (Point3{0, 0, -5}));
+  EXPECT_EQ(scene.shapes[0].world_from_object.First().ToPoint({0, 0, 0}), (Point3{0, 0, -5}));
 }
 
 TEST(Directives, UnknownCoordinateSystemsOnlyWarn) {
@@ -147,7 +165,7 @@ TEST(Directives, UnknownCoordinateSystemsOnlyWarn) {
       Parsed("WorldBegin\nTranslate 1 0 0 CoordSysTransform \"x\" Shape \"sphere\"");
   EXPECT_THAT(scene.diagnostics.WarningTexts(),
               ElementsAre("a.pbrt:2:17: coordinate system \"x\" is not defined: the transformation stays"));
-  EXPECT_EQ(scene.shapes[0].world_from_object.start.ToPoint({0, 0, 0}), (Point3{1, 0, 0}));
+  EXPECT_EQ(scene.shapes[0].world_from_object.First().ToPoint({0, 0, 0}), (Point3{1, 0, 0}));
 }
 
 TEST(Directives, AttributeEndRestoresTheWholeState) {
@@ -162,7 +180,7 @@ TEST(Directives, AttributeEndRestoresTheWholeState) {
   const ShapeDescription& inner = scene.shapes[0];
   EXPECT_TRUE(inner.reverse_orientation);
   EXPECT_EQ(inner.material.index, 1);
-  ASSERT_TRUE(inner.area_light.has_value());
+  ASSERT_TRUE(inner.area_light);
   EXPECT_EQ(inner.area_light->kind, "diffuse");
   EXPECT_EQ(inner.inside_medium, "m");
   EXPECT_EQ(inner.outside_medium, "");
@@ -170,12 +188,12 @@ TEST(Directives, AttributeEndRestoresTheWholeState) {
   const ShapeDescription& outer = scene.shapes[1];
   EXPECT_FALSE(outer.reverse_orientation);
   EXPECT_EQ(outer.material.index, 0);
-  EXPECT_FALSE(outer.area_light.has_value());
+  EXPECT_FALSE(outer.area_light);
   EXPECT_EQ(outer.inside_medium, "");
   ASSERT_EQ(outer.entity.parameters.size(), 1u);
   EXPECT_EQ(outer.entity.parameters[0].color_space, "srgb");
   EXPECT_FALSE(outer.world_from_object.IsAnimated());
-  EXPECT_EQ(outer.world_from_object.start.ToPoint({0, 0, 0}), (Point3{0, 0, 1}));
+  EXPECT_EQ(outer.world_from_object.First().ToPoint({0, 0, 0}), (Point3{0, 0, 1}));
 }
 
 TEST(Directives, TransformBeginIsADeprecatedAttributeBeginWithOneWarning) {
@@ -212,9 +230,9 @@ TEST(Directives, AttributeDefaultsStandBehindExplicitOnesWithTheirOwnColorSpace)
   const std::vector<Parameter>& p = scene.materials[1].entity.parameters;
   ASSERT_EQ(p.size(), 4u);
   EXPECT_EQ(p[0].color_space, "rec2020");
-  EXPECT_FALSE(p[0].from_attribute);
+  EXPECT_FALSE(p[0].is_default);
   EXPECT_EQ(p[1].floats[0], .1f);
-  EXPECT_TRUE(p[1].from_attribute);
+  EXPECT_TRUE(p[1].is_default);
   EXPECT_EQ(p[2].color_space, "srgb");
   EXPECT_EQ(p[3].floats[0], .2f);
 }

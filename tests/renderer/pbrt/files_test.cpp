@@ -23,7 +23,7 @@ constexpr unsigned char kPackedShape[] = {
 
 Result<SceneDescription> ParseFiles(const std::string& top,
                                     const std::map<std::string, std::string>& others) {
-  MemoryFileSource files;
+  MemoryFiles files;
   files.files = others;
   files.files["a.pbrt"] = top;
   return ParseScene(files, "a.pbrt");
@@ -36,11 +36,11 @@ TEST(Files, IncludeContinuesTheStateAndImportKeepsItsOwn) {
                   {"c", "Translate 0 1 0 Material \"dielectric\" Shape \"sphere\""}});
   ASSERT_TRUE(scene.has_value()) << ErrorOf(scene);
   ASSERT_EQ(scene->shapes.size(), 3u);
-  EXPECT_EQ(scene->shapes[0].world_from_object.start.ToPoint({0, 0, 0}), (Point3{1, 0, 0}));
+  EXPECT_EQ(scene->shapes[0].world_from_object.First().ToPoint({0, 0, 0}), (Point3{1, 0, 0}));
   EXPECT_EQ(scene->shapes[1].entity.kind, "sphere");
-  EXPECT_EQ(scene->shapes[1].world_from_object.start.ToPoint({0, 0, 0}), (Point3{1, 1, 0}));
+  EXPECT_EQ(scene->shapes[1].world_from_object.First().ToPoint({0, 0, 0}), (Point3{1, 1, 0}));
   EXPECT_EQ(scene->shapes[1].material.index, 2);
-  EXPECT_EQ(scene->shapes[2].world_from_object.start.ToPoint({0, 0, 0}), (Point3{1, 0, 0}));
+  EXPECT_EQ(scene->shapes[2].world_from_object.First().ToPoint({0, 0, 0}), (Point3{1, 0, 0}));
   EXPECT_EQ(scene->shapes[2].material.index, 1);
   EXPECT_EQ(scene->shapes[1].entity.location.Text(), "c:1:39");
 }
@@ -93,7 +93,7 @@ TEST(Files, ErrorsInIncludedFilesNameThem) {
 TEST(Files, MissingFilesAreToldAtTheirPlace) {
   EXPECT_EQ(ErrorOf(ParseFiles("WorldBegin\nInclude \"b.pbrt\"", {})),
             "a.pbrt:2:9: Include \"b.pbrt\": b.pbrt: cannot be opened: No such file or directory");
-  MemoryFileSource none;
+  MemoryFiles none;
   EXPECT_EQ(ErrorOf(ParseScene(none, "x.pbrt")), "x.pbrt: cannot be opened: No such file or directory");
 }
 

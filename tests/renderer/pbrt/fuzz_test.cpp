@@ -106,7 +106,7 @@ TEST(Fuzz, MutatedScenesParseOrFailWithAPlace) {
   int failed = 0;
   constexpr int kScenes = 6000;
   for (int i = 0; i < kScenes; ++i) {
-    MemoryFileSource files;
+    MemoryFiles files;
     files.files["part.pbrt"] = "Material \"conductor\" Shape \"sphere\" \"float radius\" 2\n";
     std::string text = kSeeds[mutator.Below(std::size(kSeeds))];
     const size_t mutations = mutator.Below(6);
@@ -138,7 +138,7 @@ TEST(Fuzz, EveryPrefixOfASceneFailsWithAPlaceOrParses) {
   for (const char* seed : kSeeds) {
     const std::string whole = seed;
     for (size_t length = 0; length < whole.size(); ++length) {
-      MemoryFileSource files;
+      MemoryFiles files;
       files.files["part.pbrt"] = "Shape \"sphere\"";
       const Result<SceneDescription> scene = ParseSceneText(files, "a.pbrt", whole.substr(0, length));
       ASSERT_TRUE(scene || HasPlace(ErrorOf(scene))) << ErrorOf(scene);

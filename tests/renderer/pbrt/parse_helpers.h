@@ -6,23 +6,12 @@
 
 #include "renderer/pbrt/lexer.h"
 #include "renderer/pbrt/parser.h"
+#include "tests/renderer/memory_files.h"
 
 namespace tessera {
 
-// Files in memory.
-class MemoryFileSource : public FileSource {
- public:
-  std::map<std::string, std::string> files;
-
-  Result<std::string> Read(const std::string& name) override {
-    const auto found = files.find(name);
-    if (found == files.end()) return BadInput(name + ": cannot be opened: No such file or directory");
-    return found->second;
-  }
-};
-
 inline Result<SceneDescription> ParseText(const std::string& text) {
-  MemoryFileSource files;
+  MemoryFiles files;
   return ParseSceneText(files, "a.pbrt", text);
 }
 

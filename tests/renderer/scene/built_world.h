@@ -9,8 +9,8 @@
 #include "renderer/accelerator/accelerator.h"
 #include "renderer/pbrt/parser.h"
 #include "renderer/scene/world_builder.h"
+#include "tests/renderer/memory_files.h"
 #include "tests/renderer/scene/estimator_scenes.h"
-#include "tests/renderer/scene/memory_files.h"
 
 namespace tessera {
 
@@ -21,7 +21,7 @@ inline std::unique_ptr<World> BuiltWorld(const std::string& text, bool with_medi
   EXPECT_TRUE(scene) << scene.error().message;
   ImageCache images(files);
   auto world = std::make_unique<World>();
-  world->camera = *Camera::Read(scene->camera, scene->camera_from_world, 8, 8);
+  world->camera = *Camera::Read(scene->camera, scene->camera_from_world.Fixed(), 8, 8);
   Diagnostics diagnostics;
   const Result<void> built =
       BuildWorld({*scene, files, images, LightSamplerKind::kTree, with_media}, world.get(), diagnostics);

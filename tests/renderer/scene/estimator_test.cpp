@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "renderer/scene/scene.h"
+#include "tests/renderer/memory_files.h"
 #include "tests/renderer/scene/estimator_scenes.h"
-#include "tests/renderer/scene/memory_files.h"
 
 namespace tessera {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "renderer/scene/scene.h"
-#include "tests/renderer/scene/memory_files.h"
+#include "tests/renderer/memory_files.h"
 
 namespace tessera {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "renderer/scene/scene.h"
-#include "tests/renderer/scene/memory_files.h"
+#include "tests/renderer/memory_files.h"
 
 namespace tessera {
 namespace {

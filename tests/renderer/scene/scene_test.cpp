@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "renderer/film/merger.h"
-#include "tests/renderer/scene/memory_files.h"
+#include "tests/renderer/memory_files.h"
 
 namespace tessera {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "renderer/scene/scene.h"
 #include "tests/build_paths.h"
-#include "tests/renderer/scene/memory_files.h"
+#include "tests/renderer/memory_files.h"
 
 namespace tessera {
 namespace {

@@ -9,22 +9,13 @@
 
 #include "renderer/pbrt/parser.h"
 #include "renderer/shape/shape_interaction.h"
+#include "tests/renderer/memory_files.h"
 
 namespace tessera {
 namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-class MemoryFiles : public FileSource {
- public:
-  std::map<std::string, std::string> files;
-  Result<std::string> Read(const std::string& name) override {
-    const auto found = files.find(name);
-    if (found == files.end()) return BadInput(name + ": cannot be opened: No such file or directory");
-    return found->second;
-  }
-};
 
 struct Built {
   std::vector<Shape> shapes;

@@ -7,19 +7,9 @@
 #include "renderer/color/color_space.h"
 #include "renderer/pbrt/parser.h"
 #include "renderer/texture/texture_builder.h"
+#include "tests/renderer/memory_files.h"
 
 namespace tessera {
-
-class TextureFiles : public FileSource {
- public:
-  std::map<std::string, std::string> files;
-
-  Result<std::string> Read(const std::string& name) override {
-    const auto found = files.find(name);
-    if (found == files.end()) return BadInput(name + ": cannot be opened: No such file or directory");
-    return found->second;
-  }
-};
 
 // A grey or RGB portable float map, rows from the top in `values`.
 inline std::string FloatMap(int width, int height, const std::vector<float>& values) {
@@ -77,7 +67,7 @@ class TextureScene {
     error_ = end ? "" : end.error().message;
   }
 
-  TextureFiles files_;
+  MemoryFiles files_;
   ImageCache images_;
   SceneDescription scene_;
   std::unique_ptr<TextureBuilder> builder_;

@@ -1,11 +1,10 @@
-#include "renderer/pbrt/scene_builder.h"
+#include "renderer/description/description_builder.h"
 
 #include <fmt/format.h>
 
 #include <string_view>
 #include <vector>
 
-#include "renderer/util/file.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
@@ -30,7 +29,7 @@ std::string Suggestion(const std::string& name, const std::map<std::string, Valu
 
 }  // namespace
 
-SceneBuilder::SceneBuilder(FileSource& files, const std::string& name) : files_(&files) {
+DescriptionBuilder::DescriptionBuilder(const std::string& name) {
   top_.file = std::make_shared<const std::string>(name);
   scene_.camera = DefaultEntity("Camera", "perspective", top_);
   scene_.film = DefaultEntity("Film", "rgb", top_);
@@ -41,67 +40,27 @@ SceneBuilder::SceneBuilder(FileSource& files, const std::string& name) : files_(
   scene_.materials.push_back({"", DefaultEntity("Material", "diffuse", top_)});
 }
 
-bool SceneBuilder::Fail(const SourceLocation& where, const std::string& message) {
+bool DescriptionBuilder::Fail(const SourceLocation& where, const std::string& message) {
   return scene_.diagnostics.Fail(where, message);
 }
 
-void SceneBuilder::Warn(const SourceLocation& where, const std::string& message) {
-  scene_.diagnostics.Warn(where, message);
-}
-
-void SceneBuilder::WarnOnce(const std::string& topic, const SourceLocation& where,
-                            const std::string& message) {
-  scene_.diagnostics.WarnOnce(topic, where, message);
-}
-
-std::unique_ptr<Lexer> SceneBuilder::Open(const SourceLocation& where, const std::string& statement,
-                                          const std::string& name) {
-  if (++files_opened_ > kFilesOpenedMax) {
-    Fail(where, fmt::format("{} opens more than {} files", statement, kFilesOpenedMax));
-    return nullptr;
-  }
-  Result<std::string> text = files_->Read(name);
-  if (text && name.ends_with(".gz")) text = Gunzip(*text, name, kSceneFileSizeMax);
-  if (!text) {
-    Error error{text.error().kind, OneLine(text.error().message)};
-    if (!statement.empty()) {
-      error.message =
-          ErrorAt(where, fmt::format("{} {}: {}", statement, Quoted(name), text.error().message)).message;
-    }
-    scene_.diagnostics.Fail(std::move(error));
-    return nullptr;
-  }
-  text_size_ += text->size();
-  if (text_size_ > kSceneTextSizeMax) {
-    Fail(where, fmt::format("the scene's files hold more than {} bytes of text together", kSceneTextSizeMax));
-    return nullptr;
-  }
-  return OpenText(name, *std::move(text));
-}
-
-std::unique_ptr<Lexer> SceneBuilder::OpenText(const std::string& name, std::string text) {
-  auto file = *top_.file == name ? top_.file : std::make_shared<const std::string>(name);
-  return std::make_unique<Lexer>(std::move(text), std::move(file));
-}
-
-bool SceneBuilder::Charge(const SourceLocation& where, uint64_t size) {
+bool DescriptionBuilder::Charge(const SourceLocation& where, uint64_t size) {
   description_size_ += size;
   if (description_size_ <= kDescriptionSizeMax) return true;
   return Fail(where, fmt::format("the scene describes more than {} bytes of data", kDescriptionSizeMax));
 }
 
-bool SceneBuilder::Charge(const Entity& entity) {
+bool DescriptionBuilder::Charge(const Entity& entity) {
   return Charge(entity.location, SizeOf(entity));
 }
 
-bool SceneBuilder::ChargeCopy(const SourceLocation& where, uint64_t size) {
+bool DescriptionBuilder::ChargeCopy(const SourceLocation& where, uint64_t size) {
   copied_size_ += size;
   if (copied_size_ <= kCopiedSizeMax) return Charge(where, size);
-  return Fail(where,
-              fmt::format("defaults and area lights of shapes hold more than {} bytes", kCopiedSizeMax));
+  return Fail(where, fmt::format("copied defaults hold more than {} bytes", kCopiedSizeMax));
 }
 
-bool SceneBuilder::DefineMaterial(MaterialDescription material) {
+bool DescriptionBuilder::AddMaterial(MaterialDescription material) {
   const int index = static_cast<int>(scene_.materials.size());
   if (!material.name.empty()) {
     const auto [defined, is_new] = scene_.named_materials.try_emplace(material.name, index);
@@ -115,7 +74,7 @@ bool SceneBuilder::DefineMaterial(MaterialDescription material) {
   return true;
 }
 
-bool SceneBuilder::DefineMedium(MediumDescription medium) {
+bool DescriptionBuilder::AddMedium(MediumDescription medium) {
   const auto [defined, is_new] = media_.try_emplace(medium.name, medium.entity.location);
   if (!is_new) {
     return Fail(medium.entity.location, fmt::format("medium {} is defined twice, first at {}",
@@ -125,7 +84,7 @@ bool SceneBuilder::DefineMedium(MediumDescription medium) {
   return true;
 }
 
-bool SceneBuilder::DefineTexture(TextureDescription texture) {
+bool DescriptionBuilder::AddTexture(TextureDescription texture) {
   const auto [defined, is_new] =
       textures_.try_emplace({texture.is_spectrum, texture.name}, texture.entity.location);
   if (!is_new) {
@@ -137,7 +96,8 @@ bool SceneBuilder::DefineTexture(TextureDescription texture) {
   return true;
 }
 
-bool SceneBuilder::DefineObject(ObjectDescription object) {
+bool DescriptionBuilder::AddObject(ObjectDescription object) {
+  if (!Charge(object.location, sizeof object + object.name.size())) return false;
   const auto [defined, is_new] = objects_.try_emplace(object.name, object.location);
   if (!is_new) {
     return Fail(object.location, fmt::format("object {} is defined twice, first at {}", Quoted(object.name),
@@ -147,7 +107,34 @@ bool SceneBuilder::DefineObject(ObjectDescription object) {
   return true;
 }
 
-bool SceneBuilder::ResolveMaterial(ShapeDescription& shape) {
+bool DescriptionBuilder::AddLight(LightDescription light) {
+  if (!Charge(light.entity.location, sizeof light + light.outside_medium.size())) return false;
+  scene_.lights.push_back(std::move(light));
+  return true;
+}
+
+bool DescriptionBuilder::AddInstance(InstanceDescription instance) {
+  if (!Charge(instance.location, sizeof instance + instance.world_from_object.bytes())) return false;
+  scene_.instances.push_back(std::move(instance));
+  return true;
+}
+
+bool DescriptionBuilder::AddShape(ShapeDescription shape, std::optional<size_t> object) {
+  const SourceLocation& where = shape.entity.location;
+  if (object && shape.area_light) {
+    diagnostics().Warn(where, "the area light is ignored: shapes in object definitions cannot emit");
+    shape.area_light = nullptr;
+  }
+  if (shape.area_light && shape.world_from_object.IsAnimated())
+    return Fail(where, "a moving shape has an area light, expected one that stands still");
+  const uint64_t names =
+      shape.material.name.size() + shape.inside_medium.size() + shape.outside_medium.size();
+  if (!Charge(where, sizeof shape + names + shape.world_from_object.bytes())) return false;
+  (object ? scene_.objects[*object].shapes : scene_.shapes).push_back(std::move(shape));
+  return true;
+}
+
+bool DescriptionBuilder::ResolveMaterial(ShapeDescription& shape) {
   if (shape.material.name.empty()) return true;
   const auto found = scene_.named_materials.find(shape.material.name);
   if (found == scene_.named_materials.end()) {
@@ -159,23 +146,12 @@ bool SceneBuilder::ResolveMaterial(ShapeDescription& shape) {
   return true;
 }
 
-bool SceneBuilder::CheckMedium(const SourceLocation& where, const std::string& name) {
+bool DescriptionBuilder::CheckMedium(const SourceLocation& where, const std::string& name) {
   if (name.empty() || media_.contains(name)) return true;
   return Fail(where, fmt::format("medium {} is not defined{}", Quoted(name), Suggestion(name, media_)));
 }
 
-bool SceneBuilder::FinishShape(ShapeDescription& shape) {
-  if (!ResolveMaterial(shape)) return false;
-  const std::string& material = scene_.materials[shape.material.index].entity.kind;
-  if (shape.area_light && (material == "interface" || material == "none" || material.empty())) {
-    Warn(shape.entity.location, "the area light is ignored: the shape's material is \"interface\"");
-    shape.area_light.reset();
-  }
-  return CheckMedium(shape.entity.location, shape.inside_medium) &&
-         CheckMedium(shape.entity.location, shape.outside_medium);
-}
-
-bool SceneBuilder::CheckInstances() {
+bool DescriptionBuilder::CheckInstances() {
   for (const InstanceDescription& instance : scene_.instances) {
     if (objects_.contains(instance.name)) continue;
     return Fail(instance.location,
@@ -185,20 +161,33 @@ bool SceneBuilder::CheckInstances() {
   return true;
 }
 
-bool SceneBuilder::Finish() {
+bool DescriptionBuilder::FinishShapes(std::vector<ShapeDescription>& shapes) {
+  for (ShapeDescription& shape : shapes) {
+    const SourceLocation& where = shape.entity.location;
+    if (!ResolveMaterial(shape) || !CheckMedium(where, shape.inside_medium) ||
+        !CheckMedium(where, shape.outside_medium)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool DescriptionBuilder::ResolveNames() {
   if (!CheckMedium(scene_.camera.location, scene_.camera_medium)) return false;
   for (const LightDescription& light : scene_.lights) {
     if (!CheckMedium(light.entity.location, light.outside_medium)) return false;
   }
-  for (ShapeDescription& shape : scene_.shapes) {
-    if (!FinishShape(shape)) return false;
-  }
+  if (!FinishShapes(scene_.shapes)) return false;
   for (ObjectDescription& object : scene_.objects) {
-    for (ShapeDescription& shape : object.shapes) {
-      if (!FinishShape(shape)) return false;
-    }
+    if (!FinishShapes(object.shapes)) return false;
   }
   return CheckInstances();
+}
+
+Result<SceneDescription> DescriptionBuilder::Finish() {
+  if (!scene_.diagnostics.error()) ResolveNames();
+  if (const std::optional<Error>& error = scene_.diagnostics.error()) return *error;
+  return std::move(scene_);
 }
 
 uint64_t SizeOf(const Entity& entity) {

@@ -1,0 +1,31 @@
+// A FileSource over text in memory.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "renderer/description/file_source.h"
+
+namespace tessera {
+
+class MemoryFiles : public FileSource {
+ public:
+  MemoryFiles() = default;
+  explicit MemoryFiles(std::map<std::string, std::string> the_files,
+                       std::shared_ptr<SharedCache> cache = nullptr)
+      : FileSource(std::move(cache)), files(std::move(the_files)) {}
+
+  Result<std::string> Read(const std::string& name) override {
+    ++reads;
+    const auto found = files.find(name);
+    if (found == files.end()) return BadInput(name + ": cannot be opened: No such file or directory");
+    return found->second;
+  }
+
+  std::map<std::string, std::string> files;
+  int reads = 0;  // calls of Read
+};
+
+}  // namespace tessera
