@@ -45,6 +45,8 @@ Result<void> Override(const RenderOptions& options, IntegratorChoice* choice) {
     const Kind<IntegratorTraits>* kind = Integrators().Find(options.integrator);
     if (kind == nullptr || kind->support != Support::kSupported)
       return BadInput("--integrator: " + Integrators().Refusal(options.integrator));
+    const bool is_other = kind->reader.kind != choice->integrator.kind;
+    if (is_other) choice->sample_lights = choice->sample_bsdf = true;  // of the scene's integrator alone
     choice->integrator = kind->reader;
     choice->name = kind->name;
   }

@@ -12,28 +12,28 @@ struct UnseenLight {
   std::string name;  // for messages
 };
 
-std::vector<UnseenLight> UnseenLights(const SceneDescription& scene, const World& world) {
+std::vector<UnseenLight> UnseenLights(const SceneDescription& scene, const ShapeDescriptions& shapes,
+                                      const World& world) {
   std::vector<UnseenLight> unseen;
   for (size_t i = 0; i < scene.lights.size(); ++i) {
     const Entity& light = scene.lights[i].entity;
     if (!world.lights.IsHitByRays(static_cast<int>(i)))
       unseen.push_back({&light.location, "light \"" + light.kind + "\""});
   }
-  for (const Shape& shape : world.geometry.shapes) {
-    if (shape.surface.area_light < 0 || world.lights.IsHitByRays(shape.surface.area_light)) continue;
-    const std::shared_ptr<const Entity>& light =
-        scene.shapes[static_cast<size_t>(shape.description)].area_light;
-    if (light) unseen.push_back({&light->location, "the area light of a shape of alpha 0"});
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    const int light = world.geometry.shapes[i].surface.area_light;
+    if (light >= 0 && !world.lights.IsHitByRays(light))
+      unseen.push_back({&shapes[i]->area_light->location, "the area light of a shape of alpha 0"});
   }
   return unseen;
 }
 
 }  // namespace
 
-Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& scene, const World& world,
-                            Diagnostics& diagnostics) {
+Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& scene,
+                            const ShapeDescriptions& shapes, const World& world, Diagnostics& diagnostics) {
   if (HasShadowRays(estimator)) return {};
-  for (const UnseenLight& light : UnseenLights(scene, world)) {
+  for (const UnseenLight& light : UnseenLights(scene, shapes, world)) {
     const std::string what = "no ray can hit " + light.name + ", and this integrator traces no shadow rays";
     if (estimator.integrator.kind == IntegratorKind::kMixture) {
       return ErrorAt(*light.location, what + "; use \"path\"");

@@ -1,9 +1,12 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <map>
+#include <type_traits>
+#include <vector>
 
-#include "renderer/scene/layers.h"
 #include "renderer/scene/scene.h"
 #include "renderer/util/text.h"
 
@@ -11,125 +14,178 @@ namespace tessera {
 namespace {
 
 constexpr size_t kTextSizeMax = 4096;  // bytes: all keys with the longest values fit
-constexpr std::string_view kKeys[] = {
-    "accelerator",     "aov",  "crop", "exr-type",  "height", "integrator", "max-depth",
-    "noise-threshold", "seed", "spp",  "tile-size", "time",   "width"};
+// ---- Values as text. FromText returns nullopt unless all of `text` is a value of the type, and finite.
 
-template <typename T>
-std::string NumberText(T value) {
+template <typename Number>
+requires std::is_arithmetic_v<Number> std::string ToText(Number value) {
   char text[64];
   const std::to_chars_result result = std::to_chars(text, text + sizeof text, value);
   return std::string(text, result.ptr);
 }
 
-// The whole of `text` as a number.
-template <typename T>
-bool ReadNumber(std::string_view text, T* value) {
-  const std::from_chars_result result = std::from_chars(text.data(), text.data() + text.size(), *value);
-  return result.ec == std::errc() && result.ptr == text.data() + text.size();
-}
-
-template <typename T>
-bool ReadOptional(std::string_view text, std::optional<T>* value) {
-  T number{};
-  if (!ReadNumber(text, &number)) return false;
-  *value = number;
-  return true;
-}
-
-bool ReadCrop(std::string_view text, std::optional<std::array<float, 4>>* crop) {
-  std::array<float, 4> fractions{};
-  for (int i = 0; i < 4; ++i) {
-    const size_t comma = i < 3 ? text.find(',') : text.size();
-    if (comma == std::string_view::npos || !ReadNumber(text.substr(0, comma), &fractions[i])) return false;
-    text.remove_prefix(i < 3 ? comma + 1 : comma);
+template <typename Number>
+requires std::is_arithmetic_v<Number> std::optional<Number> FromText(std::string_view text, Number*) {
+  Number value{};
+  const std::from_chars_result result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (result.ec != std::errc() || result.ptr != text.data() + text.size()) return std::nullopt;
+  if constexpr (std::is_floating_point_v<Number>) {
+    if (!std::isfinite(value)) return std::nullopt;
   }
-  *crop = fractions;
-  return true;
+  return value;
 }
 
-bool ReadExrType(std::string_view text, std::optional<ExrType>* type) {
-  if (text != "half" && text != "float") return false;
-  *type = text == "half" ? ExrType::kHalf : ExrType::kFloat;
-  return true;
+std::string ToText(const std::string& word) {
+  return word;
 }
 
-// Names separated by commas.
-bool ReadAovs(std::string_view text, std::set<std::string>* aovs) {
-  while (!text.empty()) {
-    const size_t end = std::min(text.find(','), text.size());
-    const std::string_view name = text.substr(0, end);
-    if (Layers().Find(name) == nullptr) return false;
-    aovs->emplace(name);
-    text.remove_prefix(std::min(end + 1, text.size()));
+std::optional<std::string> FromText(std::string_view text, std::string*) {
+  return std::string(text);
+}
+
+std::vector<std::string_view> SplitAtCommas(std::string_view text) {
+  std::vector<std::string_view> parts;
+  for (size_t start = 0; start <= text.size();) {
+    const size_t end = std::min(text.find(',', start), text.size());
+    parts.push_back(text.substr(start, end - start));
+    start = end + 1;
   }
-  return !aovs->empty();
+  return parts;
 }
 
-std::string AovsText(const std::set<std::string>& aovs) {
-  std::string text;
-  for (const std::string& name : aovs) text += (text.empty() ? "" : ",") + name;
-  return text;
+using Crop = std::array<float, 4>;
+
+std::string ToText(const Crop& crop) {
+  return ToText(crop[0]) + "," + ToText(crop[1]) + "," + ToText(crop[2]) + "," + ToText(crop[3]);
 }
 
-bool ReadOption(std::string_view key, std::string_view value, RenderOptions* options) {
-  if (key == "accelerator") return options->accelerator = value, true;
-  if (key == "aov") return ReadAovs(value, &options->aovs);
-  if (key == "crop") return ReadCrop(value, &options->crop);
-  if (key == "exr-type") return ReadExrType(value, &options->exr_type);
-  if (key == "height") return ReadOptional(value, &options->height);
-  if (key == "integrator") return options->integrator = value, true;
-  if (key == "max-depth") return ReadOptional(value, &options->max_depth);
-  if (key == "noise-threshold") return ReadNumber(value, &options->noise_threshold);
-  if (key == "seed") return ReadOptional(value, &options->seed);
-  if (key == "spp") return ReadOptional(value, &options->samples_per_pixel);
-  if (key == "tile-size") return ReadOptional(value, &options->tile_size);
-  if (key == "time") return ReadOptional(value, &options->time) && std::isfinite(*options->time);
-  if (key == "width") return ReadOptional(value, &options->width);
-  return false;
+std::optional<Crop> FromText(std::string_view text, Crop*) {
+  const std::vector<std::string_view> parts = SplitAtCommas(text);
+  Crop crop{};
+  if (parts.size() != crop.size()) return std::nullopt;
+  for (size_t i = 0; i < crop.size(); ++i) {
+    const std::optional<float> fraction = FromText(parts[i], static_cast<float*>(nullptr));
+    if (!fraction) return std::nullopt;
+    crop[i] = *fraction;
+  }
+  return crop;
+}
+
+std::string ToText(ExrType type) {
+  return type == ExrType::kHalf ? "half" : "float";
+}
+
+std::optional<ExrType> FromText(std::string_view text, ExrType*) {
+  if (text == "half") return ExrType::kHalf;
+  if (text == "float") return ExrType::kFloat;
+  return std::nullopt;
+}
+
+std::string ToText(const std::set<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, ","));
+}
+
+// Of AovNames.
+std::optional<std::set<std::string>> FromText(std::string_view text, std::set<std::string>*) {
+  const std::vector<std::string_view> known = AovNames();
+  std::set<std::string> names;
+  for (const std::string_view name : SplitAtCommas(text)) {
+    if (std::ranges::find(known, name) == known.end()) return std::nullopt;
+    names.emplace(name);
+  }
+  return names;
+}
+
+template <typename T>
+std::string ToText(const std::optional<T>& value) {
+  return ToText(*value);
+}
+
+template <typename T>
+std::optional<std::optional<T>> FromText(std::string_view text, std::optional<T>*) {
+  const std::optional<T> value = FromText(text, static_cast<T*>(nullptr));
+  if (!value) return std::nullopt;
+  return std::optional<std::optional<T>>(value);
+}
+
+// ---- One line of the codec per member of RenderOptions
+
+struct Line {
+  std::string_view key;
+  // The value; nullopt if it is the default, which is not written.
+  std::optional<std::string> (*encode)(const RenderOptions& options);
+  // Returns false and changes nothing if `text` is not a value.
+  bool (*decode)(std::string_view text, RenderOptions& options);
+};
+
+template <auto kMember>
+constexpr Line LineOf(std::string_view key) {
+  return {key,
+          [](const RenderOptions& options) {
+            if (options.*kMember == RenderOptions().*kMember) return std::optional<std::string>();
+            return std::optional(ToText(options.*kMember));
+          },
+          [](std::string_view text, RenderOptions& options) {
+            auto value = FromText(text, &(options.*kMember));
+            if (!value) return false;
+            options.*kMember = *std::move(value);
+            return true;
+          }};
+}
+
+// In order of key.
+constexpr Line kLines[] = {
+    LineOf<&RenderOptions::accelerator>("accelerator"),
+    LineOf<&RenderOptions::aovs>("aov"),
+    LineOf<&RenderOptions::crop>("crop"),
+    LineOf<&RenderOptions::exr_type>("exr-type"),
+    LineOf<&RenderOptions::height>("height"),
+    LineOf<&RenderOptions::integrator>("integrator"),
+    LineOf<&RenderOptions::max_depth>("max-depth"),
+    LineOf<&RenderOptions::noise_threshold>("noise-threshold"),
+    LineOf<&RenderOptions::seed>("seed"),
+    LineOf<&RenderOptions::samples_per_pixel>("spp"),
+    LineOf<&RenderOptions::tile_size>("tile-size"),
+    LineOf<&RenderOptions::time>("time"),
+    LineOf<&RenderOptions::width>("width"),
+};
+
+Result<void> DecodeLine(std::string_view text, RenderOptions& options) {
+  const size_t equals = text.find('=');
+  if (equals == std::string_view::npos) return BadInput("render options: a line without \"=\"");
+  const std::string_view key = text.substr(0, equals);
+  const auto* line = std::ranges::find(kLines, key, &Line::key);
+  if (line == std::end(kLines)) {
+    std::vector<std::string_view> keys;
+    for (const Line& known : kLines) keys.push_back(known.key);
+    return BadInput(fmt::format("render options: unknown key \"{}\"{}", key, DidYouMean(key, keys)));
+  }
+  if (!line->decode(text.substr(equals + 1), options))
+    return BadInput(fmt::format("render options: bad value of \"{}\"", key));
+  return {};
 }
 
 }  // namespace
 
 std::string EncodeRenderOptions(const RenderOptions& options) {
-  std::map<std::string, std::string> lines;
-  if (!options.accelerator.empty()) lines["accelerator"] = options.accelerator;
-  if (!options.aovs.empty()) lines["aov"] = AovsText(options.aovs);
-  if (options.crop) {
-    const std::array<float, 4>& c = *options.crop;
-    lines["crop"] =
-        NumberText(c[0]) + "," + NumberText(c[1]) + "," + NumberText(c[2]) + "," + NumberText(c[3]);
-  }
-  if (options.exr_type) lines["exr-type"] = *options.exr_type == ExrType::kHalf ? "half" : "float";
-  if (options.height) lines["height"] = NumberText(*options.height);
-  if (!options.integrator.empty()) lines["integrator"] = options.integrator;
-  if (options.max_depth) lines["max-depth"] = NumberText(*options.max_depth);
-  if (options.noise_threshold != 0) lines["noise-threshold"] = NumberText(options.noise_threshold);
-  if (options.seed) lines["seed"] = NumberText(*options.seed);
-  if (options.samples_per_pixel) lines["spp"] = NumberText(*options.samples_per_pixel);
-  if (options.tile_size) lines["tile-size"] = NumberText(*options.tile_size);
-  if (options.time) lines["time"] = NumberText(*options.time);
-  if (options.width) lines["width"] = NumberText(*options.width);
   std::string text;
-  for (const auto& [key, value] : lines) text.append(key).append("=").append(value).append("\n");
+  for (const Line& line : kLines) {
+    if (const std::optional<std::string> value = line.encode(options))
+      text.append(line.key).append("=").append(*value).append("\n");
+  }
   return text;
 }
 
 Result<RenderOptions> DecodeRenderOptions(const std::string& text) {
-  if (text.size() > kTextSizeMax) return BadInput("the render options are too long");
+  if (text.size() > kTextSizeMax) {
+    return BadInput(
+        fmt::format("the render options have {} bytes, expected at most {}", text.size(), kTextSizeMax));
+  }
   RenderOptions options;
   std::string_view rest = text;
   while (!rest.empty()) {
     const size_t end = std::min(rest.find('\n'), rest.size());
-    const std::string_view line = rest.substr(0, end);
+    if (Result<void> decoded = DecodeLine(rest.substr(0, end), options); !decoded) return decoded.error();
     rest.remove_prefix(std::min(end + 1, rest.size()));
-    const size_t equals = line.find('=');
-    if (equals == std::string_view::npos) return BadInput("render options: a line without \"=\"");
-    const std::string_view key = line.substr(0, equals);
-    if (!ReadOption(key, line.substr(equals + 1), &options)) {
-      return BadInput("render options: \"" + std::string(line) + "\" is not understood" +
-                      DidYouMean(key, kKeys));
-    }
   }
   return options;
 }

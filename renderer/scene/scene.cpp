@@ -134,9 +134,10 @@ Result<void> SceneBuilder::ReadSettings() {
   if (Result<void> described = DescribeFrame(*film, *integrator); !described) return described;
   const WorldRequest request{scene_, files_, images_, integrator->light_sampler,
                              data.estimator.integrator.follows_media};
-  if (Result<void> built = BuildWorld(request, &data.world, scene_.diagnostics); !built) return built;
+  const Result<ShapeDescriptions> shapes = BuildWorld(request, &data.world, scene_.diagnostics);
+  if (!shapes) return shapes.error();
   if (data.estimator.integrator.kind == IntegratorKind::kMixture) data.estimator.lights.emplace(data.world);
-  return CheckLightsFor(data.estimator, scene_, data.world, scene_.diagnostics);
+  return CheckLightsFor(data.estimator, scene_, *shapes, data.world, scene_.diagnostics);
 }
 
 Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator) {

@@ -1,5 +1,7 @@
 #include "renderer/scene/world_builder.h"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "renderer/shape/shape_builder.h"
@@ -18,16 +20,17 @@ class WorldBuilder {
         render_from_world_(world->camera.render_from_world()),
         textures_(request.files, request.images, render_from_world_) {}
 
-  Result<void> Build();
+  Result<ShapeDescriptions> Build();
 
  private:
   Result<void> AddMedia();
   int MediumIndex(const std::string& name) const;
-  // Appends the shapes of one directive; each is remembered in `sources` if it is not null.
-  Result<void> AddShape(const ShapeDescription& description, const Transform& transform,
-                        std::vector<Shape>* shapes, std::vector<const ShapeDescription*>* sources);
+  // The shapes of one directive, complete but for SurfaceProperties::area_light.
+  Result<std::vector<Shape>> MakeShapes(const ShapeDescription& description, const Transform& transform);
+  Result<void> AddShapes();
   Result<void> AddGroups();
   Result<void> AddInstances();
+  Result<void> AddLights();
 
   const WorldRequest& request_;
   const SceneDescription& scene_;
@@ -36,6 +39,7 @@ class WorldBuilder {
   Transform render_from_world_;
   TextureBuilder textures_;
   std::map<std::string, int> group_index_, medium_index_;
+  ShapeDescriptions shape_descriptions_;
   bool has_media_ = false;  // whether any ray can be in a medium
 };
 
@@ -63,24 +67,26 @@ int WorldBuilder::MediumIndex(const std::string& name) const {
   return found == medium_index_.end() ? -1 : found->second;
 }
 
-Result<void> WorldBuilder::AddShape(const ShapeDescription& description, const Transform& transform,
-                                    std::vector<Shape>* shapes,
-                                    std::vector<const ShapeDescription*>* sources) {
-  Result<std::vector<Shape>> built =
-      BuildShape(description, transform, request_.files, textures_, diagnostics_);
-  if (!built) return built.error();
-  const int inside = MediumIndex(description.inside_medium),
-            outside = MediumIndex(description.outside_medium);
-  has_media_ |= inside != outside;
-  for (Shape& shape : *built) {
-    shape.surface.material = description.material.index;
-    shape.surface.is_interface = world_.materials.IsInterface(description.material.index);
-    shape.surface.inside_medium = inside;
-    shape.surface.outside_medium = outside;
-    world_.has_interfaces |= shape.surface.is_interface;
-    if (sources != nullptr) shape.description = static_cast<int>(&description - scene_.shapes.data());
-    shapes->push_back(std::move(shape));
-    if (sources != nullptr) sources->push_back(&description);
+Result<std::vector<Shape>> WorldBuilder::MakeShapes(const ShapeDescription& description,
+                                                    const Transform& transform) {
+  SurfaceProperties surface;
+  surface.material = description.material.index;
+  surface.is_interface = world_.materials.IsInterface(description.material.index);
+  surface.inside_medium = MediumIndex(description.inside_medium);
+  surface.outside_medium = MediumIndex(description.outside_medium);
+  has_media_ |= surface.inside_medium != surface.outside_medium;
+  world_.has_interfaces |= surface.is_interface;
+  return BuildShape(description, surface, transform, request_.files, textures_, diagnostics_);
+}
+
+Result<void> WorldBuilder::AddShapes() {
+  for (const ShapeDescription& description : scene_.shapes) {
+    Result<std::vector<Shape>> shapes = MakeShapes(description, render_from_world_);
+    if (!shapes) return shapes.error();
+    for (Shape& shape : *shapes) {
+      world_.geometry.shapes.push_back(std::move(shape));
+      shape_descriptions_.push_back(&description);
+    }
   }
   return {};
 }
@@ -89,7 +95,9 @@ Result<void> WorldBuilder::AddGroups() {
   for (const ObjectDescription& object : scene_.objects) {
     ShapeGroup group;
     for (const ShapeDescription& shape : object.shapes) {
-      if (Result<void> added = AddShape(shape, Transform(), &group.shapes, nullptr); !added) return added;
+      Result<std::vector<Shape>> shapes = MakeShapes(shape, Transform());
+      if (!shapes) return shapes.error();
+      std::ranges::move(*shapes, std::back_inserter(group.shapes));
     }
     group_index_[object.name] = static_cast<int>(world_.geometry.groups.size());
     world_.geometry.groups.push_back(std::move(group));
@@ -110,25 +118,9 @@ Result<void> WorldBuilder::AddInstances() {
   return {};
 }
 
-Result<void> WorldBuilder::Build() {
-  if (Result<void> added = AddMedia(); !added) return added;
-  if (Result<void> added = textures_.Add(scene_); !added) return added;
-  Result<MaterialTable> materials = MaterialTable::Build(scene_, textures_);
-  if (!materials) return materials.error();
-  world_.materials = std::move(*materials);
-
-  std::vector<const ShapeDescription*> sources;
-  for (const ShapeDescription& shape : scene_.shapes) {
-    if (Result<void> added = AddShape(shape, render_from_world_, &world_.geometry.shapes, &sources); !added)
-      return added;
-  }
-  if (Result<void> added = AddGroups(); !added) return added;
-  if (Result<void> added = AddInstances(); !added) return added;
-  if (!has_media_) world_.media = MediumTable();
-
-  world_.textures = textures_.Finish();
-  const LightInputs inputs{scene_,         sources,         render_from_world_, request_.light_sampler,
-                           request_.files, request_.images, world_.textures};
+Result<void> WorldBuilder::AddLights() {
+  const LightInputs inputs{scene_,         shape_descriptions_, render_from_world_, request_.light_sampler,
+                           request_.files, request_.images,     world_.textures};
   Result<BuiltLights> lights = LightTable::Build(inputs, world_.geometry, diagnostics_);
   if (!lights) return lights.error();
   for (size_t i = 0; i < world_.geometry.shapes.size(); ++i)
@@ -137,9 +129,24 @@ Result<void> WorldBuilder::Build() {
   return {};
 }
 
+Result<ShapeDescriptions> WorldBuilder::Build() {
+  if (Result<void> added = AddMedia(); !added) return added.error();
+  if (Result<void> added = textures_.Add(scene_); !added) return added.error();
+  Result<MaterialTable> materials = MaterialTable::Build(scene_, textures_);
+  if (!materials) return materials.error();
+  world_.materials = std::move(*materials);
+  if (Result<void> added = AddShapes(); !added) return added.error();
+  if (Result<void> added = AddGroups(); !added) return added.error();
+  if (Result<void> added = AddInstances(); !added) return added.error();
+  if (!has_media_) world_.media = MediumTable();
+  world_.textures = textures_.Finish();
+  if (Result<void> added = AddLights(); !added) return added.error();
+  return std::move(shape_descriptions_);
+}
+
 }  // namespace
 
-Result<void> BuildWorld(const WorldRequest& request, World* world, Diagnostics& diagnostics) {
+Result<ShapeDescriptions> BuildWorld(const WorldRequest& request, World* world, Diagnostics& diagnostics) {
   return WorldBuilder(request, world, diagnostics).Build();
 }
 

@@ -30,10 +30,6 @@ struct SurfaceProperties {
 struct Shape {
   SurfaceProperties surface;
   Form form;
-  // Index of its directive in SceneDescription::shapes (of a group: in ObjectDescription::shapes). A
-  // directive may yield two shapes, as a PLY file of triangles and quads does. The caller of BuildShape sets
-  // it.
-  int description = 0;
 
   uint32_t PrimitiveCount() const;
   uint64_t Bytes() const;  // in addition to the struct itself

@@ -5,7 +5,7 @@
 namespace tessera {
 namespace {
 
-void Place(const Placement& placement, MeshLists* lists) {
+void Place(const Placement& placement, MeshData* lists) {
   const Transform& transform = placement.render_from_object;
   lists->P.reserve(lists->P.size() + 1);
   if (!transform.IsIdentity()) {
@@ -30,23 +30,23 @@ std::vector<T> Selected(const std::vector<T>& list, const std::vector<uint32_t>&
 
 }  // namespace
 
-TriangleMesh MakeTriangleMesh(MeshLists lists, const Placement& placement) {
+TriangleMesh MakeTriangleMesh(MeshData lists, const Placement& placement) {
   Place(placement, &lists);
   return {std::move(lists.P),  std::move(lists.N),       std::move(lists.S),
           std::move(lists.uv), std::move(lists.indices), placement.FlipsNormals()};
 }
 
-BilinearMesh MakeBilinearMesh(MeshLists lists, const Placement& placement) {
+BilinearMesh MakeBilinearMesh(MeshData lists, const Placement& placement) {
   Place(placement, &lists);
   return {std::move(lists.P), std::move(lists.N), std::move(lists.uv), std::move(lists.indices),
           placement.FlipsNormals()};
 }
 
-MeshLists WithoutUnused(const MeshLists& lists) {
+MeshData WithoutUnused(const MeshData& lists) {
   constexpr uint32_t kUnseen = 0xffffffffu;
   std::vector<uint32_t> new_index(lists.P.size(), kUnseen);
   std::vector<uint32_t> selection;
-  MeshLists result;
+  MeshData result;
   result.indices.reserve(lists.indices.size());
   for (const uint32_t old : lists.indices) {
     if (new_index[old] == kUnseen) {

@@ -4,18 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "renderer/description/mesh_data.h"
 #include "renderer/shape/geometry.h"
 
 namespace tessera {
-
-// In object space. Indices are valid; lists other than P are empty or as long as P.
-struct MeshLists {
-  std::vector<Point3> P;
-  std::vector<Normal3> N;
-  std::vector<Vec3> S;
-  std::vector<Point2> uv;
-  std::vector<uint32_t> indices;
-};
 
 // How a shape comes to rendering space.
 struct Placement {
@@ -26,10 +18,10 @@ struct Placement {
 };
 
 // Both leave room for one more vertex after P, where kernels that load four floats at a time may read.
-TriangleMesh MakeTriangleMesh(MeshLists lists, const Placement& placement);
-BilinearMesh MakeBilinearMesh(MeshLists lists, const Placement& placement);
+TriangleMesh MakeTriangleMesh(MeshData lists, const Placement& placement);
+BilinearMesh MakeBilinearMesh(MeshData lists, const Placement& placement);
 
 // The same mesh without the vertices to which no index refers.
-MeshLists WithoutUnused(const MeshLists& lists);
+MeshData WithoutUnused(const MeshData& lists);
 
 }  // namespace tessera

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "renderer/shape/shape_directive.h"
@@ -43,9 +44,9 @@ std::vector<uint32_t> ReadIndices(const ShapeDirective& directive, size_t point_
   return {given.begin(), given.end()};
 }
 
-MeshLists ReadLists(const ShapeDirective& directive, size_t per_face, bool has_tangents) {
+MeshData ReadLists(const ShapeDirective& directive, size_t per_face, bool has_tangents) {
   ParameterReader& reader = directive.reader;
-  MeshLists lists;
+  MeshData lists;
   lists.P = reader.Point3s("P");
   const size_t count = lists.P.size();
   if (count == 0) reader.Fail(fmt::format("{} needs \"point3 P\"", reader.entity().kind));
@@ -56,17 +57,44 @@ MeshLists ReadLists(const ShapeDirective& directive, size_t per_face, bool has_t
   return lists;
 }
 
+// The mesh that the description holds as a value.
+MeshData CheckedMesh(const ShapeDirective& directive, size_t per_face) {
+  const MeshData& mesh = *directive.mesh;
+  ParameterReader& reader = directive.reader;
+  const size_t count = mesh.P.size();
+  if (mesh.indices.empty() || mesh.indices.size() % per_face != 0) {
+    reader.Fail(
+        fmt::format("the mesh has {} indices, expected a multiple of {}", mesh.indices.size(), per_face));
+  }
+  const auto beyond = std::ranges::find_if(mesh.indices, [&](uint32_t index) { return index >= count; });
+  if (beyond != mesh.indices.end())
+    reader.Fail(fmt::format("index {} of the mesh is out of range: it has {} points", *beyond, count));
+  const auto check = [&](std::string_view name, size_t size) {
+    if (size != 0 && size != count)
+      reader.Fail(fmt::format("the mesh has {} points but {} \"{}\"", count, size, name));
+  };
+  check("N", mesh.N.size());
+  check("S", mesh.S.size());
+  check("uv", mesh.uv.size());
+  return mesh;
+}
+
+MeshData MeshOf(const ShapeDirective& directive, size_t per_face, bool has_tangents) {
+  return directive.mesh != nullptr ? CheckedMesh(directive, per_face)
+                                   : ReadLists(directive, per_face, has_tangents);
+}
+
 }  // namespace
 
 std::vector<Form> ReadTriangleMesh(const ShapeDirective& directive) {
-  MeshLists lists = ReadLists(directive, 3, true);
+  MeshData lists = MeshOf(directive, 3, true);
   std::vector<Form> forms;
   if (!directive.reader.failed()) forms.emplace_back(MakeTriangleMesh(std::move(lists), directive.placement));
   return forms;
 }
 
 std::vector<Form> ReadBilinearMesh(const ShapeDirective& directive) {
-  MeshLists lists = ReadLists(directive, 4, false);
+  MeshData lists = MeshOf(directive, 4, false);
   if (directive.reader.FindString("emissionfilename")) {
     directive.Warn("emissionfilename",
                    "\"emissionfilename\" only guides pbrt's sampling; it is not used here");

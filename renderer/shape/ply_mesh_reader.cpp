@@ -32,8 +32,8 @@ Result<std::shared_ptr<const PlyMesh>> ReadPlyFile(const std::string& name, File
 }
 
 // The file's vertices with these faces, with room for one more vertex as MakeTriangleMesh leaves it.
-MeshLists ListsOf(const PlyMesh& ply, const std::vector<uint32_t>& indices) {
-  MeshLists lists;
+MeshData ListsOf(const PlyMesh& ply, const std::vector<uint32_t>& indices) {
+  MeshData lists;
   lists.P.reserve(ply.P.size() + 1);
   lists.P = ply.P;
   lists.N = ply.N;
@@ -51,7 +51,7 @@ std::vector<Form> MakeForms(const PlyMesh& ply, const Placement& placement) {
   if (!ply.triangles.empty()) {
     forms.emplace_back(MakeTriangleMesh(WithoutUnused(ListsOf(ply, ply.triangles)), placement));
   }
-  MeshLists lists = ListsOf(ply, ply.quads);
+  MeshData lists = ListsOf(ply, ply.quads);
   if (!forms.empty()) lists = WithoutUnused(lists);
   forms.emplace_back(MakeBilinearMesh(std::move(lists), placement));
   return forms;

@@ -1,5 +1,7 @@
 #include "renderer/shape/shape_builder.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "renderer/shape/shape_kinds.h"
@@ -15,22 +17,27 @@ bool IsFinite(const Shape& shape) {
 
 }  // namespace
 
-Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, const Transform& render_from_world,
-                                      FileSource& files, TextureBuilder& textures, Diagnostics& diagnostics) {
+Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, SurfaceProperties surface,
+                                      const Transform& render_from_world, FileSource& files,
+                                      TextureBuilder& textures, Diagnostics& diagnostics) {
   const Entity& entity = description.entity;
   const Kind<ShapeReader>* kind = ShapeKinds().Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, ShapeKinds().Refusal(entity.kind));
+  const bool is_mesh = kind->reader == ReadTriangleMesh || kind->reader == ReadBilinearMesh;
+  if (description.mesh && !is_mesh)
+    return ErrorAt(entity.location, fmt::format("shape \"{}\" does not take a mesh", kind->name));
   ParameterReader reader(entity);
   const Transform render_from_object = render_from_world * description.world_from_object.Fixed();
-  const FloatInput alpha = textures.Float(reader, "alpha", 1);
-  std::vector<Form> forms =
-      kind->reader({reader, {render_from_object, description.reverse_orientation}, files, diagnostics});
+  surface.alpha = textures.Float(reader, "alpha", 1);
+  std::vector<Form> forms = kind->reader({reader,
+                                          {render_from_object, description.reverse_orientation},
+                                          files,
+                                          diagnostics,
+                                          description.mesh.get()});
   if (Result<void> done = reader.Finish(); !done) return done.error();
   std::vector<Shape> shapes;
   for (Form& form : forms) {
-    Shape shape;
-    shape.surface.alpha = alpha;
-    shape.form = std::move(form);
+    Shape shape{surface, std::move(form)};
     if (!IsFinite(shape)) return ErrorAt(entity.location, "the shape is not finite in rendering space");
     shapes.push_back(std::move(shape));
   }

@@ -8,12 +8,13 @@
 
 namespace tessera {
 
-// The shapes of one Shape directive with their forms and alpha, vertices taken to rendering space by
-// `render_from_world` after the directive's own transform. Never empty: a PLY file of triangles and quads
-// yields two. Reads PLY files from `files`. The caller fills the rest of the surface properties and
-// Shape::description. Parameters that are ignored because they are wrong (a list of normals whose length
-// differs from P's) are warnings. The shape must not move.
-Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, const Transform& render_from_world,
-                                      FileSource& files, TextureBuilder& textures, Diagnostics& diagnostics);
+// The shapes of one Shape directive, with vertices taken to rendering space by `render_from_world` after the
+// directive's own transform. `surface` holds their surface properties but for alpha, which the directive
+// gives. Never empty: a PLY file of triangles and quads yields two. Reads PLY files from `files`. Wrong lists
+// that can be ignored (normals of another length than P) are warnings with their place. The shape must not
+// move.
+Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, SurfaceProperties surface,
+                                      const Transform& render_from_world, FileSource& files,
+                                      TextureBuilder& textures, Diagnostics& diagnostics);
 
 }  // namespace tessera

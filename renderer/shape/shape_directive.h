@@ -18,6 +18,7 @@ struct ShapeDirective {
   Placement placement;
   FileSource& files;
   Diagnostics& diagnostics;
+  const MeshData* mesh = nullptr;  // of a kind that is a mesh; null: the parameters give it
 
   void Warn(std::string_view parameter, const std::string& text) const {
     diagnostics.Warn(reader.LocationOf(parameter), text);

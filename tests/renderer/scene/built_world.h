@@ -23,7 +23,7 @@ inline std::unique_ptr<World> BuiltWorld(const std::string& text, bool with_medi
   auto world = std::make_unique<World>();
   world->camera = *Camera::Read(scene->camera, scene->camera_from_world.Fixed(), 8, 8);
   Diagnostics diagnostics;
-  const Result<void> built =
+  const auto built =
       BuildWorld({*scene, files, images, LightSamplerKind::kTree, with_media}, world.get(), diagnostics);
   EXPECT_TRUE(built) << built.error().message;
   world->accelerator = *MakeAccelerator(*Accelerators().Find("embree"), world->geometry, world->textures);

@@ -55,7 +55,7 @@ Built Build(const std::string& text) {
   TextureBuilder textures(files, images, Transform());
   if (const Result<void> added = textures.Add(*scene); !added) built.error = added.error().message;
   Result<std::vector<Shape>> shapes =
-      BuildShape(scene->shapes[0], Transform(), files, textures, built.diagnostics);
+      BuildShape(scene->shapes[0], {}, Transform(), files, textures, built.diagnostics);
   if (shapes) {
     built.shapes = *std::move(shapes);
   } else {
