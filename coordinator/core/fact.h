@@ -11,7 +11,7 @@
 
 namespace tessera {
 
-// A process began to work on the data directory. Its epoch is larger than all before.
+// A process opened the data directory. Its epoch is larger than all earlier ones.
 struct CoordinatorStarted {
   uint32_t epoch = 0;
 };
@@ -35,25 +35,25 @@ struct JobEnded {
   std::string reason;
 };
 
-// From now on each of its frames has so many samples per pixel; those that were finished are so no more.
+// Each frame of the job now has this many samples per pixel; finished frames are no longer finished.
 struct JobExtended {
   JobId job{};
   uint32_t samples_per_pixel = 0;
 };
 
-// A frame that was finished before its job was extended has got more samples: the spool holds more than the
-// sums that it was finished with.
+// A frame that was finished before its job was extended has received more samples: the spool holds more than
+// the sums with which it was finished.
 struct FrameResumed {
   JobId job{};
   uint32_t frame = 0;
 };
 
-// Facts of ended jobs have been left out. No job gets a number up to this one again.
+// Facts of ended jobs have been removed. Numbers up to this one are not used again.
 struct JobsForgotten {
   JobId last{};
 };
 
-// By the user: nothing of it is leased until it is resumed.
+// The user paused the job: none of its units is leased until it is resumed.
 struct JobPaused {
   JobId job{};
   bool paused = true;  // or resumed
@@ -64,7 +64,7 @@ struct JobPriorityChanged {
   int32_t priority = 0;
 };
 
-// People or the farm keep a worker from work, or (with neither) do so no longer.
+// The user has drained or the farm has quarantined a worker; with neither, it may work again.
 struct WorkerBarred {
   WorkerId worker{};
   std::string name;
@@ -72,7 +72,7 @@ struct WorkerBarred {
   std::string quarantine;  // its reason, or empty
 };
 
-// A worker's result of a unit that is verified.
+// A worker's vote on a unit that is verified: the digest of its result (RadianceTileDigest).
 struct OpinionHeard {
   WorkUnit unit;
   WorkerId worker{};
@@ -80,7 +80,7 @@ struct OpinionHeard {
   Digest result;
 };
 
-// What verification has brought so far.
+// Counts of the verification so far.
 struct UnitsCounted {
   JobId job{};
   uint64_t verified = 0, disputed = 0, suspect = 0;  // as in JobStatus

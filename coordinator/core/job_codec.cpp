@@ -18,13 +18,7 @@ void AddFrameSpec(ByteWriter& out, const FrameSpec& spec) {
   body.Add32(spec.samples_per_pixel);
   body.Add32(static_cast<uint32_t>(spec.tile_size));
   body.Add32(static_cast<uint32_t>(spec.exr_type));
-  body.Add64(spec.channels.size());
-  for (const Channel& channel : spec.channels) {
-    body.AddText(channel.name);
-    body.Add32(static_cast<uint32_t>(channel.type));
-    body.Add32(static_cast<uint32_t>(channel.rule));
-    body.Add32(channel.is_written ? 1 : 0);
-  }
+  AddChannels(body, spec.channels);
   body.Add64(spec.attributes.size());
   for (const auto& [name, value] : spec.attributes) {
     body.AddText(name);
@@ -66,10 +60,7 @@ void ReadAttributes(ByteReader& in, FrameSpec& spec) {
 bool ReadFrameSpec(ByteReader& in, FrameSpec& spec) {
   auto record = in.ReadRecord(kVersion);
   if (!record || !ReadSizes(record->body, spec)) return false;
-  spec.channels.clear();
-  for (uint64_t n = record->body.ReadCount(20); n > 0; --n) {
-    if (!ReadChannel(record->body, spec.channels.emplace_back())) return false;
-  }
+  if (!ReadChannels(record->body, spec.channels)) return false;
   ReadAttributes(record->body, spec);
   spec.noise_threshold = std::bit_cast<double>(record->body.Read64());
   return record->IsReadBy(kVersion) && spec.Check().has_value();
@@ -147,6 +138,24 @@ bool ReadDigest(ByteReader& in, Digest& digest) {
   if (bytes.size() != digest.bytes.size()) return false;
   std::copy(bytes.begin(), bytes.end(), digest.bytes.begin());
   return true;
+}
+
+void AddChannels(ByteWriter& out, const std::vector<Channel>& channels) {
+  out.Add64(channels.size());
+  for (const Channel& channel : channels) {
+    out.AddText(channel.name);
+    out.Add32(static_cast<uint32_t>(channel.type));
+    out.Add32(static_cast<uint32_t>(channel.rule));
+    out.Add32(channel.is_written ? 1 : 0);
+  }
+}
+
+bool ReadChannels(ByteReader& in, std::vector<Channel>& channels) {
+  channels.clear();
+  for (uint64_t n = in.ReadCount(20); n > 0; --n) {
+    if (!ReadChannel(in, channels.emplace_back())) return false;
+  }
+  return in.ok();
 }
 
 void AddJobSpec(ByteWriter& out, const JobSpec& spec) {

@@ -8,6 +8,8 @@
 // A new member is appended to its record and gets a default where an older record is read.
 #pragma once
 
+#include <vector>
+
 #include "coordinator/core/byte_codec.h"
 #include "proto/terms.h"
 
@@ -15,6 +17,10 @@ namespace tessera {
 
 void AddDigest(ByteWriter& out, const Digest& digest);
 bool ReadDigest(ByteReader& in, Digest& digest);
+
+void AddChannels(ByteWriter& out, const std::vector<Channel>& channels);
+// False for types and rules that are unknown; whether the list makes sense is FrameSpec's affair.
+bool ReadChannels(ByteReader& in, std::vector<Channel>& channels);
 
 void AddJobSpec(ByteWriter& out, const JobSpec& spec);
 // False for anything that AddJobSpec does not write, and for what is beyond the limits.

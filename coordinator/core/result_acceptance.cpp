@@ -8,14 +8,6 @@
 #include "renderer/util/check.h"
 
 namespace tessera {
-namespace {
-
-// Of the sums alone, bit for bit: bounds and range are the unit's.
-Digest ResultDigest(const RadianceTile& tile) {
-  return Sha256({reinterpret_cast<const char*>(tile.sums.data()), tile.sums.size() * sizeof tile.sums[0]});
-}
-
-}  // namespace
 
 Verdict ResultAcceptance::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::string& reason) {
   Job* const job = state_.jobs.Find(returned.unit.job);
@@ -87,7 +79,7 @@ std::string ResultAcceptance::Mismatch(const Job& job, const ReturnedUnit& retur
 // Records what the worker returned; nullopt if the result is accepted.
 std::optional<Verdict> ResultAcceptance::Verify(Instant now, Job& job, WorkerId worker,
                                                 const ReturnedUnit& returned) {
-  const Digest result = ResultDigest(*returned.tile);
+  const Digest result = RadianceTileDigest(*returned.tile);
   const VoteOutcome outcome = state_.scheduler.RecordVote(now, worker, returned.lease, returned.unit,
                                                           returned.render_seconds, result);
   if (outcome.is_new) {
@@ -115,9 +107,9 @@ void ResultAcceptance::CountVote(Job& job, const WorkUnit& unit, const Vote& vot
 
 void ResultAcceptance::Merge(Job& job, const WorkUnit& unit, RadianceTile tile) {
   job.results.samples_accepted += PixelSamples(tile);
-  TileNode node{unit.tile, tile.range, std::move(tile.sums)};
-  state_.output.accepted.push_back({{job.id, unit.frame}, node});
   Merger& merger = frames_.MergerOf(job, unit.frame);
+  TileNode node{unit.tile, tile.range, std::move(tile.sums), merger.channels()};
+  state_.output.accepted.push_back({{job.id, unit.frame}, node});
   const uint64_t merged = merger.samples_merged();
   const uint64_t total = merger.samples_total();
   TESSERA_CHECK(merger.Add(std::move(node)).has_value());  // Mismatch has checked it

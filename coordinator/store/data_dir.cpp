@@ -15,7 +15,9 @@
 namespace tessera {
 namespace {
 
-constexpr std::string_view kVersion = "tessera-data 4\n";
+constexpr std::string_view kVersion = "tessera-data 5\n";
+// Directories of version 4 are read: their journal and spool have forms that are read but no longer written.
+constexpr std::string_view kOldestVersion = "tessera-data 4\n";
 
 Result<void> MakeFolder(const std::string& path) {
   std::error_code error;
@@ -29,6 +31,7 @@ Result<void> CheckVersion(const std::string& path) {
   if (!std::filesystem::exists(file)) return WriteFileAtomically(file, kVersion);
   const auto version = ReadFile(file, 1024);
   if (!version) return version.error();
+  if (*version == kOldestVersion) return WriteFileAtomically(file, kVersion);
   if (*version != kVersion) {
     return Failed(fmt::format(
         "{}: was created by another version of tessera-coordinator (found \"{}\", expected \"{}\"); "

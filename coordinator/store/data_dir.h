@@ -1,10 +1,8 @@
 // The folder in which a coordinator keeps everything that outlives it. One process at a time holds it.
-//   version    "tessera-data 4"
-//   lock       locked while a coordinator runs
-//   journal    facts (file_journal.h)
-//   blobs/     scene files by digest (blob_store.h)
-//   pictures/  finished frames (file_pictures.h)
-//   spool/     results of unfinished frames and kept sums of finished ones (file_spool.h)
+//   version    "tessera-data 5"; a directory of version 4 is read and becomes one of version 5 when it is
+//   opened lock       locked while a coordinator runs journal    facts (file_journal.h) blobs/     scene
+//   files by digest (blob_store.h) pictures/  finished frames (file_pictures.h) spool/     results of
+//   unfinished frames and kept sums of finished ones (file_spool.h)
 #pragma once
 
 #include <string>

@@ -14,7 +14,7 @@
 namespace tessera {
 namespace {
 
-constexpr RecordFormat kFormat{"TSRJ", 2, kFactBytesMax};
+constexpr RecordFormat kFormat{"TSRJ", 2, 2, kFactBytesMax};
 constexpr const char* kRemedy =
     "to keep the records before the damage, truncate the file there; to start without any jobs, move it away";
 
@@ -22,7 +22,7 @@ constexpr const char* kRemedy =
 
 Result<std::unique_ptr<FileJournal>> FileJournal::Open(const std::string& path,
                                                        const std::function<void(const Fact&)>& restore) {
-  const auto visit = [&](std::string_view payload) -> Result<void> {
+  const auto visit = [&](std::string_view payload, uint32_t) -> Result<void> {
     const auto fact = DecodeFact(payload);
     if (!fact) return fact.error();
     restore(*fact);

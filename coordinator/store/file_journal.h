@@ -1,8 +1,9 @@
-// The journal as a file: a record log (record_log.h) "TSRJ", version 2, whose payloads are EncodeFact. A
-// record that a crash cut short was never acknowledged: it is taken off. Damage before what was acknowledged
-// is refused: facts would be lost silently. Replaced by the facts that still count when it is twice as large
-// as they were last, and at least kJournalBytesMin: so it stays below
-//   max(kJournalBytesMin, 2 x what counts) + one batch.
+// The journal as a file: a record log (record_log.h) "TSRJ", version 2, whose payloads are those of
+// EncodeFact. Facts have versions of their own (fact.h), so a new form of a fact leaves this version as it
+// is. A record that a crash cut short was never acknowledged and is cut off. Damage to acknowledged facts is
+// refused, as they would be lost silently. The file is replaced by the facts that still matter when it is
+// twice as large as it was after the last time, and at least kJournalBytesMin. So it stays below
+//   max(kJournalBytesMin, 2 x size of the facts that matter) + one batch.
 // Not thread safe. Owned by the coordinator's core thread.
 #pragma once
 
@@ -22,7 +23,7 @@ constexpr uint64_t kJournalBytesMin = uint64_t{4} << 20;  // smaller ones are no
 
 class FileJournal : public Journal {
  public:
-  // Opens or makes the file; hands the facts in it, in order, to `restore`.
+  // Opens or creates the file and calls `restore` with the facts in it, in order.
   static Result<std::unique_ptr<FileJournal>> Open(const std::string& path,
                                                    const std::function<void(const Fact&)>& restore);
 

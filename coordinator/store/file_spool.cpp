@@ -111,7 +111,7 @@ Result<void> FileSpool::SyncFrame(FrameId id, Frame& frame) {
     frame.segment = std::move(*segment);
     open_.insert(id);
   }
-  for (TileNode& node : std::exchange(frame.pending, {})) AppendNode(*frame.segment, std::move(node));
+  for (TileNode& node : std::exchange(frame.pending, {})) frame.segment->Append(std::move(node));
   if (const auto synced = frame.segment->Sync(); !synced) return synced;
   frame.files->SetSegmentBytes(frame.segment->synced_bytes());
   return {};

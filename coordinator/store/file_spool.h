@@ -1,23 +1,20 @@
-// The spool as files: a folder JOB-FRAME for each frame, in it record logs (record_log.h) "TSRS", version 1,
-// whose payloads are a node: tile, begin and size of its samples, 32 bits each, then its sums as floats,
-// little-endian.
+// The spool as files: a folder JOB-FRAME for each frame, in it logs of nodes (node_log.h), of version 2 or 1.
 //   segment-N  what was accepted while N was the newest
 //   base-N     every node that a merger made of what was accepted before segment N began
-// What counts is the newest base and the segments from its number on. Results are a set, so a base needs no
-// moment of rest: it is written in the background from a copy while results go to the next segment, renamed
-// to its name when it is whole, and then the older files go.
+// What counts is the newest base and the segments from its number on. Results are a set, so a base can be
+// written at any time: in the background, from a copy, while results go to the next segment. It is renamed to
+// its final name when it is whole, and then the older files are removed.
 //
 // Disk use: a segment is replaced when it has grown to max(kSegmentBytesMin, size of the base), and results
-// wait while a second one has grown to that and the base is still being written. So, with L the size of the
-// nodes that the merger of the frame holds at most, the files of a frame take no more than
+// wait while a second one has grown to that size and the base is still being written. If L is the largest
+// size of the nodes in the merger of the frame, the files of a frame take at most
 //   4 x max(kSegmentBytesMin, L) + two batches
-// (old base, its segment, new base, its segment), however many results were merged; half of that when idle. A
-// frame whose kept sums are on their way back from the spool has no base yet: its results of that moment come
-// on top.
+// (old base, its segment, new base, its segment), regardless of the number of results; half of that when
+// idle. A frame whose kept sums are being loaded has no base yet, so the results of that moment come on top.
 //
-// A torn tail of the newest segment was never acknowledged: it is cut off. Damage anywhere else is refused by
-// name; whoever moves the named file away loses what is in it, and no more than that is rendered again.
-// One thread calls it, the core thread; files that take long are written by `run`.
+// A torn tail of the newest segment was never acknowledged and is cut off. Damage anywhere else is refused
+// with the name of the file; after moving the file away only what was in it is rendered again.
+// Only the core thread calls it; bases are written by `run`.
 #pragma once
 
 #include <functional>
@@ -29,17 +26,17 @@
 
 #include "coordinator/core/spool.h"
 #include "coordinator/store/frame_files.h"
-#include "coordinator/store/record_log.h"
+#include "coordinator/store/node_log.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
 
-// Below it a base costs more than the segment that it replaces.
+// A smaller segment costs less than the base that would replace it.
 constexpr uint64_t kSegmentBytesMin = uint64_t{8} << 20;
 
 class FileSpool : public Spool {
  public:
-  // Runs a task on some other thread, or at once; tasks in their order.
+  // Runs tasks in order, on another thread or immediately.
   using Run = std::function<void(std::function<void()> task)>;
   static Result<std::unique_ptr<FileSpool>> Open(const std::string& path, Run run,
                                                  uint64_t segment_bytes_min = kSegmentBytesMin);
@@ -48,10 +45,10 @@ class FileSpool : public Spool {
   struct Found {
     FrameId frame;
     uint64_t bytes = 0;
-    bool begun = false;  // there are results that no base holds
+    bool begun = false;  // there are results that are in no base
   };
   std::vector<Found> Frames() const;
-  // Gives the nodes of a frame that is to be gone on with.
+  // Calls `restore` with the nodes of a frame that will be continued.
   Result<void> Restore(FrameId frame, const std::function<void(TileNode)>& restore);
 
   void Append(FrameId frame, TileNode node) override;
@@ -63,9 +60,9 @@ class FileSpool : public Spool {
 
  private:
   struct Frame {
-    std::shared_ptr<FrameFiles> files;   // shared with what runs in the background
-    std::unique_ptr<RecordLog> segment;  // the newest; null: begun when it is needed
-    std::vector<TileNode> pending;       // not yet in the log
+    std::shared_ptr<FrameFiles> files;  // shared with what runs in the background
+    std::unique_ptr<NodeLog> segment;   // the newest; null: begun when it is needed
+    std::vector<TileNode> pending;      // not yet in the log
   };
   FileSpool(std::string path, Run run, uint64_t segment_bytes_min)
       : path_(std::move(path)), run_(std::move(run)), segment_bytes_min_(segment_bytes_min) {}

@@ -10,42 +10,11 @@
 #include <filesystem>
 #include <optional>
 
-#include "coordinator/core/byte_codec.h"
-#include "proto/terms.h"
 #include "renderer/util/check.h"
 #include "renderer/util/file.h"
 
 namespace tessera {
 namespace {
-
-constexpr size_t kHeadBytes = 12;
-constexpr RecordFormat kFormat{"TSRS", 1, static_cast<uint64_t>(kResultBytesMax) + kHeadBytes};
-constexpr const char* kRemedy =
-    "move the file away to continue without its results, which are then rendered again";
-
-Result<TileNode> DecodeNode(std::string_view payload) {
-  const size_t sums_bytes = payload.size() - std::min(payload.size(), kHeadBytes);
-  ByteReader in(payload.substr(0, kHeadBytes));
-  TileNode node;
-  node.tile = in.Read32();
-  node.range.begin = in.Read32();
-  node.range.size = in.Read32();
-  if (!in.ok() || !node.range.IsDyadic() || sums_bytes % sizeof(float) != 0)
-    return Failed("does not contain sums of samples");
-  std::vector<float> sums(sums_bytes / sizeof(float));
-  std::memcpy(sums.data(), payload.data() + kHeadBytes, sums_bytes);
-  node.sums = std::move(sums);
-  return node;
-}
-
-RecordLog::Visit NodeVisit(const std::function<void(TileNode)>& visit) {
-  return [&visit](std::string_view payload) -> Result<void> {
-    auto node = DecodeNode(payload);
-    if (!node) return node.error();
-    visit(std::move(*node));
-    return {};
-  };
-}
 
 // The number of a file that is called PREFIX-NUMBER.
 std::optional<uint64_t> NumberOf(const std::string& name, std::string_view prefix) {
@@ -63,14 +32,6 @@ void Remove(const std::string& path) {
 }
 
 }  // namespace
-
-void AppendNode(RecordLog& log, TileNode node) {
-  ByteWriter head;
-  head.Add32(node.tile);
-  head.Add32(node.range.begin);
-  head.Add32(node.range.size);
-  log.Append(head.Take(), std::move(node.sums));
-}
 
 FrameFiles::FrameFiles(std::string folder) : folder_(std::move(folder)) {
   std::vector<std::string> old;
@@ -105,7 +66,7 @@ std::string FrameFiles::BasePath(uint64_t number) const {
   return fmt::format("{}/base-{}", folder_, number);
 }
 
-Result<std::unique_ptr<RecordLog>> FrameFiles::BeginSegment() {
+Result<std::unique_ptr<NodeLog>> FrameFiles::BeginSegment() {
   std::error_code error;
   if (std::filesystem::create_directories(folder_, error))
     SyncFolder(std::filesystem::path(folder_).parent_path().string());
@@ -113,16 +74,16 @@ Result<std::unique_ptr<RecordLog>> FrameFiles::BeginSegment() {
   const std::lock_guard lock(mutex_);
   const uint64_t newest = segments_.empty() ? 0 : segments_.back().number;
   const uint64_t number = std::max({newest + 1, base_next_, uint64_t{1}});
-  auto log = RecordLog::Create(SegmentPath(number), kFormat);
+  auto log = NodeLog::Create(SegmentPath(number));
   if (log) segments_.push_back({number, (*log)->synced_bytes()});
   return log;
 }
 
-Result<std::unique_ptr<RecordLog>> FrameFiles::ReopenSegment(const std::function<void(TileNode)>& visit) {
+Result<std::unique_ptr<NodeLog>> FrameFiles::ReopenSegment(const std::function<void(TileNode)>& visit) {
   const std::lock_guard lock(mutex_);
-  if (segments_.empty()) return std::unique_ptr<RecordLog>();
-  auto log = RecordLog::Open(SegmentPath(segments_.back().number), kFormat, NodeVisit(visit), kRemedy);
-  if (log) segments_.back().bytes = (*log)->synced_bytes();
+  if (segments_.empty()) return std::unique_ptr<NodeLog>();
+  auto log = NodeLog::Open(SegmentPath(segments_.back().number), visit);
+  if (log && *log != nullptr) segments_.back().bytes = (*log)->synced_bytes();
   return log;
 }
 
@@ -166,9 +127,9 @@ Result<uint64_t> FrameFiles::WriteBaseFile(uint64_t number, std::vector<TileNode
   const std::string path = BasePath(number);
   const std::string beside = path + ".new";
   const auto write = [&]() -> Result<uint64_t> {
-    auto log = RecordLog::Create(beside, kFormat);
+    auto log = NodeLog::Create(beside);
     if (!log) return log.error();
-    for (TileNode& node : nodes) AppendNode(**log, std::move(node));
+    for (TileNode& node : nodes) (*log)->Append(std::move(node));
     if (const auto synced = (*log)->Sync(); !synced) return synced.error();
     if (std::rename(beside.c_str(), path.c_str()) != 0)
       return Failed(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
@@ -224,14 +185,13 @@ Result<void> FrameFiles::Read(bool open_segment, const std::function<void(TileNo
   }
   if (open_segment && !segments.empty()) segments.pop_back();
   if (base.number > 0) {
-    const auto read =
-        RecordLog::Read(BasePath(base.number), kFormat, RecordLog::Tail::kWhole, NodeVisit(visit), kRemedy);
+    const auto read = NodeLog::Read(BasePath(base.number), RecordLog::Tail::kWhole, visit);
     if (!read) return read.error();
   }
   for (const File& segment : segments) {
     const bool is_newest = segment.number == segments.back().number && !open_segment;
     const auto tail = is_newest ? RecordLog::Tail::kMayBeTorn : RecordLog::Tail::kWhole;
-    const auto read = RecordLog::Read(SegmentPath(segment.number), kFormat, tail, NodeVisit(visit), kRemedy);
+    const auto read = NodeLog::Read(SegmentPath(segment.number), tail, visit);
     if (!read) return read.error();
   }
   return {};

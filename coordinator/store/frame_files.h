@@ -9,14 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/store/record_log.h"
+#include "coordinator/store/node_log.h"
 #include "renderer/film/merger.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
-
-// Puts a node into a log of the spool.
-void AppendNode(RecordLog& log, TileNode node);
 
 class FrameFiles {
  public:
@@ -25,31 +22,31 @@ class FrameFiles {
     uint64_t bytes = 0;
   };
 
-  // Looks at the folder, which need not exist, and removes files that were replaced or never finished.
+  // Reads the folder, which need not exist, and removes files that were replaced or never finished.
   explicit FrameFiles(std::string folder);
 
-  // Makes the next segment and its folder.
-  Result<std::unique_ptr<RecordLog>> BeginSegment();
-  // Opens the newest segment to go on with it; its nodes are handed out first. Null if there is none.
-  Result<std::unique_ptr<RecordLog>> ReopenSegment(const std::function<void(TileNode)>& visit);
-  // Tells the size of the newest segment.
+  // Creates the next segment, and the folder if there is none.
+  Result<std::unique_ptr<NodeLog>> BeginSegment();
+  // Visits the nodes of the newest segment and opens it for appending. Null if there is none, or if it is of
+  // a version that is not appended to.
+  Result<std::unique_ptr<NodeLog>> ReopenSegment(const std::function<void(TileNode)>& visit);
+  // Sets the size of the newest segment.
   void SetSegmentBytes(uint64_t bytes);
-  // Of the newest segment, if it is not part of a base that is there or being written.
+  // Size of the newest segment; 0 if it is part of a base that exists or is being written.
   uint64_t segment_bytes() const;
   uint64_t base_bytes() const;
   uint64_t bytes() const;  // of all files
   bool has_segments() const;
 
-  // The segments that there are will be part of a base. Call WriteBase with the number next.
+  // Announces a base that will contain all present segments. Call WriteBase with the number next.
   uint64_t BeginBase();
-  // Writes it, then removes what it replaces. Takes long.
+  // Writes it, then removes what it replaces. Slow.
   void WriteBase(uint64_t number, std::vector<TileNode> nodes);
   bool is_writing_base() const;
-  // Waits until no base is being written; what was wrong with the last, if it could not be written and this
-  // was not told before.
+  // Waits until no base is being written. Returns the error of the last one, once.
   Result<void> AwaitBase();
 
-  // Hands out the nodes of the base and of the segments, but not of the newest if `open_segment`. Takes long.
+  // Visits the nodes of the base and of the segments, except for the newest segment if `open_segment`. Slow.
   Result<void> Read(bool open_segment, const std::function<void(TileNode)>& visit) const;
 
  private:

@@ -46,7 +46,7 @@ struct Found {
   uint64_t synced = 0;
 };
 
-// The whole and undamaged record at the begin of `bytes`.
+// The record at the start of `bytes`, or nullopt if it is incomplete or damaged.
 std::optional<Found> RecordAt(std::string_view bytes, uint64_t payload_bytes_max) {
   if (bytes.size() < kHeaderBytes) return std::nullopt;
   ByteReader in(bytes);
@@ -60,7 +60,7 @@ std::optional<Found> RecordAt(std::string_view bytes, uint64_t payload_bytes_max
   return Found{payload, synced};
 }
 
-// A readable record behind the unreadable bytes at `bad` that says they were synced once.
+// The position of a readable record after the unreadable bytes at `bad` which shows that those were synced.
 std::optional<size_t> WitnessOfDamage(std::string_view bytes, size_t bad, uint64_t payload_bytes_max) {
   for (size_t at = bad + 1; at + kHeaderBytes < bytes.size(); ++at) {
     const auto found = RecordAt(bytes.substr(at), payload_bytes_max);
@@ -69,14 +69,34 @@ std::optional<size_t> WitnessOfDamage(std::string_view bytes, size_t bad, uint64
   return std::nullopt;
 }
 
-// Visits the records of a file; how many of its bytes are good.
-Result<uint64_t> ReadLog(const std::string& path, const RecordFormat& format, const RecordLog::Visit& visit,
+// What is known of a file that was read.
+struct LogState {
+  uint32_t version = 0;
+  uint64_t good_bytes = 0;  // up to the end of the last readable record
+};
+
+// The version of a file, or an error if it is of another format or of a version that is not read.
+Result<uint32_t> VersionOf(const std::string& path, std::string_view bytes, const RecordFormat& format) {
+  if (bytes.size() < kFileHeaderBytes || !bytes.starts_with(format.letters))
+    return Failed(fmt::format("{}: is not a file of tessera-coordinator (no \"{}\" at its start)", path,
+                              format.letters));
+  ByteReader in(bytes.substr(format.letters.size()));
+  const uint32_t version = in.Read32();
+  if (version < format.oldest_version || version > format.version) {
+    return Failed(fmt::format("{}: has version {}; this tessera-coordinator reads versions {} to {}", path,
+                              version, format.oldest_version, format.version));
+  }
+  return version;
+}
+
+// Visits the records of a file.
+Result<LogState> ReadLog(const std::string& path, const RecordFormat& format, const RecordLog::Visit& visit,
                          std::string_view remedy, RecordLog::Tail tail) {
   const auto bytes = ReadFile(path, kFileBytesMax);
   if (!bytes) return bytes.error();
   const std::string_view all = *bytes;
-  if (!all.starts_with(FileHeader(format)))
-    return Failed(path + ": is not a file of this version of tessera-coordinator");
+  const auto version = VersionOf(path, all, format);
+  if (!version) return version.error();
   size_t good = kFileHeaderBytes;
   std::vector<std::string_view> payloads;
   while (const auto found = RecordAt(all.substr(good), format.payload_bytes_max)) {
@@ -90,10 +110,10 @@ Result<uint64_t> ReadLog(const std::string& path, const RecordFormat& format, co
   if (tail == RecordLog::Tail::kWhole && good < all.size())
     return Failed(fmt::format("{}: damaged at byte {}; {}", path, good, remedy));
   for (const std::string_view payload : payloads) {
-    const auto visited = visit(payload);
+    const auto visited = visit(payload, *version);
     if (!visited) return Failed(fmt::format("{}: {}; {}", path, visited.error().message, remedy));
   }
-  return good;
+  return LogState{*version, good};
 }
 
 std::string_view Bytes(const std::vector<float>& values) {
@@ -128,24 +148,25 @@ Result<std::unique_ptr<RecordLog>> RecordLog::Create(const std::string& path, co
   if (const auto made = WriteFileAtomically(path, FileHeader(format)); !made) return made.error();
   const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (file < 0) return SystemError(path, "cannot be opened");
-  return std::unique_ptr<RecordLog>(new RecordLog(path, file, kFileHeaderBytes));
+  return std::unique_ptr<RecordLog>(new RecordLog(path, file, format.version, kFileHeaderBytes));
 }
 
 Result<std::unique_ptr<RecordLog>> RecordLog::Open(const std::string& path, const RecordFormat& format,
                                                    const Visit& visit, std::string_view remedy) {
-  const auto good = ReadLog(path, format, visit, remedy, Tail::kMayBeTorn);
-  if (!good) return good.error();
+  const auto state = ReadLog(path, format, visit, remedy, Tail::kMayBeTorn);
+  if (!state) return state.error();
   const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (file < 0) return SystemError(path, "cannot be opened");
-  std::unique_ptr<RecordLog> log(new RecordLog(path, file, *good));
-  if (::ftruncate(file, static_cast<off_t>(*good)) != 0) return SystemError(path, "cannot be truncated");
+  std::unique_ptr<RecordLog> log(new RecordLog(path, file, state->version, state->good_bytes));
+  if (::ftruncate(file, static_cast<off_t>(state->good_bytes)) != 0)
+    return SystemError(path, "cannot be truncated");
   return log;
 }
 
 Result<void> RecordLog::Read(const std::string& path, const RecordFormat& format, Tail tail,
                              const Visit& visit, std::string_view remedy) {
-  const auto good = ReadLog(path, format, visit, remedy, tail);
-  if (!good) return good.error();
+  const auto state = ReadLog(path, format, visit, remedy, tail);
+  if (!state) return state.error();
   return {};
 }
 

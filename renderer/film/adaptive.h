@@ -1,29 +1,29 @@
-// Adaptive sampling: how a tile's own sums decide which of its pixels have samples enough.
+// Adaptive sampling: which pixels of a tile have enough samples, decided from the tile's own sums.
 //
-// The halves [0, n/2) and [n/2, n) of a doubling are two renderings L and R of half the samples: two
-// half-buffers that come through the tree by themselves. (L - R) / 2 errs as their mean M does, so the mean
+// The halves [0, n/2) and [n/2, n) of a doubling are two independent renderings L and R with half the samples
+// each, and both are nodes of the sample tree. (L - R) / 2 has the same error as their mean M, so the mean
 // over the colours of
 //     q = ((L - R) / 2)^2 / (M^2 + 0.01)
-// estimates the relMSE of a pixel of M, if badly: one difference is all that it knows. What a pixel is judged
-// by is therefore
+// estimates the relMSE of a pixel of M, though poorly, because it is one difference. The decision therefore
+// uses
 //     noise = 3/4 of the mean of q around the pixel + 1/4 of the mean of q over the tile
-// where both take those pixels of the tile that have not stopped before, and "around" weighs them by binomial
-// coefficients, nearly a Gaussian of 2 pixels, so that every weight is an exact number.
+// Both means are over the pixels of the tile that have not stopped before. "Around" weights them by binomial
+// coefficients, which approximate a Gaussian of 2 pixels and are exact numbers.
 //
-// A pixel stops at n if noise < E^2 n / 256 with the frame's threshold E. Not at E for all n: relMSE falls as
-// V / n, so for a given number of samples in all the frame's is least if pixels get them in proportion to the
-// root of their variance V (Neyman 1934), which is where V / n^2 is the same for all. A threshold equal for
-// all pixels gives each of them n in proportion to V, and such a frame is no better than one with as many
-// samples everywhere.
+// A pixel stops at n samples if noise < E^2 n / 256, where E is the threshold of the frame. The limit grows
+// with n because relMSE falls as V / n: for a given total number of samples the error of the frame is least
+// if the samples of a pixel are in proportion to the root of its variance V (Neyman 1934), and there V / n^2
+// is the same for all pixels. A limit that is equal for all n gives each pixel samples in proportion to V,
+// and such a frame is no better than one with the same number of samples everywhere.
 //
-// Bias: a pixel that stops by its own samples may stop because it has missed the bright ones (Kirk and Arvo
-// 1991). What guards against it: for errors without skew the difference of L and R tells nothing of their
-// mean. For the rare bright sample that does have skew, those around a pixel, and a quarter of the whole
-// tile, speak for it, too; and M is also in the divisor, so that q is never above 1: one bright sample, seen
-// or missed, moves the decision only where noise is that near to the threshold, while many keep the pixels
-// open as they should. To leave a pixel's own q out of its noise would leave no bias, and half of the
-// savings: it is those that have met a bright sample that need more. Measured, on even noise with many
-// fireflies: 0.1 % of the mean at 150 samples per pixel, 0.25 % at 50.
+// Bias: a pixel that stops because of its own samples may have missed the bright ones (Kirk and Arvo 1991).
+// Three things limit this. If the errors have no skew, the difference of L and R is independent of their
+// mean. A rare bright sample does have skew, but the pixels around and a quarter of the tile count as well.
+// And M is also in the divisor, so that q is at most 1: one bright sample, seen or missed, changes the
+// decision only where the noise is close to the threshold. Leaving a pixel's own q out of its noise would
+// remove the bias, but also half of the savings, since the pixels that have met a bright sample are those
+// that need more. Measured on even noise with many fireflies: 0.1 % of the mean at 150 samples per pixel,
+// 0.25 % at 50.
 #pragma once
 
 #include <cstdint>
@@ -38,14 +38,14 @@ namespace tessera {
 
 struct RadianceTile;
 
-// The threshold itself is that of a pixel with so many samples.
+// The number of samples at which the limit is the threshold itself.
 constexpr uint32_t kThresholdSamples = 256;
-// The first decision is taken when so many samples of each pixel are there: to ask earlier saves nothing at
-// thresholds of use, and costs a result more per tile.
+// The number of samples per pixel at the first decision. An earlier one saves nothing at useful thresholds
+// and costs one more result per tile.
 constexpr uint32_t kDecisionSamplesMin = 32;
 
-// Samples [0, samples) of a tile are wanted: of all pixels those before the last decision, then of `pixels`
-// alone. If final, no more ever will be.
+// Samples [0, samples) of a tile are wanted: those before the last decision of all pixels, the later ones
+// only of `pixels`. If final, no more samples will be wanted.
 struct TileGoal {
   uint32_t samples = 0;
   bool is_final = false;
@@ -53,13 +53,13 @@ struct TileGoal {
   bool operator==(const TileGoal&) const = default;
 };
 
-// Before anything of a tile is known. Final for a frame that is not adaptive, or too small to be.
+// The goal before the first decision. It is final if the frame is not adaptive or has too few samples to be.
 TileGoal FirstGoal(const FrameSpec& spec);
-// After a decision at `samples` to go on with `pixels`.
+// The goal after a decision at `samples` samples that `pixels` need more.
 TileGoal NextGoal(const FrameSpec& spec, uint32_t samples, PixelMask pixels);
 
-// How many samples a unit that begins with sample 0 may have: no unit of an adaptive frame reaches over a
-// doubling, so that its halves are known each for itself. Units that begin later cannot reach over one.
+// The largest size of a unit that starts at sample 0. No unit of an adaptive frame contains both halves of a
+// doubling, so that each half is known. Units that start later cannot contain both.
 uint32_t FirstUnitMax(const FrameSpec& spec);
 // Whether samples `range` of a tile can be a unit of the frame.
 bool IsUnitRange(const FrameSpec& spec, SampleRange range);

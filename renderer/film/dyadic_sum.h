@@ -9,8 +9,8 @@
 
 namespace tessera {
 
-// Adds the samples of one pixel in index order so that the result is the tree node of their range: a binary
-// counter of partial sums, as many as bits are set in the count of samples added. T has operator+.
+// Adds the samples of one pixel in index order so that the result is the tree node of their range. Works like
+// a binary counter: it holds one partial sum per bit that is set in the count of samples. T has operator+.
 template <typename T>
 class DyadicSum {
  public:

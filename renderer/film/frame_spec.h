@@ -14,13 +14,13 @@
 
 namespace tessera {
 
-constexpr int kResolutionMax = 1 << 16;  // pixels per axis: what OpenEXR readers commonly take
+constexpr int kResolutionMax = 1 << 16;  // pixels per axis: the limit of common OpenEXR readers
 constexpr int kTileSizeMax = 256;        // pixels: a unit's result stays far below the message limit
 constexpr int kTileSizeDefault = 32;     // pixels: small enough to share 192x108 over 8 threads
 constexpr int64_t kFramePixelsMax = int64_t{1} << 28;  // of one crop: 16k x 16k, a few GB of sums
 constexpr int64_t kTileCountMax = int64_t{1} << 22;    // bounds the bookkeeping of a frame
 constexpr size_t kAttributesMax = 64;
-// Of a picture's header.
+// Attributes in the header of a picture.
 constexpr const char* kSamplesAttribute = "tessera:samplesPerPixel";
 constexpr const char* kSamplerAttribute = "tessera:sampler";
 constexpr size_t kAttributeSizeMax = 1 << 16;  // bytes of one name and its value
@@ -51,7 +51,7 @@ struct FrameSpec {
   std::map<std::string, std::string> attributes;  // of the EXR header; nothing that differs between runs
 
   bool operator==(const FrameSpec&) const = default;
-  // Whether all is within the limits.
+  // Returns an error that names the first value beyond its limits.
   Result<void> Check() const;
   bool IsAdaptive() const { return noise_threshold > 0; }
   // Makes the frame adaptive if the threshold is above 0: it then counts the samples of its pixels.

@@ -18,6 +18,12 @@ SharedSums OnlyPixels(const PixelShape& shape, size_t pixel_count, const PixelMa
   return kept;
 }
 
+std::string NamesOf(const std::vector<Channel>& channels) {
+  std::string names;
+  for (const Channel& channel : channels) names += (names.empty() ? "" : " ") + channel.name;
+  return names;
+}
+
 bool IsInside(const std::vector<SampleRange>& partition, SampleRange range) {
   return std::ranges::any_of(partition, [&](SampleRange term) { return term.Contains(range); });
 }
@@ -56,7 +62,10 @@ uint32_t SampleCount(const Nodes& nodes) {
 
 }  // namespace
 
-Merger::Merger(FrameSpec spec) : spec_(std::move(spec)), layout_(spec_.Layout()) {
+Merger::Merger(FrameSpec spec)
+    : spec_(std::move(spec)),
+      layout_(spec_.Layout()),
+      channels_(std::make_shared<const std::vector<Channel>>(spec_.channels)) {
   TESSERA_CHECK(spec_.Check().has_value());
   partition_ = DyadicPartition(spec_.samples_per_pixel);
   tiles_.resize(static_cast<size_t>(spec_.TileCount()));
@@ -81,6 +90,10 @@ Result<Merger::Outcome> Merger::Add(int tile, RadianceTile result) {
 Result<void> Merger::Check(const TileNode& node) const {
   if (node.tile >= tiles_.size())
     return Failed(fmt::format("tile {} is not one of the frame's {}", node.tile, tiles_.size()));
+  if (node.channels != nullptr && node.channels != channels_ && *node.channels != *channels_) {
+    return Failed(fmt::format("tile {}: its channels are {}, those of the frame {}", node.tile,
+                              NamesOf(*node.channels), NamesOf(*channels_)));
+  }
   const auto pixels = static_cast<size_t>(spec_.TileBounds(static_cast<int>(node.tile)).area());
   if (auto ok = CheckValues(layout_.shape(), pixels, *node.sums); !ok)
     return Failed(fmt::format("tile {}: {}", node.tile, ok.error().message));
@@ -237,7 +250,7 @@ std::vector<TileNode> Merger::AllNodes() const {
   std::vector<TileNode> all;
   all.reserve(node_count());
   VisitNodes([&](uint32_t tile, SampleRange range, const SharedSums& sums) {
-    all.push_back({tile, range, sums});
+    all.push_back({tile, range, sums, channels_});
   });
   return all;
 }
@@ -246,7 +259,7 @@ std::vector<TileNode> Merger::TakeNodes() {
   std::vector<TileNode> all;
   all.reserve(node_count());
   for (uint32_t tile = 0; tile < tiles_.size(); ++tile) {
-    for (auto& [range, sums] : tiles_[tile].nodes) all.push_back({tile, range, std::move(sums)});
+    for (auto& [range, sums] : tiles_[tile].nodes) all.push_back({tile, range, std::move(sums), channels_});
   }
   *this = Merger(std::move(spec_));
   return all;

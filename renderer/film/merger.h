@@ -9,6 +9,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <vector>
 
 #include "renderer/film/adaptive.h"
@@ -18,13 +19,18 @@
 
 namespace tessera {
 
+using SharedChannels = std::shared_ptr<const std::vector<Channel>>;
+
 // The values of samples `range` of every pixel of a tile, as RadianceTile has them: a node of its tree.
 struct TileNode {
   uint32_t tile = 0;
   SampleRange range;
   SharedSums sums;
+  SharedChannels channels = nullptr;  // that the values have; null: those of the frame
 
-  bool operator==(const TileNode&) const = default;
+  bool operator==(const TileNode& other) const {
+    return tile == other.tile && range == other.range && sums == other.sums;
+  }
 };
 
 // Not thread safe: the owner calls it from one thread at a time.
@@ -36,6 +42,8 @@ class Merger {
 
   const FrameSpec& spec() const { return spec_; }
   const ChannelLayout& layout() const { return layout_; }
+  // For nodes of this frame.
+  const SharedChannels& channels() const { return channels_; }
   // Adds the node `result.range` of tile `tile`, of a unit or of another merger. kDuplicate if all its
   // samples are there already, or if the tile has stopped before them. A node that covers nodes already there
   // replaces them: it is their sum. Samples beyond a stop of their pixels are dropped. Refuses bounds, range
@@ -83,6 +91,7 @@ class Merger {
 
   FrameSpec spec_;
   ChannelLayout layout_;
+  SharedChannels channels_;
   std::vector<SampleRange> partition_;
   std::vector<Tile> tiles_;
   uint64_t samples_merged_ = 0, samples_total_ = 0;

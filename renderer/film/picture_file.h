@@ -25,8 +25,9 @@ Result<LoadedPicture> LoadExr(const std::string& path);
 // Decodes the bytes of an OpenEXR file. Errors call them `name`.
 Result<LoadedPicture> DecodeExr(std::string_view bytes, const std::string& name);
 
-// How two pictures differ, over the channels both have. relMSE is the mean of (a - b)^2 / (b^2 + 0.01), PSNR
-// that of a peak of 1. A value that is not finite, and is not the same in both, differs by infinity.
+// The difference of two pictures over the channels that both have. relMSE is the mean of
+// (a - b)^2 / (b^2 + 0.01), PSNR is for a peak of 1. Values that are not finite and not equal differ by
+// infinity.
 struct PictureDifference {
   double mse = 0, relmse = 0, psnr_db = 0, maxabs = 0;
   bool identical = false;  // same windows, same channels, same bits

@@ -1,4 +1,4 @@
-// Which pixels of a tile samples are wanted of.
+// A set of pixels of a tile: those whose samples are wanted.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,15 @@
 
 namespace tessera {
 
-// Pixels of a rectangle by their index y * width + x. Made without arguments it has all, whatever the size.
+// Pixels of a rectangle by their index y * width + x. A default-constructed mask has all pixels of any
+// rectangle.
 class PixelMask {
  public:
   PixelMask() = default;
   // The pixels i with `chosen[i]`.
   static PixelMask Of(const std::vector<bool>& chosen);
-  // What Bytes gave, for a rectangle of `pixels`. Refuses another length, bits beyond the last pixel, and a
-  // mask without any pixel.
+  // Reads the result of Bytes for a rectangle of `pixels` pixels. Refuses a wrong length, bits beyond the
+  // last pixel and a mask without pixels.
   static Result<PixelMask> Read(std::string_view bytes, size_t pixels);
 
   bool operator==(const PixelMask&) const = default;
@@ -26,9 +27,9 @@ class PixelMask {
   bool Has(size_t pixel) const {
     return bits_.empty() || (static_cast<unsigned char>(bits_[pixel / 8]) >> pixel % 8 & 1) != 0;
   }
-  // How many of `pixels`, the size of the rectangle.
+  // The number of pixels in the mask; `pixels` is the size of the rectangle.
   size_t Count(size_t pixels) const;
-  // One bit for each pixel, the lowest first; nothing if it has all.
+  // One bit per pixel, the lowest first. Empty if the mask has all pixels.
   const std::string& Bytes() const { return bits_; }
 
  private:

@@ -222,7 +222,7 @@ void KeepPixels(const PixelMask& kept, RadianceTile& tile) {
 }
 
 Digest RadianceTileDigest(const RadianceTile& tile) {
-  return Sha256(EncodeRadianceTile(tile));
+  return Sha256({reinterpret_cast<const char*>(tile.sums.data()), tile.sums.size() * sizeof(float)});
 }
 
 }  // namespace tessera

@@ -45,7 +45,7 @@ uint64_t PixelSamples(const RadianceTile& tile);
 // Sets all pixels that the mask does not have to zero.
 void KeepPixels(const PixelMask& kept, RadianceTile& tile);
 
-// Of the encoded bytes: two renderings of a unit must agree.
+// Of the values alone, bit for bit: two renderings of a unit must agree. Facts keep it, so it never changes.
 Digest RadianceTileDigest(const RadianceTile& tile);
 
 }  // namespace tessera

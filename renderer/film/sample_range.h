@@ -10,8 +10,8 @@
 
 namespace tessera {
 
-constexpr uint32_t kSamplesPerPixelMax =
-    1u << 20;  // of one frame: beyond any render, and indices stay in 32 bits
+// Of one frame: more than any render needs, and indices fit into 32 bits.
+constexpr uint32_t kSamplesPerPixelMax = 1u << 20;
 
 // Samples [begin, begin + size): size is a power of two and begin a multiple of it.
 struct SampleRange {
@@ -36,7 +36,7 @@ struct SampleRange {
   std::string Text() const;  // "[begin,end)"
 };
 
-// The size of the largest dyadic range that begins at `begin` and ends by `end`; begin < end.
+// The size of the largest dyadic range that starts at `begin` and ends at `end` or before; begin < end.
 uint32_t DyadicSizeMax(uint32_t begin, uint32_t end);
 
 // [0, samples) as its largest dyadic ranges, in order: the terms of a finished pixel's sum.

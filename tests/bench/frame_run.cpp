@@ -3,14 +3,18 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <mutex>
 #include <thread>
+
+#include "renderer/film/unit_queue.h"
 
 namespace tessera {
 namespace {
 
+// Pixel samples of a unit, so large that the costs of a unit do not show.
+constexpr int64_t kUnitSamplesMax = 1 << 20;
 constexpr double kOutliers = 0.001;  // share of values that `trimmed` omits
 
 // Of channels R, G, B, in this order.
@@ -58,21 +62,24 @@ FrameRun RenderWhole(const Scene& scene, int threads) {
   const FrameSpec& frame = scene.frame();
   FrameRun run;
   const double cpu_start = CpuSeconds(), wall_start = WallSeconds();
-  Merger merger(frame);
-  std::atomic<int> next{0};
+  UnitQueue queue(frame, kUnitSamplesMax);
   std::mutex mutex;
+  std::condition_variable added;
   std::vector<std::thread> pool;
   for (int t = 0; t < threads; ++t) {
     pool.emplace_back([&] {
       RenderStatistics own;
-      for (int tile = next++; tile < frame.TileCount(); tile = next++) {
-        for (const SampleRange range : DyadicPartition(frame.samples_per_pixel)) {
-          std::optional<RadianceTile> result = scene.Render(frame.TileBounds(tile), {}, range, nullptr, &own);
-          const std::lock_guard lock(mutex);
-          (void)merger.Add(tile, std::move(*result));
-        }
+      std::unique_lock lock(mutex);
+      while (true) {
+        added.wait(lock, [&] { return queue.HasUnit() || queue.taken() == 0; });
+        const auto unit = queue.Take();
+        if (!unit) break;
+        lock.unlock();
+        auto values = scene.Render(frame.TileBounds(unit->tile), unit->pixels, unit->range, nullptr, &own);
+        lock.lock();
+        queue.Merge(*unit, std::move(*values));
+        added.notify_all();
       }
-      const std::lock_guard lock(mutex);
       run.rays.camera_rays += own.camera_rays;
       run.rays.bounce_rays += own.bounce_rays;
       run.rays.shadow_rays += own.shadow_rays;
@@ -82,7 +89,7 @@ FrameRun RenderWhole(const Scene& scene, int threads) {
   for (std::thread& thread : pool) thread.join();
   run.cpu_seconds = CpuSeconds() - cpu_start;
   run.wall_seconds = WallSeconds() - wall_start;
-  run.picture = merger.Picture();
+  run.picture = queue.merger().Picture();
   return run;
 }
 

@@ -7,9 +7,12 @@
 #include <fstream>
 #include <map>
 
+#include "coordinator/core/byte_codec.h"
+#include "coordinator/store/crc32c.h"
 #include "renderer/util/file.h"
 #include "renderer/util/hash.h"
 #include "tests/coordinator/store/temporary_dir.h"
+#include "tests/renderer/film/rule_frames.h"
 
 namespace tessera {
 namespace {
@@ -70,7 +73,7 @@ struct SpoolStage {
     }
     return bytes;
   }
-  static constexpr size_t kHeader = 8, kRecord = 20 + 12 + 32;
+  static constexpr size_t kHeader = 8, kRecord = 20 + 16 + 32;
 
   TemporaryDir folder;
   uint64_t segment_bytes_min;
@@ -256,6 +259,96 @@ TEST(FileSpool, AFrameThatIsCompleteDoesNotWaitForABaseThatFailed) {
   EXPECT_FALSE(stage.spool->Sync());
   EXPECT_TRUE(stage.spool->Sync());
   EXPECT_EQ(stage.Restore()->size(), 3u);
+}
+
+// The bytes of a log of the spool as releases of version 1 wrote them.
+std::string VersionOneLog(const Nodes& nodes) {
+  ByteWriter header;
+  header.Add32(1);
+  std::string file = "TSRS" + header.Take();
+  for (const TileNode& node : nodes) {
+    ByteWriter head;
+    for (const uint32_t value : {node.tile, node.range.begin, node.range.size}) head.Add32(value);
+    std::string payload = head.Take();
+    payload.append(reinterpret_cast<const char*>(node.sums->data()), node.sums->size() * sizeof(float));
+    ByteWriter record;
+    record.Add32(static_cast<uint32_t>(payload.size()));
+    record.Add64(file.size());
+    record.Add32(Crc32c(payload));
+    std::string bytes = record.Take();
+    ByteWriter check;
+    check.Add32(Crc32c(bytes));
+    file += bytes + check.Take() + payload;
+  }
+  return file;
+}
+
+TEST(FileSpool, FilesOfVersionOneAreReadAndNeverAppendedTo) {
+  SpoolStage stage;
+  const Nodes base{Node(0, {0, 4})}, segment{Node(0, {4, 4}), Node(1, {0, 1})};
+  const std::string folder = stage.folder.path() + "/spool/3-1";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/base-2", std::ios::binary) << VersionOneLog(base);
+  const std::string old = VersionOneLog(segment);
+  std::ofstream(folder + "/segment-2", std::ios::binary) << old << "torn";
+  Nodes expected = base;
+  expected.insert(expected.end(), segment.begin(), segment.end());
+  EXPECT_EQ(*stage.Restore(), expected);
+  EXPECT_EQ(*ReadFile(folder + "/segment-2", 1 << 20), old) << "the torn tail is cut off";
+  stage.Keep(Node(2, {0, 1}));
+  expected.push_back(Node(2, {0, 1}));
+  EXPECT_EQ(*stage.Restore(), expected);
+  EXPECT_EQ(*ReadFile(folder + "/segment-2", 1 << 20), old);
+  EXPECT_TRUE(std::filesystem::exists(folder + "/segment-3"));
+}
+
+TEST(FileSpool, NodesKeepTheNamesOfTheirChannels) {
+  SpoolStage stage;
+  const auto channels = std::make_shared<const std::vector<Channel>>(ColorsAndWeight({"R", "albedo.R"}));
+  TileNode node = Node(1, {0, 4});
+  node.channels = channels;
+  stage.Keep(node);
+  stage.Keep(node);
+  node.channels = std::make_shared<const std::vector<Channel>>(*channels);  // another list of the same names
+  stage.Keep(node);
+  Nodes nodes = *stage.Restore();
+  ASSERT_EQ(nodes.size(), 3u);
+  for (const TileNode& each : nodes) {
+    ASSERT_NE(each.channels, nullptr);
+    EXPECT_EQ(*each.channels, *channels);
+  }
+  EXPECT_EQ(nodes[0].channels, nodes[2].channels) << "the list is written once";
+  node.channels = std::make_shared<const std::vector<Channel>>(ColorsAndWeight({"R", "G"}));
+  stage.Keep(node);
+  nodes = *stage.Restore();
+  EXPECT_EQ(*nodes[2].channels, *channels);
+  EXPECT_EQ(*nodes[3].channels, *node.channels);
+}
+
+TEST(FileSpool, ValuesOfEveryRuleSurvive) {
+  const FrameSpec spec = RuleSpec(16);
+  Merger merger(spec), restored(spec);
+  for (int tile = 0; tile < spec.TileCount(); ++tile)
+    ASSERT_TRUE(merger.Add(tile, RenderRules(spec, tile, {0, 16})));
+  SpoolStage stage;
+  for (TileNode& node : merger.AllNodes()) stage.Keep(std::move(node));
+  Nodes nodes = *stage.Restore();
+  for (TileNode& node : nodes) ASSERT_TRUE(restored.Add(std::move(node)));
+  EXPECT_EQ(restored.AllNodes(), merger.AllNodes());
+  EXPECT_EQ(restored.Picture().values, merger.Picture().values);
+}
+
+TEST(FileSpool, AFileOfANewerVersionIsRefusedByName) {
+  SpoolStage stage;
+  stage.Keep(Node(0, {0, 4}));
+  const std::string path = stage.folder.path() + "/spool/3-1/segment-1";
+  std::string bytes = *ReadFile(path, 1 << 20);
+  bytes[4] = 3;
+  std::ofstream(path, std::ios::binary) << bytes;
+  const auto restored = stage.Restore();
+  ASSERT_FALSE(restored);
+  EXPECT_THAT(restored.error().message,
+              HasSubstr("segment-1: has version 3; this tessera-coordinator reads"));
 }
 
 }  // namespace

@@ -11,24 +11,12 @@
 #include "proto/jobs.pb.h"
 #include "proto/work.pb.h"
 
+#include "tests/proto/wire/frame_examples.h"
+
 namespace tessera {
 namespace {
 
 using testing::HasSubstr;
-
-FrameSpec GoodFrame() {
-  FrameSpec spec;
-  spec.width = 100;
-  spec.height = 50;
-  spec.crop = {10, 0, 90, 50};
-  spec.samples_per_pixel = 12;
-  spec.tile_size = 16;
-  spec.exr_type = ExrType::kFloat;
-  spec.SetNoiseThreshold(0.07);
-  AddChannel(spec.channels, SamplesChannel(true));
-  spec.attributes = {{"seed", "7"}, {"scene", "x"}};
-  return spec;
-}
 
 std::vector<bool> SomePixels() {
   return {true, false, false, true, true, false, false, false};
@@ -165,81 +153,6 @@ TEST(Convert, StatusSurvives) {
   EXPECT_EQ(read->units_disputed, 7u);
   EXPECT_EQ(read->units_suspect, 8u);
   EXPECT_EQ(read->frames_total, 5u);
-}
-
-TEST(Convert, RefusesHostileFrames) {
-  const std::pair<const char*, std::function<void(proto::FrameSpec&)>> table[] = {
-      {"negative width", [](auto& m) { m.set_width(-1); }},
-      {"zero height", [](auto& m) { m.set_height(0); }},
-      {"huge width", [](auto& m) { m.set_width(1 << 30); }},
-      {"no crop", [](auto& m) { m.clear_crop(); }},
-      {"crop outside", [](auto& m) { m.mutable_crop()->set_x1(101); }},
-      {"crop turned round", [](auto& m) { m.mutable_crop()->set_x1(5); }},
-      {"crop negative", [](auto& m) { m.mutable_crop()->set_x0(-5); }},
-      {"no samples", [](auto& m) { m.set_samples_per_pixel(0); }},
-      {"too many samples", [](auto& m) { m.set_samples_per_pixel(kSamplesPerPixelMax + 1); }},
-      {"no tiles", [](auto& m) { m.set_tile_size(0); }},
-      {"huge tiles", [](auto& m) { m.set_tile_size(1 << 20); }},
-      {"no channels", [](auto& m) { m.clear_channels(); }},
-      {"nameless channel", [](auto& m) { m.mutable_channels(0)->clear_name(); }},
-      {"channel of two lines", [](auto& m) { m.mutable_channels(0)->set_name("a\nb"); }},
-      {"unknown type", [](auto& m) { m.set_exr_type(static_cast<proto::ExrType>(9)); }},
-      {"negative threshold", [](auto& m) { m.set_noise_threshold(-0.1); }},
-      {"large threshold", [](auto& m) { m.set_noise_threshold(1.5); }},
-      {"no threshold at all",
-       [](auto& m) { m.set_noise_threshold(std::numeric_limits<double>::quiet_NaN()); }},
-      {"threshold without colour",
-       [](auto& m) {
-         for (int c = 0; c < 3; ++c) m.mutable_channels(c)->set_name("c" + std::to_string(c));
-       }},
-      {"samples twice", [](auto& m) { m.mutable_channels(0)->set_name(kSamplesChannel); }},
-      {"channel of an unknown type", [](auto& m) { m.mutable_channels(0)->set_type(6); }},
-      {"channel of an unknown rule", [](auto& m) { m.mutable_channels(0)->set_merge_rule(3); }},
-      {"names of channels without a weight",
-       [](auto& m) {
-         m.clear_channels();
-         m.add_channel_names("R");
-         m.add_channel_names(kSamplesChannel);
-       }},
-      {"attribute without name", [](auto& m) { (*m.mutable_attributes())[""] = "x"; }},
-      {"long attribute",
-       [](auto& m) { (*m.mutable_attributes())["x"] = std::string(kAttributesBytesMax, 'x'); }},
-      {"too many channels",
-       [](auto& m) {
-         for (int i = 0; i < kChannelsMax; ++i) m.add_channels()->set_name("c" + std::to_string(i));
-       }},
-      {"results beyond a message",
-       [](auto& m) {
-         m.set_tile_size(kTileSizeMax);
-         for (int i = 0; i < 99; ++i) m.add_channels()->set_name("c" + std::to_string(i));
-       }},
-      {"ids beyond a message",
-       [](auto& m) {
-         m.set_tile_size(kTileSizeMax);
-         proto::Channel& ids = *m.add_channels();
-         ids.set_name("crypto");
-         ids.set_type(static_cast<uint32_t>(ChannelType::kIds));
-         ids.set_merge_rule(static_cast<uint32_t>(MergeRule::kIdWeights));
-       }},
-  };
-  for (const auto& [what, spoil] : table) {
-    proto::FrameSpec message;
-    Write(GoodFrame(), message);
-    spoil(message);
-    const auto read = ReadFrameSpec(message);
-    ASSERT_FALSE(read) << what;
-    EXPECT_EQ(read.error().kind, ErrorKind::kBadInput) << what;
-  }
-}
-
-TEST(Convert, ChannelsOfNamesAloneAreRead) {
-  const FrameSpec frame = GoodFrame();
-  proto::FrameSpec message;
-  Write(frame, message);
-  message.clear_channels();
-  for (const Channel& channel : frame.channels) message.add_channel_names(channel.name);
-  message.set_writes_samples(true);
-  EXPECT_EQ(ReadFrameSpec(message).value(), frame);
 }
 
 TEST(Convert, RefusesHostileUnits) {

@@ -181,6 +181,20 @@ TEST(Merger, RefusesWhatIsNotOfTheFrame) {
   EXPECT_EQ(merger.samples_merged(), 0u);
 }
 
+TEST(Merger, RefusesANodeOfOtherChannelsByTheirNames) {
+  const FrameSpec spec = Spec(1, 8);
+  Merger merger(spec);
+  TileNode node{0,
+                {0, 1},
+                RenderUnit(spec, 0, {0, 1}).sums,
+                std::make_shared<const std::vector<Channel>>(ColorsAndWeight({"R", "G", "Z"}))};
+  const auto refused = merger.Add(node);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("R G Z W, those of the frame R G B W"));
+  node.channels = std::make_shared<const std::vector<Channel>>(spec.channels);
+  EXPECT_TRUE(merger.Add(node));
+}
+
 TEST(Merger, APixelOfNoWeightIsBlack) {
   const FrameSpec spec = Spec(1, 8);
   Merger merger(spec);

@@ -1,0 +1,71 @@
+// A data directory that release 0.1 left ("tessera-data 4") is read: every job and every sum in it is there.
+// tests/end_to_end/migration_test.cpp continues it with real programs and says how it was made.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+
+#include "coordinator/store/data_dir.h"
+#include "coordinator/store/file_journal.h"
+#include "coordinator/store/file_spool.h"
+#include "renderer/film/picture_file.h"
+#include "renderer/util/file.h"
+#include "tests/build_paths.h"
+#include "tests/coordinator/store/temporary_dir.h"
+
+namespace tessera {
+namespace {
+
+struct Facts {
+  std::map<JobId, std::shared_ptr<const JobSpec>> jobs;
+  std::vector<JobId> finished, paused;
+};
+
+Facts ReadJournal(const std::string& path) {
+  Facts facts;
+  const auto journal = FileJournal::Open(path, [&](const Fact& fact) {
+    if (const auto* job = std::get_if<JobSubmitted>(&fact)) facts.jobs[job->job] = job->spec;
+    if (const auto* end = std::get_if<JobEnded>(&fact)) facts.finished.push_back(end->job);
+    if (const auto* pause = std::get_if<JobPaused>(&fact)) facts.paused.push_back(pause->job);
+  });
+  EXPECT_TRUE(journal) << journal.error().message;
+  return facts;
+}
+
+TEST(DataMigration, ADirectoryOfFormat4KeepsItsJobsAndSums) {
+  TemporaryDir folder;
+  const std::string path = folder / "data";
+  std::filesystem::copy(SourceDir() + "/tests/coordinator/store/data/format-4", path,
+                        std::filesystem::copy_options::recursive);
+  const auto data = DataDir::Open(path);
+  ASSERT_TRUE(data) << data.error().message;
+  EXPECT_EQ(*ReadFile(path + "/version", 100), "tessera-data 5\n");
+
+  const Facts facts = ReadJournal(data->JournalPath());
+  ASSERT_EQ(facts.jobs.size(), 3u);
+  EXPECT_EQ(facts.finished, std::vector{JobId{1}});
+  EXPECT_EQ(facts.paused, (std::vector{JobId{2}, JobId{3}}));
+  std::vector<Channel> channels = ColorsAndWeight({"R", "G", "B"});
+  EXPECT_EQ(facts.jobs.at(JobId{2})->frames[0].spec.channels, channels);
+  AddChannel(channels, SamplesChannel(true));
+  EXPECT_EQ(facts.jobs.at(JobId{1})->frames[0].spec.channels, channels);
+  EXPECT_EQ(facts.jobs.at(JobId{3})->frames[0].spec.channels, channels);
+
+  auto spool = FileSpool::Open(data->SpoolPath(), [](auto task) { task(); });
+  ASSERT_TRUE(spool);
+  const std::map<JobId, uint64_t> samples{{JobId{1}, 16 * 16 * 13}, {JobId{2}, 212992}, {JobId{3}, 106496}};
+  for (const auto& [job, merged] : samples) {
+    const FrameSpec& spec = facts.jobs.at(job)->frames[0].spec;
+    Merger merger(spec);
+    const auto restored = (*spool)->Restore(
+        {job, 0}, [&](TileNode node) { EXPECT_TRUE(merger.Add(std::move(node)).has_value()); });
+    ASSERT_TRUE(restored) << restored.error().message;
+    EXPECT_EQ(merger.samples_merged(), merged) << "of job " << Number(job);
+    if (!merger.Complete()) continue;
+    EXPECT_EQ(*EncodeExr(spec, merger.Picture()), *ReadFile(path + "/pictures/1/0.exr", 1 << 20))
+        << "the kept sums are those of the picture, to the last bit";
+  }
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,98 @@
+// A data directory that an earlier release left is continued: every job, result and sum in it is there, and
+// nothing that was acknowledged is rendered again.
+//
+// tests/coordinator/store/data/format-4 was left by release 0.1 ("tessera-data 4"), whose coordinator and
+// worker were killed. All three jobs are of the scene in it, with tiles of 8 pixels:
+//   1  finished: --spp 13 --aov samples
+//   2  paused in mid-frame: --spp 5000 --exr-type float
+//   3  paused in mid-frame: --spp 8192 --noise-threshold 0.008 --aov samples
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <filesystem>
+
+#include "renderer/util/digest.h"
+#include "tests/end_to_end/farm_fixture.h"
+
+namespace tessera {
+namespace {
+
+// What that release rendered in one go.
+constexpr const char* kPictures[] = {"cfbcbffd84d4ed62382583fb5bad97998fb3ea91dd19a7e06e50ebc07a395fe3",
+                                     "9911c98e94f7022b052752da175fc62a23caf2e281d9ac75379008be51c4b96d",
+                                     "0d59bbd65a7c12b40b0685d2ac3538e957e5bec3b47c1f6233d8d26823d67935"};
+
+class Migration : public EndToEnd {
+ protected:
+  Migration() {
+    std::filesystem::copy(SourceDir() + "/tests/coordinator/store/data/format-4", Path("data"),
+                          std::filesystem::copy_options::recursive);
+  }
+  std::string DigestOf(const std::string& job) {
+    const Outcome outcome = Ask({"fetch", job, "-o", "picture.exr"});
+    EXPECT_EQ(outcome.code, 0) << outcome.errors;
+    return Sha256(Bytes("picture.exr")).Hex();
+  }
+  // Each number that follows `key` in the coordinator's log, added.
+  double Logged(const std::string& key) {
+    const std::string log = coordinator().Errors();
+    double sum = 0;
+    for (size_t at = log.find(key); at != std::string::npos; at = log.find(key, at + 1))
+      sum += std::stod(log.substr(at + key.size()));
+    return sum;
+  }
+};
+
+TEST_F(Migration, ADirectoryOfFormat4IsContinuedToTheSameBits) {
+  StartCoordinator();
+  ASSERT_TRUE(coordinator().AwaitErrors("samples_restored="));
+  EXPECT_EQ(Bytes("data/version"), "tessera-data 5\n");
+  EXPECT_EQ(Figure("2", "samples_done"), 212992);
+  EXPECT_EQ(Figure("3", "samples_done"), 106496);
+  EXPECT_EQ(DigestOf("1"), kPictures[0]);
+  StartWorker("only");
+  for (const char* job : {"2", "3"}) {
+    ASSERT_EQ(Ask({"resume", job}).code, 0);
+    ASSERT_EQ(Ask({"watch", job}).code, 0);
+  }
+  EXPECT_EQ(Logged("samples_restored="), 212992 + 106496);
+  EXPECT_EQ(Logged("samples_restored=") + Logged("samples_accepted="),
+            Figure("2", "samples_total") + Figure("3", "samples_total"))
+      << "nothing acknowledged is rendered again";
+  EXPECT_EQ(DigestOf("2"), kPictures[1]);
+  EXPECT_EQ(DigestOf("3"), kPictures[2]);
+}
+
+TEST_F(Migration, AFinishedJobOfFormat4IsExtendedByWhatItLacks) {
+  StartCoordinator();
+  StartWorker("only");
+  const Outcome extended = Ask({"extend", "1", "--spp", "40"});
+  ASSERT_EQ(extended.code, 0) << extended.errors;
+  ASSERT_EQ(Ask({"watch", "1"}).code, 0);
+  EXPECT_EQ(Logged("samples_accepted="), 16 * 16 * (40 - 13));
+  const std::string blob = "a8/a8311a9b3a22f09077f1b96bd962d456a84d8f601bd1b9053e6a730c313ebe74";
+  const std::string scene = Write("corner.pbrt", Bytes("data/blobs/" + blob));
+  const std::string oracle = Oracle(scene, {"--spp", "40", "--tile-size", "8", "--aov", "samples"});
+  EXPECT_EQ(DigestOf("1"), Sha256(oracle).Hex());
+}
+
+// What a restart finds is a mixture of old files and new ones.
+TEST_F(Migration, AMigratedDirectoryIsOpenedAgain) {
+  for (int start = 0; start < 2; ++start) {
+    StartCoordinator();
+    ASSERT_TRUE(coordinator().AwaitErrors("samples_restored="));
+    StartWorker("worker-" + std::to_string(start));
+    ASSERT_EQ(Ask({"resume", "2"}).code, 0);
+    if (start == 0) {
+      AwaitShare("2", 0.3);
+      coordinator().Signal(SIGKILL);
+      coordinator().Wait();
+    }
+  }
+  ASSERT_EQ(Ask({"watch", "2"}).code, 0);
+  EXPECT_EQ(DigestOf("2"), kPictures[1]);
+}
+
+}  // namespace
+}  // namespace tessera
