@@ -13,14 +13,14 @@
 namespace tessera {
 namespace {
 
-constexpr int kTransfersMax = 1024;  // at the same time: each has a file open
+constexpr int kTransfersMax = 1024;  // running at the same time, each with an open file
 
 // Deletes itself when the call is over.
 class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
  public:
   UploadCall(const BlobStore& blobs, TransferLoad& load) : blobs_(blobs), load_(load) {
     if (++load_.transfers > kTransfersMax) {
-      Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers at the same time; try again"});
+      Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers are running; try again"});
       return;
     }
     StartRead(&chunk_);
@@ -38,7 +38,7 @@ class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
   }
   void OnDone() override { delete this; }
 
-  // The answer, if it is known by now.
+  // Stores a chunk. Returns the answer once it is known.
   std::optional<grpc::Status> Take() {
     if (upload_ == nullptr) {
       const auto digest = ReadDigest(chunk_.digest(), "digest");
@@ -49,7 +49,8 @@ class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
       upload_ = std::move(*begun);
     }
     if (static_cast<int64_t>(chunk_.data().size()) > kChunkBytesMax) {
-      return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "message refused: data is longer than a chunk");
+      return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT,
+                          "message refused: data is longer than a chunk may be");
     }
     if (const auto added = upload_->Add(chunk_.data()); !added) return Refusal(added.error());
     load_.bytes_in += chunk_.data().size();
@@ -57,8 +58,8 @@ class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
   }
   grpc::Status End() {
     if (upload_ == nullptr)
-      return {grpc::StatusCode::INVALID_ARGUMENT, "message refused: an upload without chunks"};
-    // Cut short: what came is kept for the next attempt.
+      return {grpc::StatusCode::INVALID_ARGUMENT, "message refused: the upload has no chunks"};
+    // What has arrived is kept for the next attempt.
     if (!upload_->IsWhole()) return {grpc::StatusCode::DATA_LOSS, "the upload was cut short"};
     const auto finished = upload_->Finish();
     return finished ? grpc::Status::OK : Refusal(finished.error());
@@ -75,7 +76,7 @@ class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
   const BlobStore& blobs_;
   TransferLoad& load_;
   proto::UploadChunk chunk_;
-  std::unique_ptr<BlobStore::Upload> upload_;
+  std::unique_ptr<BlobStore::Partial> upload_;
 };
 
 // Deletes itself when the call is over.
@@ -84,7 +85,7 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
   DownloadCall(const BlobStore& blobs, const proto::DownloadRequest& request, TransferLoad& load)
       : load_(load) {
     if (++load_.transfers > kTransfersMax) {
-      Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers at the same time; try again"});
+      Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers are running; try again"});
       return;
     }
     const grpc::Status status = Open(blobs, request);
@@ -104,7 +105,7 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
     const auto size = blobs.Use(*digest);
     if (!size) return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no blob {}", digest->Hex())};
     if (request.offset() > *size)
-      return {grpc::StatusCode::OUT_OF_RANGE, "the offset is beyond the blob's end"};
+      return {grpc::StatusCode::OUT_OF_RANGE, "the offset is beyond the end of the blob"};
     size_ = *size;
     left_ = *size - request.offset();
     file_.open(blobs.Path(*digest), std::ios::binary);
@@ -156,7 +157,7 @@ grpc::ServerUnaryReactor* BlobService::FindMissing(grpc::CallbackServerContext* 
       if (!digest) return call.Finish(ToStatus(digest.error()));
       if (blobs_.Use(*digest)) continue;
       answer->add_missing(bytes);
-      answer->add_held(blobs_.Unfinished(*digest));
+      answer->add_held(blobs_.Arrived(*digest));
     }
     call.Finish(grpc::Status::OK);
   });

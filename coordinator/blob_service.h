@@ -3,8 +3,8 @@
 
 #include <atomic>
 
-#include "coordinator/store/blob_store.h"
 #include "proto/blobs.grpc.pb.h"
+#include "proto/blobs/blob_store.h"
 
 namespace tessera {
 

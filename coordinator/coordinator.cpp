@@ -77,7 +77,7 @@ Result<std::unique_ptr<Coordinator>> Coordinator::Start(const CoordinatorOptions
                                                         AccessPolicy policy) {
   auto directory = DataDir::Open(options.data_dir);
   if (!directory) return directory.error();
-  auto blobs = BlobStore::Open(directory->BlobsPath(), options.blob_bytes);
+  auto blobs = BlobStore::Open(directory->BlobsPath(), BlobStoreOptions::Origin(options.blob_bytes));
   if (!blobs) return blobs.error();
   auto parts = std::make_unique<Parts>(std::move(*directory), std::move(*blobs));
   std::unique_ptr<Coordinator> coordinator(new Coordinator(std::move(parts)));

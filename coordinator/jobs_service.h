@@ -2,8 +2,8 @@
 #pragma once
 
 #include "coordinator/background_thread.h"
-#include "coordinator/store/blob_store.h"
 #include "coordinator/store/picture_store.h"
+#include "proto/blobs/blob_store.h"
 #include "proto/jobs.grpc.pb.h"
 #include "proto/terms.h"
 #include "renderer/util/result.h"

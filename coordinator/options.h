@@ -6,13 +6,16 @@
 #include <vector>
 
 #include "coordinator/core/farm.h"
-#include "coordinator/store/blob_store.h"
 #include "proto/shell/flags.h"
 #include "proto/shell/log.h"
 #include "proto/wire/address.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
+
+// A hundred large scenes or so; hardly a server has a smaller disk.
+constexpr uint64_t kBlobBytesDefault = uint64_t{100} << 30;
+constexpr uint64_t kBlobBytesMin = uint64_t{1} << 20;
 
 // Parsed, checked and logged once, constant from then on.
 struct CoordinatorOptions {

@@ -1,7 +1,7 @@
 // Whether a submitted job can be rendered with the blobs that are there.
 #pragma once
 
-#include "coordinator/store/blob_store.h"
+#include "proto/blobs/blob_store.h"
 #include "proto/terms.h"
 #include "renderer/util/result.h"
 

@@ -1,4 +1,4 @@
-// What the slots of this worker do with their time. Time comes in as an argument.
+// Measures what the slots of this worker spend their time on. Time is passed in.
 #pragma once
 
 #include <chrono>
@@ -12,16 +12,16 @@ namespace tessera {
 class ActivityMeter {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
-  // What the thread that gets scenes does: it is why slots without work have none.
+  // What the thread that loads scenes does, which is why slots wait.
   enum class Loader { kIdle, kFetching, kLoading };
 
   ActivityMeter(int slots, TimePoint now) : slots_(slots), at_(now) {}
-  // A slot begins, or ends, to render.
+  // A slot starts or stops rendering.
   void SlotBegins(TimePoint now);
   void SlotEnds(TimePoint now);
   void LoaderDoes(Loader what, TimePoint now);
   void Fetched(uint64_t bytes);
-  // Puts into the state what has been measured, and which of its scenes are being fetched.
+  // Fills in the measurements, and which scenes of the state are being fetched.
   void Fill(WorkerState& state, TimePoint now);
 
  private:

@@ -24,25 +24,38 @@
 namespace tessera {
 namespace {
 
-// A scene whose file does not come for so long counts as failed; the coordinator decides what then.
+// A download without progress for this long fails its scene; the coordinator decides what happens then.
 constexpr std::chrono::minutes kDownloadPatience{2};
 
-constexpr size_t kDownloadsAtOnce =
-    4;  // fills a network whose round trips are long; files are many and small
-constexpr std::chrono::milliseconds kLookAgain{50};  // for a file that somebody else is fetching
+// Scenes have many small files: parallel downloads fill a network with long round trips.
+constexpr size_t kParallelDownloads = 4;
+// Between looks for a file that another thread or process is fetching.
+constexpr std::chrono::milliseconds kPollInterval{50};
 
 }  // namespace
 
 Result<std::string> BlobFetcher::Get(const Digest& digest, uint64_t size_max) {
-  if (auto cached = cache_.Get(digest)) {
-    if (cached->size() <= size_max) return std::move(*cached);
-  }
+  if (auto cached = ReadCached(digest, size_max)) return std::move(*cached);
   auto bytes = DownloadToMemory(digest, std::min(size_max, kSceneFileSizeMax));
   if (!bytes) return bytes;
-  if (Sha256(*bytes) != digest) return Failed("a file came damaged from the coordinator");
-  if (auto kept = cache_.Put(digest, *bytes); !kept)
-    spdlog::warn("cache_failed reason=\"{}\"", kept.error().message);
+  if (Sha256(*bytes) != digest) {
+    return Failed(
+        fmt::format("the file {} received from the coordinator is corrupt (SHA-256 mismatch)", digest.Hex()));
+  }
+  if (bytes->size() > cache_.bytes_max()) return bytes;
+  // A failure costs another download later.
+  if (const auto cached = cache_.Write(digest, *bytes); !cached)
+    spdlog::warn("cache_failed reason=\"{}\"", cached.error().message);
   return bytes;
+}
+
+std::optional<std::string> BlobFetcher::ReadCached(const Digest& digest, uint64_t size_max) {
+  if (!cache_.Use(digest)) return std::nullopt;
+  auto bytes = cache_.Read(digest, size_max);
+  if (bytes) return std::move(*bytes);
+  spdlog::warn("cached_file_removed reason=\"{}\"", bytes.error().message);
+  cache_.Remove(digest);
+  return std::nullopt;
 }
 
 Result<std::string> BlobFetcher::DownloadToMemory(const Digest& digest, uint64_t size_max) {
@@ -60,7 +73,7 @@ Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, cons
   const auto stub = proto::Blobs::NewStub(channel_);
   const std::string what = fmt::format("fetch file {}", digest.Hex());
   Backoff backoff(seed_);
-  auto heard = std::chrono::steady_clock::now();
+  auto progress_at = std::chrono::steady_clock::now();
   while (true) {
     const uint64_t before = sink.size();
     grpc::ClientContext context;
@@ -75,40 +88,45 @@ Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, cons
     for (bool first = true; added && reader->Read(&chunk); first = false) {
       if (first) size = chunk.size();
       const bool fits = size <= size_max && sink.size() <= size && chunk.data().size() <= size - sink.size();
-      added = fits ? sink.add(chunk.data()) : Failed(fmt::format("{}: it is larger than was said", what));
+      added =
+          fits ? sink.add(chunk.data()) : Failed(fmt::format("cannot {}: it is larger than announced", what));
       on_bytes_(chunk.data().size());
     }
     if (!added) context.TryCancel();
     grpc::Status status = reader->Finish();
     if (!added) return added;
     if (status.ok() && sink.size() == size) return {};
-    if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "it was cut short"};
+    if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "the transfer was cut short"};
     const auto now = std::chrono::steady_clock::now();
     if (sink.size() > before) {
-      heard = now;
+      progress_at = now;
       backoff.Reset();
     }
-    const bool again = IsTransient(status) && now - heard < kDownloadPatience;
+    const bool again = IsTransient(status) && now - progress_at < kDownloadPatience;
     if (!again || !Pause(stop_, backoff.Next())) return ToError(status, what);
   }
 }
 
 Result<uint64_t> BlobFetcher::FetchFile(const PackageFile& file) {
   const auto begun = std::chrono::steady_clock::now();
-  while (!cache_.Has(file.digest, file.size)) {
-    auto incoming = cache_.Begin(file.digest, file.size);
-    if (!incoming) return incoming.error();
-    if (*incoming == nullptr) {  // it comes without us; or not, then Get has it come
-      if (std::chrono::steady_clock::now() - begun > kDownloadPatience || !Pause(stop_, kLookAgain)) return 0;
+  while (cache_.Size(file.digest) != file.size) {
+    auto partial = cache_.Resume(file.digest, file.size);
+    if (!partial) return partial.error();
+    // Somebody else is fetching it. If that fails, Get fetches it.
+    if (*partial == nullptr) {
+      if (std::chrono::steady_clock::now() - begun > kDownloadPatience || !Pause(stop_, kPollInterval))
+        return 0;
       continue;
     }
-    BlobCache::Incoming& part = **incoming;
-    const uint64_t before = part.size();
-    const auto add = [&](std::string_view piece) { return part.Add(piece); };
-    const auto done = Download(file.digest, file.size, {[&] { return part.size(); }, add});
+    BlobStore::Partial& blob = **partial;
+    const uint64_t before = blob.received();
+    const auto add = [&](std::string_view piece) { return blob.Add(piece); };
+    const auto done = Download(file.digest, file.size, {[&] { return blob.received(); }, add});
     if (!done) return done.error();
-    if (auto kept = part.Finish(); !kept) return kept.error();
-    return file.size - before;
+    const auto finished = blob.Finish();
+    if (finished) return file.size - before;
+    // What had arrived earlier was corrupt and is gone.
+    if (finished.error().kind != ErrorKind::kInterrupted) return finished.error();
   }
   return 0;
 }
@@ -123,7 +141,8 @@ Result<uint64_t> BlobFetcher::FetchPackage(const Digest& digest) {
   for (const auto& [path, file] : package->files) {
     if (file.size <= kSceneFileSizeMax && files.insert(file).second) total += file.size;
   }
-  if (total > cache_.bytes_max()) return 0;  // the first would go for the last
+  // Otherwise the first would be evicted for the last.
+  if (total > cache_.bytes_max()) return 0;
   const std::vector<PackageFile> queue(files.begin(), files.end());
   std::atomic<size_t> taken{0};
   std::atomic<uint64_t> fetched{0};
@@ -142,7 +161,7 @@ Result<uint64_t> BlobFetcher::FetchPackage(const Digest& digest) {
     }
   };
   std::vector<std::jthread> threads;
-  for (size_t i = 1; i < std::min(kDownloadsAtOnce, queue.size()); ++i) threads.emplace_back(fetch_next);
+  for (size_t i = 1; i < std::min(kParallelDownloads, queue.size()); ++i) threads.emplace_back(fetch_next);
   fetch_next();
   threads.clear();  // waits for all
   if (error) return *error;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "proto/blobs/blob_store.h"
 #include "proto/shell/log.h"
 #include "proto/shell/program.h"
 #include "worker/options.h"
@@ -20,9 +21,10 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
     return 0;
   }
   const WorkerOptions& options = parsed->options;
-  if (auto prepared = BlobCache::Prepare(options.cache_dir); !prepared) return prepared.error();
+  auto cache = BlobStore::Open(options.cache_dir, BlobStoreOptions::Cache(options.cache_bytes));
+  if (!cache) return BadInput("--cache-dir: " + cache.error().message);
   StartLog(options.log_level);
-  Worker worker(options);
+  Worker worker(options, std::move(*cache));
   const auto ended = worker.Run(termination);
   const int code = ended ? 0 : Report(kProgram, ended.error());
   // Building a large scene cannot be interrupted, so the destructor of Worker might take long.

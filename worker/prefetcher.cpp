@@ -6,12 +6,12 @@
 
 namespace tessera {
 
-void Prefetcher::Wish(std::vector<Digest> packages) {
+void Prefetcher::Request(std::vector<Digest> packages) {
   {
     const std::lock_guard lock(mutex_);
     packages_ = std::move(packages);
   }
-  wished_.notify_all();
+  requested_.notify_all();
 }
 
 void Prefetcher::Run(std::stop_token stop) {
@@ -19,7 +19,7 @@ void Prefetcher::Run(std::stop_token stop) {
     Digest package;
     {
       std::unique_lock lock(mutex_);
-      if (!wished_.wait(lock, stop, [this] { return !packages_.empty(); })) return;
+      if (!requested_.wait(lock, stop, [this] { return !packages_.empty(); })) return;
       package = packages_.front();
       packages_.erase(packages_.begin());
     }
@@ -31,7 +31,7 @@ void Prefetcher::Run(std::stop_token stop) {
       } else {
         spdlog::warn("prefetch_failed package={} reason=\"{}\"", package.Hex(), fetched.error().message);
       }
-    } catch (const std::exception& e) {  // out of memory
+    } catch (const std::exception& e) {  // such as std::bad_alloc
       spdlog::warn("prefetch_failed package={} reason=\"{}\"", package.Hex(), e.what());
     }
   }

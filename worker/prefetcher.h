@@ -11,19 +11,20 @@
 
 namespace tessera {
 
-// Wish is thread safe; Run belongs to the thread that runs it.
+// Request is thread safe; Run belongs to the thread that calls it.
 class Prefetcher {
  public:
   explicit Prefetcher(BlobFetcher& fetcher) : fetcher_(fetcher) {}
-  // The packages to have, the most wanted first; those wished for before and not begun are forgotten.
-  void Wish(std::vector<Digest> packages);
-  // Until a stop is requested. A package that cannot be had is no failure: whoever needs it tries again.
+  // Sets the packages to fetch, the most urgent first. Replaces earlier requests that have not been started.
+  void Request(std::vector<Digest> packages);
+  // Fetches until a stop is requested. A package that cannot be fetched is no failure: it is fetched again
+  // when a scene is loaded from it.
   void Run(std::stop_token stop);
 
  private:
   BlobFetcher& fetcher_;
   std::mutex mutex_;
-  std::condition_variable_any wished_;
+  std::condition_variable_any requested_;
   std::vector<Digest> packages_;  // guarded by mutex_
 };
 

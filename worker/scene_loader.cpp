@@ -17,10 +17,11 @@ const PackageFile* PackageFileSource::Find(const std::string& name) {
 
 Result<std::string> PackageFileSource::Read(const std::string& name) {
   const PackageFile* const file = Find(name);
-  if (file == nullptr) return BadInput(fmt::format("{}: is not in the scene's package", name));
+  if (file == nullptr) return BadInput(fmt::format("{}: is not in the scene package", name));
   auto bytes = fetch_(file->digest, file->size);
   if (!bytes) return Error{bytes.error().kind, fmt::format("{}: {}", name, bytes.error().message)};
-  if (bytes->size() != file->size) return Failed(fmt::format("{}: its size is not the manifest's", name));
+  if (bytes->size() != file->size)
+    return Failed(fmt::format("{}: its size differs from the one in the manifest", name));
   return bytes;
 }
 
@@ -50,8 +51,8 @@ Result<std::shared_ptr<const Scene>> LoadOrderedScene(const SceneOrder& order, c
   FrameSpec frame = (*scene)->frame();
   frame.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(files.PackageRead())).Hex();
   if (frame != order.frame) {
-    return Failed(
-        fmt::format("{}: this worker reads another frame from the scene than the one ordered", name));
+    return Failed(fmt::format(
+        "{}: the frame that this worker reads from the scene differs from the one submitted", name));
   }
   return std::shared_ptr<const Scene>(std::move(*scene));
 }

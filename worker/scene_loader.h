@@ -14,15 +14,15 @@
 
 namespace tessera {
 
-// Gives the bytes that have the digest, from wherever they are; an error if they cannot be had or are more
-// than `size_max`. Called from any thread.
+// Returns the bytes with the digest; an error if they cannot be fetched or are more than `size_max`. Called
+// from any thread.
 using FetchBlob = std::function<Result<std::string>(const Digest& digest, uint64_t size_max)>;
 
-// The files of one scene in a package, read as the scene calls them. What the manifest does not name does not
-// exist, so a scene reaches nothing else on this machine. Thread safe.
+// The files of one scene in a package, under the names that the scene uses. Files that the manifest does not
+// name do not exist, so a scene can read nothing else on this machine. Thread safe.
 class PackageFileSource : public FileSource {
  public:
-  // `folder` of the package holds the scene's files (PackageFolder).
+  // `folder` is the part of the package that holds the scene's files (PackageFolder).
   PackageFileSource(ScenePackage package, std::string folder, FetchBlob fetch,
                     std::shared_ptr<SharedCache> cache = nullptr)
       : FileSource(std::move(cache)),
@@ -30,14 +30,14 @@ class PackageFileSource : public FileSource {
         folder_(std::move(folder)),
         fetch_(std::move(fetch)) {}
   Result<std::string> Read(const std::string& name) override;
-  // Of what has been read: the package that this scene alone would have.
+  // The package of the files read so far: the one that this scene alone would have.
   ScenePackage PackageRead() const;
 
  protected:
   std::optional<Digest> Identify(const std::string& name) override;
 
  private:
-  // Null if there is none of that name. It counts as read.
+  // Null if there is no file of that name. Otherwise it counts as read.
   const PackageFile* Find(const std::string& name);
 
   const ScenePackage package_;
@@ -47,9 +47,9 @@ class PackageFileSource : public FileSource {
   ScenePackage read_;
 };
 
-// Fetches, parses and builds. An error, in words for the user, if a file cannot be had, the scene is bad, or
-// its frame is not the one that was ordered. Takes from `cache` what was made of the same files for other
-// scenes; it may be null.
+// Fetches, parses and builds. An error, for the user to read, if a file cannot be fetched, the scene is
+// invalid or its frame is not the one that was ordered. Reuses what `cache`, which may be null, holds of the
+// same files.
 Result<std::shared_ptr<const Scene>> LoadOrderedScene(const SceneOrder& order, const FetchBlob& fetch,
                                                       std::shared_ptr<SharedCache> cache = nullptr);
 

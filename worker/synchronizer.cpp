@@ -15,12 +15,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kAnswerPatience{
-    20};                             // beyond the wait that was agreed: then the call counts as lost
-constexpr size_t kOpenCallsMax = 3;  // news that comes faster than answers waits for one
+// Beyond the wait that was agreed; then the call counts as lost.
+constexpr std::chrono::seconds kAnswerPatience{20};
+// News that arrives faster than answers waits for one.
+constexpr size_t kOpenCallsMax = 3;
 constexpr std::chrono::milliseconds kCallAgainMax{10'000};
 
-// Whether the coordinator will never take this worker as it is.
+// Whether the coordinator will never admit this worker as it is.
 bool IsRefusal(const grpc::Status& status) {
   const auto code = status.error_code();
   return code == grpc::StatusCode::FAILED_PRECONDITION || code == grpc::StatusCode::INVALID_ARGUMENT ||
@@ -29,8 +30,8 @@ bool IsRefusal(const grpc::Status& status) {
 
 }  // namespace
 
-// One Synchronize on its way. gRPC's thread touches it once, to say that it is done, and must not own it: a
-// call holds its channel, and whoever lets go of a channel last waits for gRPC's threads to end.
+// One Synchronize call that is not answered. gRPC's thread touches it once, to report that it is done, and
+// must not own it: a call holds its channel, and the last owner of a channel waits for gRPC's threads to end.
 struct Synchronizer::Call {
   uint64_t sequence = 0;
   std::vector<LeaseId> returned;
@@ -41,12 +42,12 @@ struct Synchronizer::Call {
   grpc::Status status;
 };
 
-Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState self, Workbench& bench,
+Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState self, SharedWorkload& workload,
                            ActivityMeter& meter, Prefetcher& prefetcher,
                            std::function<void(Error)> on_refusal)
     : channel_(std::move(channel)),
       self_(std::move(self)),
-      bench_(bench),
+      workload_(workload),
       meter_(meter),
       prefetcher_(prefetcher),
       on_refusal_(std::move(on_refusal)),
@@ -54,14 +55,14 @@ Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState s
       next_call_(Clock::now()),
       next_retry_(next_call_) {}
 
-// gRPC calls us back once for every call, so wait for that.
+// gRPC calls back once for every call, so wait for that.
 Synchronizer::~Synchronizer() {
   for (const auto& call : open_) call->context.TryCancel();
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return finished_.size() == open_.size(); });
 }
 
-void Synchronizer::Ring() {
+void Synchronizer::NotifyNews() {
   {
     const std::lock_guard lock(mutex_);
     news_ = true;
@@ -74,24 +75,24 @@ void Synchronizer::Start() {
   Call* const call = owned.get();
   WorkerState state = self_;
   state.sequence = call->sequence = ++self_.sequence;
-  bench_.FillState(state);
+  workload_.FillState(state);
   meter_.Fill(state, Clock::now());
   call->returned = state.returned_leases;
   Write(state, call->request);
   SetDeadline(call->context, state.wait + kAnswerPatience);
   call->stub = proto::Work::NewStub(channel_);
   open_.push_back(std::move(owned));
-  call->stub->async()->Synchronize(
-      &call->context, &call->request, &call->answer, [this, call](grpc::Status status) {
-        const std::lock_guard lock(mutex_);
-        call->status = std::move(status);
-        finished_.push_back(call);
-        changed_.notify_all();  // under the lock: the destructor waits for this and then ends us
-      });
+  call->stub->async()->Synchronize(&call->context, &call->request, &call->answer,
+                                   [this, call](grpc::Status status) {
+                                     const std::lock_guard lock(mutex_);
+                                     call->status = std::move(status);
+                                     finished_.push_back(call);
+                                     changed_.notify_all();  // under the lock: the destructor waits for this
+                                   });
 }
 
 std::chrono::steady_clock::time_point Synchronizer::NextWakeup() const {
-  // With a call open the next is not due before its answer; the bound is only a bound.
+  // While a call is open, the next is not due before its answer; this is only an upper bound.
   return open_.empty() ? std::max(next_call_, next_retry_)
                        : Clock::now() + kSynchronizeWaitMax + kAnswerPatience;
 }
@@ -133,22 +134,23 @@ void Synchronizer::HandleDirective(const Call& call) {
   if (!connected_) spdlog::info("connected worker={:016x}", Number(self_.worker));
   connected_ = true;
   backoff_.Reset();
-  bench_.ReturnsHeard(call.returned);
-  // The answer to a call that a later one overtook holds no wishes, only, perhaps, leases.
-  if (call.sequence != self_.sequence) return bench_.AddLeases(directive->leases, directive->drop);
+  workload_.Change()->ReturnsAcknowledged(call.returned);
+  // The answer to a call that a later one has overtaken may hold leases, but its orders are out of date.
+  if (call.sequence != self_.sequence)
+    return workload_.Change()->AddLeases(directive->leases, directive->drop, Clock::now());
   if (directive->notice != notice_) {
     notice_ = directive->notice;
     spdlog::warn("notice text=\"{}\"", notice_);
   }
   next_call_ = Clock::now() + std::min(directive->call_again, kCallAgainMax);
-  if (!directive->prefetch.empty()) prefetcher_.Wish(directive->prefetch);
-  bench_.Apply(*directive);
+  if (!directive->prefetch.empty()) prefetcher_.Request(directive->prefetch);
+  workload_.Change()->Apply(*directive, Clock::now());
 }
 
-void Synchronizer::SayGoodbye(std::chrono::milliseconds patience) {
+void Synchronizer::Leave(std::chrono::milliseconds patience) {
   WorkerState state = self_;
   state.sequence = ++self_.sequence;
-  bench_.FillState(state);
+  workload_.FillState(state);
   meter_.Fill(state, Clock::now());
   state.draining = true;
   state.leaving = true;
@@ -159,7 +161,7 @@ void Synchronizer::SayGoodbye(std::chrono::milliseconds patience) {
   grpc::ClientContext context;
   SetDeadline(context, patience);
   const grpc::Status status = proto::Work::NewStub(channel_)->Synchronize(&context, request, &answer);
-  spdlog::info("left heard={}", status.ok());
+  spdlog::info("left_farm acknowledged={}", status.ok());
 }
 
 }  // namespace tessera

@@ -1,5 +1,4 @@
-// The conversation of states with the coordinator: "this is what I have and do" -> "this is what you should
-// have and do".
+// Exchanges states with the coordinator: what this worker holds and does, for what it should hold and do.
 #pragma once
 
 #include <chrono>
@@ -17,7 +16,7 @@
 #include "renderer/util/result.h"
 #include "worker/activity_meter.h"
 #include "worker/prefetcher.h"
-#include "worker/workbench.h"
+#include "worker/shared_workload.h"
 
 namespace grpc {
 class Channel;
@@ -26,23 +25,24 @@ class Channel;
 namespace tessera {
 
 // Keeps one call open all the time, makes another when there is news, and calls again, with back-off, when
-// the connection breaks. Ring is thread safe; everything else belongs to the thread that runs it.
+// the connection breaks. NotifyNews is thread safe; everything else belongs to the thread that calls Run.
 class Synchronizer {
  public:
-  // `self` holds what never changes: worker, name, slots, versions. `on_refusal` is called when the
-  // coordinator does not admit this worker: there is no use in going on.
-  Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState self, Workbench& bench,
+  // `self` holds what never changes: worker, name, slots, versions. `on_refusal` is called if the coordinator
+  // does not admit this worker, so that it is of no use to go on.
+  Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState self, SharedWorkload& workload,
                ActivityMeter& meter, Prefetcher& prefetcher, std::function<void(Error)> on_refusal);
   ~Synchronizer();
   Synchronizer(const Synchronizer&) = delete;
   Synchronizer& operator=(const Synchronizer&) = delete;
 
-  // There is news that the coordinator should hear.
-  void Ring();
-  // Talks until a stop is requested.
+  // There is news that the coordinator should learn of.
+  void NotifyNews();
+  // Exchanges states until a stop is requested.
   void Run(std::stop_token stop);
-  // Last words, after Run; waits for the answer at most this long.
-  void SayGoodbye(std::chrono::milliseconds patience);
+  // Tells the coordinator that this worker leaves; call it after Run. Waits at most `patience` for the
+  // answer.
+  void Leave(std::chrono::milliseconds patience);
 
  private:
   struct Call;
@@ -53,7 +53,7 @@ class Synchronizer {
 
   std::shared_ptr<grpc::Channel> channel_;
   WorkerState self_;
-  Workbench& bench_;
+  SharedWorkload& workload_;
   ActivityMeter& meter_;
   Prefetcher& prefetcher_;
   const std::function<void(Error)> on_refusal_;

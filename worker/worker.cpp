@@ -20,14 +20,16 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Textures and meshes of the last scenes, decoded: the next frame needs most of them again. Those of large
+constexpr auto kNews = SharedWorkload::News::kYes;
+
+// Decoded textures and meshes of the last scenes: the next frame needs most of them again. Those of large
 // scenes fit.
 constexpr uint64_t kAssetBytesMax = uint64_t{2} << 30;
 
-// The parts of a drain; together below the 10 s that are promised.
+// The parts of a drain; together less than the 10 s that are promised.
 constexpr std::chrono::milliseconds kFinishPatience{5000};  // for units that are being rendered
-constexpr std::chrono::milliseconds kReturnPatience{2500};  // for what is left to be returned
-constexpr std::chrono::milliseconds kGoodbyePatience{1000};
+constexpr std::chrono::milliseconds kReturnPatience{2500};  // for results that have not been sent
+constexpr std::chrono::milliseconds kLeavePatience{1000};
 constexpr std::chrono::milliseconds kLoaderPatience{500};
 
 std::string ProbeDigest() {
@@ -50,7 +52,7 @@ WorkerState Introduce(const WorkerOptions& options) {
   return self;
 }
 
-// Waits until one of them asks to stop.
+// Waits until one of them requests a stop.
 void AwaitEither(std::stop_token one, std::stop_token other) {
   std::mutex mutex;
   std::condition_variable_any stopped;
@@ -62,7 +64,7 @@ void AwaitEither(std::stop_token one, std::stop_token other) {
   stopped.wait(lock, one, [&] { return other.stop_requested(); });
 }
 
-// Whether the lease asks for a unit of the scene's frame, or of what the frame may be extended to.
+// Whether the leased unit is one of the scene's frame, or of what the frame may be extended to.
 bool Fits(const Lease& lease, const Scene& scene) {
   const FrameSpec& frame = scene.frame();
   const auto tiles = static_cast<uint32_t>(frame.TileCount());
@@ -72,40 +74,41 @@ bool Fits(const Lease& lease, const Scene& scene) {
 }
 
 // Renders one unit on this thread.
-void RenderUnit(const UnitTask& task, Workbench& bench) {
+void RenderUnit(const UnitTask& task, SharedWorkload& workload) {
   const auto start = Clock::now();
   if (!Fits(task.lease, *task.scene)) {
-    return bench.UnitFailed(task.lease, task.lease.unit.Text() + " is not a unit of its scene");
+    return workload.Change()->UnitFailed(task.lease, task.lease.unit.Text() + " is not a unit of its scene");
   }
   const auto tile =
       task.scene->Render(task.lease.bounds, task.lease.pixels, task.lease.unit.range, task.stop.get());
-  if (!tile) return bench.UnitStopped(task.lease.id);
+  if (!tile) return workload.Change()->UnitStopped(task.lease.id);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  bench.UnitFinished({task.lease.id, task.lease.unit, EncodeRadianceTile(*tile), seconds});
+  FinishedUnit finished{task.lease.id, task.lease.unit, EncodeRadianceTile(*tile), seconds};
+  workload.Change()->UnitFinished(std::move(finished), Clock::now());
 }
 
 }  // namespace
 
-Worker::Worker(const WorkerOptions& options)
+Worker::Worker(const WorkerOptions& options, BlobStore cache)
     : states_channel_(OpenChannel(options.coordinator)),
       bulk_channel_(OpenChannel(options.coordinator)),
       self_(Introduce(options)),
       threads_(options.threads),
       meter_(threads_, Clock::now()),
-      cache_(options.cache_dir, options.cache_bytes),
+      cache_(std::move(cache)),
       fetcher_(bulk_channel_, cache_, closing_.get_token(), Number(self_.worker) + 2,
                [this](uint64_t bytes) { meter_.Fetched(bytes); }),
       assets_(std::make_shared<SharedCache>(kAssetBytesMax)),
       prefetcher_(fetcher_),
-      bench_([this] { synchronizer_.Ring(); }),
-      synchronizer_(states_channel_, self_, bench_, meter_, prefetcher_,
+      workload_([this] { synchronizer_.NotifyNews(); }),
+      synchronizer_(states_channel_, self_, workload_, meter_, prefetcher_,
                     [this](Error why) { OnRefusal(std::move(why)); }),
-      returner_(bulk_channel_, self_.worker, bench_, [this](Error why) { OnRefusal(std::move(why)); }) {}
+      sender_(bulk_channel_, self_.worker, workload_, [this](Error why) { OnRefusal(std::move(why)); }) {}
 
 Worker::~Worker() {
   closing_.request_stop();
-  bench_.StopRendering();
-  for (std::thread& thread : crew_) thread.join();
+  workload_.Change(kNews)->StopRendering();
+  for (std::thread& thread : pool_) thread.join();
   if (loader_.joinable()) loader_.join();
 }
 
@@ -121,23 +124,23 @@ Result<void> Worker::Run(std::stop_token stop) {
   spdlog::info("worker_started worker={:016x} name=\"{}\" slots={}", Number(self_.worker), self_.name,
                threads_);
   loader_ = std::thread([this] { LoadScenes(); });
-  crew_.emplace_back([this] { synchronizer_.Run(closing_.get_token()); });
-  crew_.emplace_back([this] { returner_.Run(closing_.get_token()); });
-  crew_.emplace_back([this] { prefetcher_.Run(closing_.get_token()); });
-  for (int i = 0; i < threads_; ++i) crew_.emplace_back([this] { Render(); });
+  pool_.emplace_back([this] { synchronizer_.Run(closing_.get_token()); });
+  pool_.emplace_back([this] { sender_.Run(closing_.get_token()); });
+  pool_.emplace_back([this] { prefetcher_.Run(closing_.get_token()); });
+  for (int i = 0; i < threads_; ++i) pool_.emplace_back([this] { Render(); });
   AwaitEither(stop, refused_.get_token());
   if (!refused_.stop_requested()) Drain();
   closing_.request_stop();
-  bench_.StopRendering();
-  for (std::thread& thread : crew_) thread.join();
-  crew_.clear();
+  workload_.Change(kNews)->StopRendering();
+  for (std::thread& thread : pool_) thread.join();
+  pool_.clear();
   std::optional<Error> refusal;
   {
     const std::lock_guard lock(mutex_);
     refusal = refusal_;
   }
   if (refusal) return *refusal;
-  synchronizer_.SayGoodbye(kGoodbyePatience);
+  synchronizer_.Leave(kLeavePatience);
   return {};
 }
 
@@ -148,30 +151,30 @@ bool Worker::IsLoading() {
 
 void Worker::Drain() {
   spdlog::info("draining");
-  bench_.Drain();
-  if (bench_.AwaitIdle(kFinishPatience)) return;
-  bench_.StopRendering();
-  if (!bench_.AwaitIdle(kReturnPatience))
-    spdlog::warn("drain_failed reason=\"not everything could be returned\"");
+  workload_.Change(kNews)->Drain();
+  if (workload_.AwaitIdle(kFinishPatience)) return;
+  workload_.Change(kNews)->StopRendering();
+  if (!workload_.AwaitIdle(kReturnPatience))
+    spdlog::warn("drain_incomplete reason=\"some results could not be returned\"");
 }
 
 void Worker::Render() {
-  while (const auto task = bench_.AwaitUnit(closing_.get_token())) {
+  while (const auto task = workload_.AwaitUnit(closing_.get_token())) {
     meter_.SlotBegins(Clock::now());
     try {
-      RenderUnit(*task, bench_);
-    } catch (const std::exception& e) {  // out of memory
-      bench_.UnitFailed(task->lease, fmt::format("{}: {}", task->lease.unit.Text(), e.what()));
+      RenderUnit(*task, workload_);
+    } catch (const std::exception& e) {  // such as std::bad_alloc
+      workload_.Change()->UnitFailed(task->lease, fmt::format("{}: {}", task->lease.unit.Text(), e.what()));
     }
     meter_.SlotEnds(Clock::now());
   }
 }
 
-// What is not here afterwards is fetched when the scene calls it.
+// Files that are missing afterwards are fetched when the scene reads them.
 void Worker::FetchFiles(const SceneOrder& order) {
   if (!order.needs_all) return;
   meter_.LoaderDoes(ActivityMeter::Loader::kFetching, Clock::now());
-  synchronizer_.Ring();
+  synchronizer_.NotifyNews();
   const auto fetched = fetcher_.FetchPackage(order.package);
   if (fetched || closing_.stop_requested()) return;
   spdlog::warn("fetch_failed package={} reason=\"{}\"", order.package.Hex(), fetched.error().message);
@@ -181,25 +184,26 @@ void Worker::LoadScenes() {
   const FetchBlob fetch = [this](const Digest& digest, uint64_t size_max) {
     return fetcher_.Get(digest, size_max);
   };
-  while (const auto order = bench_.AwaitSceneOrder(closing_.get_token())) {
+  while (const auto order = workload_.AwaitSceneOrder(closing_.get_token())) {
     const auto start = Clock::now();
     try {
       FetchFiles(*order);
       if (closing_.stop_requested()) break;
       meter_.LoaderDoes(ActivityMeter::Loader::kLoading, Clock::now());
-      synchronizer_.Ring();
+      synchronizer_.NotifyNews();
       auto scene = LoadOrderedScene(*order, fetch, assets_);
       meter_.LoaderDoes(ActivityMeter::Loader::kIdle, Clock::now());
       if (closing_.stop_requested()) break;
       if (!scene) {
         spdlog::warn("scene_failed scene={} reason=\"{}\"", order->key.Hex(), scene.error().message);
-        bench_.SceneFailed(order->key, scene.error().message);
+        workload_.Change(kNews)->SceneFailed(order->key, scene.error().message, Clock::now());
         continue;
       }
-      bench_.SceneLoaded(order->key, std::move(*scene));
-    } catch (const std::exception& e) {  // out of memory
+      workload_.Change(kNews)->SceneLoaded(order->key, std::move(*scene));
+    } catch (const std::exception& e) {  // such as std::bad_alloc
       meter_.LoaderDoes(ActivityMeter::Loader::kIdle, Clock::now());
-      bench_.SceneFailed(order->key, fmt::format("{}: {}", order->scene_file, e.what()));
+      workload_.Change(kNews)->SceneFailed(order->key, fmt::format("{}: {}", order->scene_file, e.what()),
+                                           Clock::now());
       continue;
     }
     spdlog::info("scene_loaded scene={} load_s={:.3f}", order->key.Hex(),

@@ -1,4 +1,4 @@
-// A worker: threads around a workbench.
+// A worker: threads around a shared workload.
 #pragma once
 
 #include <condition_variable>
@@ -9,32 +9,33 @@
 #include <thread>
 #include <vector>
 
+#include "proto/blobs/blob_store.h"
 #include "renderer/util/result.h"
 #include "renderer/util/shared_cache.h"
 #include "worker/activity_meter.h"
-#include "worker/blob_cache.h"
 #include "worker/blob_fetcher.h"
 #include "worker/options.h"
 #include "worker/prefetcher.h"
-#include "worker/returner.h"
+#include "worker/result_sender.h"
+#include "worker/shared_workload.h"
 #include "worker/synchronizer.h"
-#include "worker/workbench.h"
 
 namespace tessera {
 
-// `threads` threads render, one loads scenes, one fetches files ahead, one exchanges
-// states, one returns results.
+// `threads` threads render; one loads scenes, one prefetches files, one exchanges states and one sends
+// results.
 class Worker {
  public:
-  explicit Worker(const WorkerOptions& options);
+  // `cache` holds scene files.
+  Worker(const WorkerOptions& options, BlobStore cache);
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  // Works until a stop is requested; then drains, within some seconds, and says goodbye. An error if the
+  // Works until a stop is requested, then drains within some seconds and leaves the farm. An error if the
   // coordinator does not admit this worker.
   Result<void> Run(std::stop_token stop);
-  // Whether, after Run, a scene is still being loaded: the destructor waits for it.
+  // Whether a scene is still being loaded after Run. The destructor waits for it.
   bool IsLoading();
 
  private:
@@ -49,20 +50,20 @@ class Worker {
   WorkerState self_;
   int threads_;
   ActivityMeter meter_;
-  BlobCache cache_;
+  BlobStore cache_;
   BlobFetcher fetcher_;
-  std::shared_ptr<SharedCache> assets_;  // what scenes share; scenes hold parts of it
+  std::shared_ptr<SharedCache> assets_;  // shared by scenes, which hold parts of it
   Prefetcher prefetcher_;
-  Workbench bench_;
+  SharedWorkload workload_;
   Synchronizer synchronizer_;
-  Returner returner_;
-  std::mutex mutex_;  // of the members up to the blank line
+  ResultSender sender_;
+  std::mutex mutex_;  // of the members up to the next blank line
   std::condition_variable loader_ended_;
   std::optional<Error> refusal_;
   bool loader_is_done_ = false;
 
   std::stop_source refused_;
-  std::vector<std::thread> crew_;
+  std::vector<std::thread> pool_;
   std::thread loader_;
 };
 

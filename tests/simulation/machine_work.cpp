@@ -101,10 +101,10 @@ void Machines::FinishUnit(size_t m, const UnitTask& task, double seconds) {
 // One batch is on its way at a time; it is sent again until it is answered.
 void Machines::SendBatch(size_t m) {
   Machine& machine = machines_[m];
-  if (machine.is_returning || !machine.worker->load().HasParcel()) return;
+  if (machine.is_returning || !machine.worker->load().HasBatch()) return;
   machine.is_returning = true;
   const uint64_t number = ++machine.batches;
-  auto batch = machine.worker->load().NextParcel(kBatchBytesMax);
+  auto batch = machine.worker->load().NextBatch(kBatchBytesMax);
   if (const auto* failure = std::get_if<FailureReport>(&batch)) {
     SendFailure(m, number, *failure);
   } else {

@@ -119,10 +119,10 @@ void ScaleFarm::FinishUnit(size_t m) {
 
 void ScaleFarm::ReturnResults(size_t m) {
   Machine& machine = machines_[m];
-  if (machine.returning || !machine.worker->load().HasParcel()) return;
+  if (machine.returning || !machine.worker->load().HasBatch()) return;
   machine.returning = true;
   const auto sent = std::get<std::vector<FinishedUnit>>(
-      machine.worker->load().NextParcel(static_cast<size_t>(kResultsBatchBytes)));
+      machine.worker->load().NextBatch(static_cast<size_t>(kResultsBatchBytes)));
   const uint64_t incarnation = machine.incarnation;
   const WorkerId worker = machine.worker->id();
   queue_.After(FromSeconds(options_.latency_s), [=, this] {

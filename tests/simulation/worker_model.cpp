@@ -18,7 +18,7 @@ WorkerState WorkerModel::State(Instant now) {
 }
 
 void WorkerModel::Apply(Instant now, const WorkerState& sent, const WorkerDirective& directive) {
-  load_.ReturnsHeard(sent.returned_leases);
+  load_.ReturnsAcknowledged(sent.returned_leases);
   if (sent.sequence == sequence_) {
     load_.Apply(directive, At(now));
   } else {

@@ -25,7 +25,7 @@ TEST(SceneLoader, RefusesAFrameOtherThanTheOneOrdered) {
   order.frame.samples_per_pixel = 5;
   const auto scene = LoadOrderedScene(order, blobs.Fetcher());
   ASSERT_FALSE(scene);
-  EXPECT_THAT(scene.error().message, HasSubstr("another frame"));
+  EXPECT_THAT(scene.error().message, HasSubstr("differs from the one submitted"));
 }
 
 TEST(SceneLoader, APackageThatLacksAFileFailsByName) {

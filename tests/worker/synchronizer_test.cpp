@@ -1,4 +1,4 @@
-// The worker's talk with its coordinator, over a real connection.
+// The exchange of states over a real connection.
 #include "worker/synchronizer.h"
 
 #include <grpcpp/channel.h>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{30};
 
-// A coordinator that has nothing to say: its answers wait until they are not wanted any more.
+// A coordinator that never answers: its calls wait until they are cancelled.
 class SilentCoordinator final : public proto::Work::CallbackService {
  public:
   explicit SilentCoordinator(const Address& address) {
@@ -52,24 +52,24 @@ class SilentCoordinator final : public proto::Work::CallbackService {
   std::unique_ptr<grpc::Server> server_;
 };
 
-// Whoever lets go of a channel last waits for gRPC's threads; were it one of them, it would wait for itself.
-TEST(Synchronizer, LeavesItsChannelToNoThreadOfGrpc) {
+// The last owner of a channel waits for gRPC's threads to end; one of those threads would wait for itself.
+TEST(Synchronizer, NeverLeavesItsChannelToAThreadOfGrpc) {
   const TemporaryDir folder;
   const Address address = *ParseAddress("unix:" + (folder / "socket"), "test");
   SilentCoordinator coordinator(address);
-  BlobCache cache(folder / "cache", 1 << 20);
+  const auto cache = BlobStore::Open(folder / "cache", BlobStoreOptions::Cache(1 << 20));
   for (int round = 1; round <= 50; ++round) {
     const std::shared_ptr<grpc::Channel> channel = OpenChannel(address);
     {
-      BlobFetcher fetcher(channel, cache, {}, 1, [](uint64_t) {});
+      BlobFetcher fetcher(channel, *cache, {}, 1, [](uint64_t) {});
       Prefetcher prefetcher(fetcher);
       ActivityMeter meter(1, std::chrono::steady_clock::now());
-      Workbench bench([] {});
+      SharedWorkload workload([] {});
       WorkerState self;
       self.worker = WorkerId{static_cast<uint64_t>(round)};
       self.wait = std::chrono::seconds(5);
-      Synchronizer synchronizer(channel, self, bench, meter, prefetcher, [](const Error&) {});
-      std::jthread talk([&](std::stop_token stop) { synchronizer.Run(std::move(stop)); });
+      Synchronizer synchronizer(channel, self, workload, meter, prefetcher, [](const Error&) {});
+      std::jthread exchange([&](std::stop_token stop) { synchronizer.Run(std::move(stop)); });
       ASSERT_TRUE(coordinator.AwaitCalls(round));
     }
     ASSERT_EQ(channel.use_count(), 1) << "round " << round;

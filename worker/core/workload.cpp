@@ -5,8 +5,8 @@
 namespace tessera {
 namespace {
 
-// Of a lease's duration: it is told again this many times before it lapses.
-constexpr int kTellingsPerLease = 3;
+// A held lease is reported this many times before it would expire.
+constexpr int kReportsPerLease = 3;
 
 void Append(std::vector<LeaseId>& to, const std::vector<LeaseId>& from) {
   to.insert(to.end(), from.begin(), from.end());
@@ -39,10 +39,10 @@ void Workload::FillState(WorkerState& state, TimePoint now) const {
   state.draining = draining_;
   state.wait = kSynchronizeWaitMax;
   if (const auto shortest = leases_.ShortestDuration())
-    state.wait = std::min(state.wait, *shortest / kTellingsPerLease);
+    state.wait = std::min(state.wait, *shortest / kReportsPerLease);
 }
 
-void Workload::ReturnsHeard(const std::vector<LeaseId>& returned) {
+void Workload::ReturnsAcknowledged(const std::vector<LeaseId>& returned) {
   std::erase_if(returned_, [&](LeaseId id) { return std::ranges::find(returned, id) != returned.end(); });
 }
 
@@ -69,7 +69,7 @@ std::optional<SceneOrder> Workload::StartScene(TimePoint now) {
   return scenes_.StartLoading(now);
 }
 
-void Workload::SceneLoaded(const Digest& key, SceneShelf::ScenePointer scene) {
+void Workload::SceneLoaded(const Digest& key, SceneTable::ScenePointer scene) {
   scenes_.Loaded(key, std::move(scene));
 }
 
@@ -79,7 +79,7 @@ void Workload::SceneFailed(const Digest& key, std::string reason, TimePoint now)
   failures_.push_back({LeaseId{}, {}, key, std::move(reason)});
 }
 
-Workload::Parcel Workload::NextParcel(size_t bytes_max) const {
+Workload::Batch Workload::NextBatch(size_t bytes_max) const {
   if (!failures_.empty()) return failures_.front();
   if (results_.empty()) return {};
   std::vector<FinishedUnit> results;

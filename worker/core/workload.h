@@ -1,6 +1,5 @@
-// All that a worker has to do and has done: leases, scenes, and what is on its way back to the coordinator. A
-// pure state machine: time comes in as an argument, and who waits for what is the shell's affair
-// (worker/workbench.h).
+// Everything a worker has to do and has done: leases, scenes, and results on their way to the coordinator. A
+// pure state machine: time is passed in, and waiting is left to the shell (worker/shared_workload.h).
 #pragma once
 
 #include <deque>
@@ -11,12 +10,12 @@
 #include <vector>
 
 #include "proto/terms.h"
-#include "worker/core/lease_book.h"
-#include "worker/core/scene_shelf.h"
+#include "worker/core/lease_table.h"
+#include "worker/core/scene_table.h"
 
 namespace tessera {
 
-// Something rendered, as it travels.
+// A rendered unit, encoded for sending.
 struct FinishedUnit {
   LeaseId lease{};
   WorkUnit unit;
@@ -24,7 +23,7 @@ struct FinishedUnit {
   double render_seconds = 0;
 };
 
-// Something that could not be done: a unit, or, with a lease of 0, a whole scene.
+// A unit that could not be rendered or, with a lease of 0, a scene that could not be loaded.
 struct FailureReport {
   LeaseId lease{};
   WorkUnit unit;
@@ -32,11 +31,11 @@ struct FailureReport {
   std::string reason;
 };
 
-// A unit to render, with all that it needs.
+// A unit to render and everything it needs.
 struct UnitTask {
   Lease lease;
-  SceneShelf::ScenePointer scene;
-  LeaseBook::StopFlag stop;
+  SceneTable::ScenePointer scene;
+  LeaseTable::StopFlag stop;
 };
 
 // Not thread safe.
@@ -46,55 +45,55 @@ class Workload {
 
   // ---- From the coordinator
   void Apply(const WorkerDirective& directive, TimePoint now);
-  // What came with the answer to results or a failure.
+  // Leases that came with the answer to results or a failure.
   void AddLeases(const std::vector<Lease>& leases, const std::vector<LeaseId>& drop, TimePoint now);
-  // What the coordinator is to hear: scenes, leases, returned leases and whether we drain. The wait is short
-  // enough to keep the leases.
+  // Fills in what the coordinator is told: scenes, leases, returned leases and whether the worker drains. The
+  // wait is short enough to keep the leases.
   void FillState(WorkerState& state, TimePoint now) const;
-  // The coordinator has answered a state that listed these.
-  void ReturnsHeard(const std::vector<LeaseId>& returned);
+  // The coordinator has answered a state that listed these leases as returned.
+  void ReturnsAcknowledged(const std::vector<LeaseId>& returned);
 
   // ---- Units
-  // The next that can be rendered; it runs from now on.
+  // The next unit that can be rendered, which counts as running from now on.
   std::optional<UnitTask> StartUnit(TimePoint now);
-  // False if it was dropped meanwhile, so that nobody wants the result.
+  // Returns false if it was dropped meanwhile, so its result is not wanted.
   bool UnitFinished(FinishedUnit unit, TimePoint now);
   void UnitFailed(const Lease& lease, std::string reason);
-  // Its rendering was stopped because nobody wants it.
+  // Rendering was stopped because the unit is not wanted.
   void UnitStopped(LeaseId lease) { leases_.Forget(lease); }
 
   // ---- Scenes
-  // The next to load, which counts as loading from now on; none while we drain.
+  // The next scene to load, which counts as loading from now on; nullopt while draining.
   std::optional<SceneOrder> StartScene(TimePoint now);
-  // When StartScene may have something that it had not, if nothing else happens.
+  // When StartScene may return a scene that failed before, if nothing else changes.
   std::optional<TimePoint> NextRetry() const { return draining_ ? std::nullopt : scenes_.NextRetry(); }
-  void SceneLoaded(const Digest& key, SceneShelf::ScenePointer scene);
+  void SceneLoaded(const Digest& key, SceneTable::ScenePointer scene);
   void SceneFailed(const Digest& key, std::string reason, TimePoint now);
 
-  // ---- What is to be returned
-  bool HasParcel() const { return !failures_.empty() || !results_.empty(); }
-  // The next failure or the next results, at most `bytes_max` beyond the first. They stay here until
-  // answered.
-  using Parcel = std::variant<std::monostate, FailureReport, std::vector<FinishedUnit>>;
-  Parcel NextParcel(size_t bytes_max) const;
-  // The oldest failure, or these results, have been answered.
+  // ---- Results and failures
+  bool HasBatch() const { return !failures_.empty() || !results_.empty(); }
+  // The next failure, or the next results: the first and up to `bytes_max` bytes more. They stay here until
+  // they are acknowledged.
+  using Batch = std::variant<std::monostate, FailureReport, std::vector<FinishedUnit>>;
+  Batch NextBatch(size_t bytes_max) const;
+  // The oldest failure, or these results, have been acknowledged.
   void FailureAnswered() { failures_.pop_front(); }
   void ResultsAnswered(const std::vector<FinishedUnit>& results);
 
   // ---- The end
-  // Takes no more leases and returns those that wait.
+  // Accepts no more leases and returns those that wait.
   void Drain();
-  // Whether nothing is being rendered and all is returned and heard.
+  // Whether nothing is being rendered and everything is returned and acknowledged.
   bool IsIdle() const;
   // Stops and returns what is being rendered.
   void StopRendering();
 
  private:
-  LeaseBook leases_;
-  SceneShelf scenes_;
+  LeaseTable leases_;
+  SceneTable scenes_;
   std::deque<FinishedUnit> results_;
   std::deque<FailureReport> failures_;
-  std::vector<LeaseId> returned_;  // to be told
+  std::vector<LeaseId> returned_;  // to be reported
   bool draining_ = false;
 };
 

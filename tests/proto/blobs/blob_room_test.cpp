@@ -1,4 +1,4 @@
-// Uploads that go on where they stopped, and what goes when there is no room.
+// Blobs that are resumed, and what is evicted when there is no room.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "coordinator/store/blob_store.h"
+#include "proto/blobs/blob_store.h"
 #include "proto/scene_package.h"
 #include "tests/coordinator/store/temporary_dir.h"
 
@@ -17,28 +17,32 @@ using testing::HasSubstr;
 
 constexpr uint64_t kMega = uint64_t{1} << 20;
 
+Result<BlobStore> OpenOrigin(const std::string& path, uint64_t bytes_max = uint64_t{1} << 40) {
+  return BlobStore::Open(path, BlobStoreOptions::Origin(bytes_max));
+}
+
 std::string Bytes(char c, uint64_t size) {
   return std::string(size, c);
 }
 
-// As if the blob had been used for the last time so long ago.
+// Sets the last use of a blob back.
 void Age(const BlobStore& store, const Digest& digest, std::chrono::minutes age) {
   std::filesystem::last_write_time(store.Path(digest), std::filesystem::file_time_type::clock::now() - age);
 }
 
-// Stops after `part` bytes.
+// Sends `part` bytes of a blob and stops.
 void SendPart(const BlobStore& store, const std::string& bytes, uint64_t part) {
   auto upload = store.Begin(Sha256(bytes), bytes.size());
   ASSERT_TRUE(upload);
   ASSERT_TRUE((*upload)->Add(std::string_view(bytes).substr(0, part)));
 }
 
-TEST(BlobStore, AnUploadGoesOnWhereItStoppedAlsoAfterARestart) {
+TEST(BlobStore, ABlobIsResumedWhereItStoppedEvenAfterARestart) {
   const TemporaryDir directory;
   const std::string bytes = Bytes('a', 3 * kMega);
-  SendPart(*BlobStore::Open(directory / "blobs"), bytes, 2 * kMega);
-  const auto store = BlobStore::Open(directory / "blobs");
-  EXPECT_EQ(store->Unfinished(Sha256(bytes)), 2 * kMega);
+  SendPart(*OpenOrigin(directory / "blobs"), bytes, 2 * kMega);
+  const auto store = OpenOrigin(directory / "blobs");
+  EXPECT_EQ(store->Arrived(Sha256(bytes)), 2 * kMega);
   EXPECT_EQ(store->bytes(), 2 * kMega);
   {
     auto upload = store->Begin(Sha256(bytes), bytes.size(), 2 * kMega);
@@ -48,12 +52,12 @@ TEST(BlobStore, AnUploadGoesOnWhereItStoppedAlsoAfterARestart) {
   }
   EXPECT_EQ(*store->Read(Sha256(bytes), bytes.size()), bytes);
   EXPECT_EQ(store->bytes(), bytes.size());
-  EXPECT_EQ(store->Unfinished(Sha256(bytes)), 0u);
+  EXPECT_EQ(store->Arrived(Sha256(bytes)), 0u);
 }
 
-TEST(BlobStore, ADamagedBeginningIsThrownAwayAndSentAgain) {
+TEST(BlobStore, ACorruptBeginningIsDiscardedAndSentAgain) {
   const TemporaryDir directory;
-  const auto store = BlobStore::Open(directory / "blobs");
+  const auto store = OpenOrigin(directory / "blobs");
   const std::string bytes = Bytes('a', 3 * kMega);
   SendPart(*store, bytes, 2 * kMega);
   std::ofstream(directory / ("blobs/incoming/" + Sha256(bytes).Hex())) << Bytes('b', 2 * kMega);
@@ -64,18 +68,18 @@ TEST(BlobStore, ADamagedBeginningIsThrownAwayAndSentAgain) {
     ASSERT_FALSE(finished);
     EXPECT_EQ(finished.error().kind, ErrorKind::kInterrupted) << "worth another attempt";
   }
-  EXPECT_EQ(store->Unfinished(Sha256(bytes)), 0u);
+  EXPECT_EQ(store->Arrived(Sha256(bytes)), 0u);
   EXPECT_EQ(store->bytes(), 0u);
   EXPECT_TRUE(store->Write(Sha256(bytes), bytes));
 }
 
-TEST(BlobStore, TwoUploadsOfOneBlobDoNotMeet) {
+TEST(BlobStore, TwoCopiesOfABlobThatArriveTogetherDoNotInterfere) {
   const TemporaryDir directory;
-  const auto store = BlobStore::Open(directory / "blobs");
+  const auto store = OpenOrigin(directory / "blobs");
   const std::string bytes = Bytes('a', 2 * kMega);
   auto first = store->Begin(Sha256(bytes), bytes.size());
   ASSERT_TRUE((*first)->Add(std::string_view(bytes).substr(0, kMega)));
-  EXPECT_FALSE(store->Begin(Sha256(bytes), bytes.size(), kMega)) << "it is the other's";
+  EXPECT_FALSE(store->Begin(Sha256(bytes), bytes.size(), kMega)) << "the other copy is arriving there";
   ASSERT_TRUE(store->Write(Sha256(bytes), bytes));
   ASSERT_TRUE((*first)->Add(std::string_view(bytes).substr(kMega)));
   ASSERT_TRUE((*first)->Finish());
@@ -85,15 +89,15 @@ TEST(BlobStore, TwoUploadsOfOneBlobDoNotMeet) {
 
 TEST(BlobStore, AnOffsetBeyondWhatIsThereIsRefused) {
   const TemporaryDir directory;
-  const auto store = BlobStore::Open(directory / "blobs");
+  const auto store = OpenOrigin(directory / "blobs");
   EXPECT_EQ(store->Begin(Sha256("abc"), 3, 2).error().kind, ErrorKind::kInterrupted);
   EXPECT_EQ(store->Begin(Sha256("abc"), 3, 4).error().kind, ErrorKind::kBadInput);
   EXPECT_EQ(store->bytes(), 0u);
 }
 
-TEST(BlobStore, TheLongestUnusedGoFirstAndWhatJobsNeedStays) {
+TEST(BlobStore, LeastRecentlyUsedBlobsAreEvictedFirstExceptThoseOfOpenJobs) {
   const TemporaryDir directory;
-  auto store = BlobStore::Open(directory / "blobs", 4 * kMega);
+  auto store = OpenOrigin(directory / "blobs", 4 * kMega);
   const std::string needed = Bytes('n', kMega), old = Bytes('o', kMega), young = Bytes('y', kMega);
   ScenePackage package;
   package.files["scene.pbrt"] = {Sha256(needed), needed.size()};
@@ -114,32 +118,32 @@ TEST(BlobStore, TheLongestUnusedGoFirstAndWhatJobsNeedStays) {
   EXPECT_TRUE(store->Has(Sha256(manifest)));
 }
 
-TEST(BlobStore, AUseCountsAlsoAfterARestart) {
+TEST(BlobStore, TheLastUseSurvivesARestart) {
   const TemporaryDir directory;
   const std::string used = Bytes('u', kMega), unused = Bytes('n', kMega);
   {
-    const auto store = BlobStore::Open(directory / "blobs", 3 * kMega);
+    const auto store = OpenOrigin(directory / "blobs", 3 * kMega);
     ASSERT_TRUE(store->Write(Sha256(used), used));
     ASSERT_TRUE(store->Write(Sha256(unused), unused));
     Age(*store, Sha256(used), std::chrono::hours(3));
     Age(*store, Sha256(unused), std::chrono::hours(2));
     EXPECT_EQ(store->Use(Sha256(used)), used.size());
   }
-  const auto store = BlobStore::Open(directory / "blobs", 3 * kMega - 1);
+  const auto store = OpenOrigin(directory / "blobs", 3 * kMega - 1);
   ASSERT_TRUE(store->Write(Sha256(Bytes('z', kMega)), Bytes('z', kMega)));
   EXPECT_TRUE(store->Has(Sha256(used)));
   EXPECT_FALSE(store->Has(Sha256(unused)));
 }
 
-TEST(BlobStore, WithoutRoomAnUploadIsRefusedAndNothingThatIsNeededGoes) {
+TEST(BlobStore, WithoutRoomABlobIsRefusedAndNothingThatIsNeededIsEvicted) {
   const TemporaryDir directory;
-  auto store = BlobStore::Open(directory / "blobs", 2 * kMega);
+  auto store = OpenOrigin(directory / "blobs", 2 * kMega);
   const std::string recent = Bytes('r', kMega), large = Bytes('l', 2 * kMega);
   ASSERT_TRUE(store->Write(Sha256(recent), recent));
   const auto refused = store->Begin(Sha256(large), large.size());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kFailed);
-  EXPECT_THAT(refused.error().message, HasSubstr("--blob-bytes"));
+  EXPECT_THAT(refused.error().message, HasSubstr("--blobs-size"));
   EXPECT_TRUE(store->Has(Sha256(recent))) << "a client may be about to submit it";
   Age(*store, Sha256(recent), std::chrono::hours(1));
   store->Protect([] { return std::optional<std::vector<Digest>>(); });

@@ -1,4 +1,4 @@
-// The scenes that a worker has in memory, is to get, or could not get. A pure state machine.
+// The scenes that a worker holds, is to load or could not load. A pure state machine: time is passed in.
 #pragma once
 
 #include <chrono>
@@ -15,23 +15,24 @@ namespace tessera {
 
 class Scene;
 
-constexpr size_t kScenesHeldMax = 4;  // beyond those in use: a scene may take many gigabytes
-constexpr std::chrono::seconds kSceneRetryInterval{
-    5};  // before a scene that failed is tried again, if still wanted
+// Besides those in use: a scene may take many gigabytes.
+constexpr size_t kScenesHeldMax = 4;
+// Before a scene that failed is tried again, if it is still wanted.
+constexpr std::chrono::seconds kSceneRetryInterval{5};
 
 // Not thread safe.
-class SceneShelf {
+class SceneTable {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
-  using ScenePointer =
-      std::shared_ptr<const Scene>;  // shared: slots keep a scene that leaves the shelf meanwhile
+  // Shared: slots keep using a scene that is evicted meanwhile.
+  using ScenePointer = std::shared_ptr<const Scene>;
 
-  // What the coordinator wants here now, the most wanted first. Lets go of others, longest unused first, that
-  // are beyond kScenesHeldMax and not `in_use`.
+  // Sets the scenes that the coordinator wants here, the most urgent first. Evicts others beyond
+  // kScenesHeldMax that are not `in_use`, the least recently used first.
   void Want(const std::vector<SceneOrder>& orders, const std::function<bool(const Digest&)>& in_use);
-  // The next scene to load, which counts as loading from now on; nothing while there is none.
+  // The next scene to load, which counts as loading from now on; nullopt if there is none.
   std::optional<SceneOrder> StartLoading(TimePoint now);
-  // When StartLoading may have something that it had not, if nothing else happens.
+  // When StartLoading may return a scene that failed before, if nothing else changes.
   std::optional<TimePoint> NextRetry() const;
   void Loaded(const Digest& key, ScenePointer scene);
   void Failed(const Digest& key, TimePoint now);
@@ -46,11 +47,11 @@ class SceneShelf {
  private:
   struct Entry {
     ScenePointer scene;  // null: loading
-    uint64_t used = 0;   // by the count of uses of the shelf
+    uint64_t used = 0;   // value of uses_ at its last use
   };
   std::vector<SceneOrder> wanted_;
   std::map<Digest, Entry> entries_;
-  std::map<Digest, TimePoint> failed_;  // of those wanted, when
+  std::map<Digest, TimePoint> failed_;  // scenes that are wanted, and when they failed
   uint64_t uses_ = 0;
 };
 

@@ -1,10 +1,10 @@
-#include "worker/core/scene_shelf.h"
+#include "worker/core/scene_table.h"
 
 #include <algorithm>
 
 namespace tessera {
 
-void SceneShelf::Want(const std::vector<SceneOrder>& orders,
+void SceneTable::Want(const std::vector<SceneOrder>& orders,
                       const std::function<bool(const Digest&)>& in_use) {
   wanted_ = orders;
   const auto is_wanted = [&](const Digest& key) {
@@ -22,7 +22,7 @@ void SceneShelf::Want(const std::vector<SceneOrder>& orders,
   }
 }
 
-std::optional<SceneOrder> SceneShelf::StartLoading(TimePoint now) {
+std::optional<SceneOrder> SceneTable::StartLoading(TimePoint now) {
   for (const SceneOrder& order : wanted_) {
     if (entries_.contains(order.key)) continue;
     const auto failure = failed_.find(order.key);
@@ -34,7 +34,7 @@ std::optional<SceneOrder> SceneShelf::StartLoading(TimePoint now) {
   return std::nullopt;
 }
 
-std::optional<SceneShelf::TimePoint> SceneShelf::NextRetry() const {
+std::optional<SceneTable::TimePoint> SceneTable::NextRetry() const {
   std::optional<TimePoint> next;
   for (const auto& [key, when] : failed_) {
     const TimePoint retry = when + kSceneRetryInterval;
@@ -43,34 +43,34 @@ std::optional<SceneShelf::TimePoint> SceneShelf::NextRetry() const {
   return next;
 }
 
-void SceneShelf::Loaded(const Digest& key, ScenePointer scene) {
+void SceneTable::Loaded(const Digest& key, ScenePointer scene) {
   entries_[key].scene = std::move(scene);
 }
 
-void SceneShelf::Failed(const Digest& key, TimePoint now) {
+void SceneTable::Failed(const Digest& key, TimePoint now) {
   entries_.erase(key);
   const bool wanted = std::ranges::any_of(wanted_, [&](const SceneOrder& order) { return order.key == key; });
   if (wanted) failed_[key] = now;
 }
 
-bool SceneShelf::IsReady(const Digest& key) const {
+bool SceneTable::IsReady(const Digest& key) const {
   const auto entry = entries_.find(key);
   return entry != entries_.end() && entry->second.scene != nullptr;
 }
 
-bool SceneShelf::Expects(const Digest& key) const {
+bool SceneTable::Expects(const Digest& key) const {
   return entries_.contains(key) ||
          std::ranges::any_of(wanted_, [&](const SceneOrder& order) { return order.key == key; });
 }
 
-SceneShelf::ScenePointer SceneShelf::Use(const Digest& key) {
+SceneTable::ScenePointer SceneTable::Use(const Digest& key) {
   const auto entry = entries_.find(key);
   if (entry == entries_.end()) return nullptr;
   entry->second.used = ++uses_;
   return entry->second.scene;
 }
 
-std::vector<HeldScene> SceneShelf::Held() const {
+std::vector<HeldScene> SceneTable::Held() const {
   std::vector<HeldScene> held;
   for (const auto& [key, entry] : entries_) held.push_back({key, entry.scene != nullptr});
   return held;

@@ -1,11 +1,10 @@
-#include "coordinator/store/blob_store.h"
+#include "proto/blobs/blob_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "coordinator/store/data_dir.h"
 #include "proto/terms.h"
 #include "tests/coordinator/store/temporary_dir.h"
 
@@ -14,6 +13,10 @@ namespace {
 
 using testing::HasSubstr;
 
+Result<BlobStore> OpenOrigin(const std::string& path, uint64_t bytes_max = uint64_t{1} << 40) {
+  return BlobStore::Open(path, BlobStoreOptions::Origin(bytes_max));
+}
+
 int FilesIn(const std::string& path) {
   int count = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(path))
@@ -21,9 +24,9 @@ int FilesIn(const std::string& path) {
   return count;
 }
 
-TEST(BlobStore, GivesBackWhatWasWritten) {
+TEST(BlobStore, ReadsWhatWasWritten) {
   const TemporaryDir directory;
-  const auto store = BlobStore::Open(directory / "blobs");
+  const auto store = OpenOrigin(directory / "blobs");
   const Digest digest = Sha256("some bytes");
   EXPECT_FALSE(store->Has(digest));
   ASSERT_TRUE(store->Write(digest, "some bytes"));
@@ -34,9 +37,9 @@ TEST(BlobStore, GivesBackWhatWasWritten) {
   EXPECT_EQ(*store->Read(Sha256(""), 0), "");
 }
 
-TEST(BlobStore, ABlobInPiecesIsThereOnlyWhenItIsWhole) {
+TEST(BlobStore, ABlobThatArrivesInPiecesAppearsOnceItIsWhole) {
   const TemporaryDir directory;
-  const auto store = BlobStore::Open(directory / "blobs");
+  const auto store = OpenOrigin(directory / "blobs");
   const Digest digest = Sha256("abcdef");
   {
     auto upload = store->Begin(digest, 6);
@@ -52,13 +55,13 @@ TEST(BlobStore, ABlobInPiecesIsThereOnlyWhenItIsWhole) {
 
 TEST(BlobStore, WrongBytesAreRefusedAndLeaveNothing) {
   const TemporaryDir directory;
-  const auto store = BlobStore::Open(directory / "blobs");
+  const auto store = OpenOrigin(directory / "blobs");
   const Digest digest = Sha256("abc");
   const struct {
     const char* bytes;
     uint64_t size;
     const char* error;
-  } table[] = {{"abd", 3, "not its digest's"}, {"ab", 3, "2 bytes instead of 3"}, {"abcd", 3, "more bytes"}};
+  } table[] = {{"abd", 3, "SHA-256 mismatch"}, {"ab", 3, "2 bytes instead of 3"}, {"abcd", 3, "more bytes"}};
   for (const auto& row : table) {
     auto upload = store->Begin(digest, row.size);
     const auto added = (*upload)->Add(row.bytes);
@@ -72,43 +75,21 @@ TEST(BlobStore, WrongBytesAreRefusedAndLeaveNothing) {
   EXPECT_FALSE(store->Begin(digest, kBlobBytesMax + 1));
 }
 
-TEST(BlobStore, UnfinishedUploadsThatNobodyCanGoOnWithAreRemoved) {
+TEST(BlobStore, IncomingFilesThatCannotBeResumedAreRemoved) {
   const TemporaryDir directory;
-  ASSERT_TRUE(BlobStore::Open(directory / "blobs"));
+  ASSERT_TRUE(OpenOrigin(directory / "blobs"));
   std::ofstream(directory / "blobs/incoming/left.a1b2c3") << "x";
-  ASSERT_TRUE(BlobStore::Open(directory / "blobs"));
+  ASSERT_TRUE(OpenOrigin(directory / "blobs"));
   EXPECT_EQ(FilesIn(directory.path()), 0);
 }
 
-TEST(BlobStore, ADamagedBlobIsNoticedWhenRead) {
+TEST(BlobStore, ACorruptBlobIsDetectedWhenRead) {
   const TemporaryDir directory;
-  const auto store = BlobStore::Open(directory / "blobs");
+  const auto store = OpenOrigin(directory / "blobs");
   const Digest digest = Sha256("abc");
   ASSERT_TRUE(store->Write(digest, "abc"));
   std::ofstream(store->Path(digest)) << "abd";
-  EXPECT_THAT(store->Read(digest, 100).error().message, HasSubstr("damaged"));
-}
-
-TEST(DataDir, BelongsToOneProcessAtATime) {
-  const TemporaryDir directory;
-  {
-    const auto first = DataDir::Open(directory / "data");
-    ASSERT_TRUE(first);
-    const auto second = DataDir::Open(directory / "data");
-    ASSERT_FALSE(second);
-    EXPECT_THAT(second.error().message, HasSubstr("another tessera-coordinator"));
-  }
-  EXPECT_TRUE(DataDir::Open(directory / "data"));
-}
-
-TEST(DataDir, OfAnotherVersionIsLeftAlone) {
-  const TemporaryDir directory;
-  ASSERT_TRUE(DataDir::Open(directory / "data"));
-  std::ofstream(directory / "data/version") << "tessera-data 1\n";
-  const auto opened = DataDir::Open(directory / "data");
-  ASSERT_FALSE(opened);
-  EXPECT_THAT(opened.error().message,
-              testing::AllOf(HasSubstr("tessera-data 1"), HasSubstr("another --data-dir")));
+  EXPECT_THAT(store->Read(digest, 100).error().message, HasSubstr("corrupt (SHA-256 mismatch)"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "coordinator/store/blob_room.h"
+#include "proto/blobs/blob_room.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 
 #include "proto/scene_package.h"
@@ -17,13 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A client that was told that a blob is there submits its job within this time: it may have the rest of a
-// large scene to send.
-constexpr std::chrono::minutes kGrace{30};
-constexpr uint64_t kSlackDivisor = 20;  // made beyond what is needed, so that not every upload has to look
+// Some more room is made than is needed, so that not every blob has to look for it.
+constexpr uint64_t kSlackDivisor = 20;
 
-// Removes a file that no upload writes to.
-bool RemoveIdle(const fs::path& path) {
+}  // namespace
+
+bool RemoveIfIdle(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return false;
   const bool removed = ::flock(file, LOCK_EX | LOCK_NB) == 0 && ::unlink(path.c_str()) == 0;
@@ -31,15 +29,14 @@ bool RemoveIdle(const fs::path& path) {
   return removed;
 }
 
-}  // namespace
-
 struct BlobRoom::File {
   fs::path path;
   uint64_t size = 0;
   fs::file_time_type used;
 };
 
-BlobRoom::BlobRoom(std::string path, uint64_t bytes_max) : path_(std::move(path)), bytes_max_(bytes_max) {
+BlobRoom::BlobRoom(std::string path, BlobStoreOptions options)
+    : path_(std::move(path)), options_(std::move(options)) {
   for (const File& file : List()) bytes_ += file.size;
 }
 
@@ -60,7 +57,7 @@ void BlobRoom::Give(uint64_t bytes) {
 
 Result<void> BlobRoom::Take(uint64_t bytes) {
   const std::lock_guard lock(mutex_);
-  if (bytes_ + bytes > bytes_max_) {
+  if (bytes_ + bytes > options_.bytes_max) {
     if (auto made = MakeRoom(bytes); !made) return made;
   }
   bytes_ += bytes;
@@ -71,7 +68,7 @@ std::vector<BlobRoom::File> BlobRoom::List() const {
   std::vector<File> files;
   std::error_code error;
   for (fs::recursive_directory_iterator it(path_, error), end; !error && it != end; it.increment(error)) {
-    std::error_code gone;  // removed or renamed under our eyes
+    std::error_code gone;  // another thread or process has removed it
     if (!it->is_regular_file(gone)) continue;
     const File file{it->path(), it->file_size(gone), it->last_write_time(gone)};
     if (!gone) files.push_back(file);
@@ -88,7 +85,8 @@ std::optional<std::set<std::string>> BlobRoom::NamesInUse() const {
     names.insert(digest.Hex());
     const std::string hex = digest.Hex();
     const auto manifest = ReadFile(fmt::format("{}/{}/{}", path_, hex.substr(0, 2), hex), kManifestBytesMax);
-    if (!manifest) continue;  // its job fails for want of it: nothing to protect
+    // Without its manifest the job fails, so there is nothing to protect.
+    if (!manifest) continue;
     const auto package = DecodeScenePackage(*manifest);
     if (!package) continue;
     for (const auto& [path, file] : package->files) names.insert(file.digest.Hex());
@@ -103,18 +101,27 @@ Result<void> BlobRoom::MakeRoom(uint64_t bytes) {
   std::sort(files.begin(), files.end(), [](const File& a, const File& b) {
     return a.used != b.used ? a.used < b.used : a.path < b.path;
   });
-  const auto recent = fs::file_time_type::clock::now() - kGrace;
-  const uint64_t target = bytes_max_ - bytes_max_ / kSlackDivisor;
+  if (options_.shared) {
+    bytes_ = 0;
+    for (const File& file : files) bytes_ += file.size;
+  }
+  const auto recent = fs::file_time_type::clock::now() - options_.grace;
+  const uint64_t target = options_.bytes_max - options_.bytes_max / kSlackDivisor;
   for (const File& file : files) {
     if (file.used >= recent || bytes_ + bytes <= target) break;
     if (in_use->contains(file.path.filename().string())) continue;
-    if (RemoveIdle(file.path)) bytes_ -= std::min(bytes_, file.size);
+    if (RemoveIfIdle(file.path.string())) bytes_ -= std::min(bytes_, file.size);
   }
-  if (bytes_ + bytes <= bytes_max_) return {};
+  if (bytes_ + bytes <= options_.bytes_max) return {};
+  if (bytes > options_.bytes_max || options_.grace.count() == 0) {
+    return Failed(fmt::format("{}: no room for {} bytes: the limit of {} is {}", path_, bytes,
+                              options_.limit_flag, options_.bytes_max));
+  }
   return Failed(
-      fmt::format("the coordinator keeps at most {} bytes of scene files (--blob-bytes), and open jobs "
-                  "and uploads of the last {} minutes need them: wait, or cancel jobs",
-                  bytes_max_, kGrace.count()));
+      fmt::format("{}: no room for {} bytes: open jobs and uploads of the last {} minutes need what is "
+                  "there; wait, cancel "
+                  "jobs or raise {} (now {})",
+                  path_, bytes, options_.grace.count(), options_.limit_flag, options_.bytes_max));
 }
 
 }  // namespace tessera

@@ -1,23 +1,23 @@
-#include "worker/core/lease_book.h"
+#include "worker/core/lease_table.h"
 
 #include <algorithm>
 
 namespace tessera {
 namespace {
 
-// Leases remembered after they have gone: far more than can be in flight in messages of any age.
+// Forgotten leases that are remembered: far more than delayed messages can hold.
 constexpr size_t kPastMax = 100'000;
 
 }  // namespace
 
-bool LeaseBook::Add(const Lease& lease, TimePoint now) {
+bool LeaseTable::Add(const Lease& lease, TimePoint now) {
   if (Holds(lease.id) || past_.contains(lease.id)) return false;
   entries_.push_back({lease, LeaseStage::kWaiting, now, std::make_shared<std::atomic<bool>>(false)});
   return true;
 }
 
-std::optional<LeaseBook::Started> LeaseBook::Start(const std::function<bool(const Digest&)>& is_ready,
-                                                   TimePoint now) {
+std::optional<LeaseTable::Started> LeaseTable::Start(const std::function<bool(const Digest&)>& is_ready,
+                                                     TimePoint now) {
   for (Entry& entry : entries_) {
     if (entry.stage != LeaseStage::kWaiting || !is_ready(entry.lease.scene)) continue;
     entry.stage = LeaseStage::kRunning;
@@ -27,7 +27,7 @@ std::optional<LeaseBook::Started> LeaseBook::Start(const std::function<bool(cons
   return std::nullopt;
 }
 
-bool LeaseBook::Finish(LeaseId id, TimePoint now) {
+bool LeaseTable::Finish(LeaseId id, TimePoint now) {
   const auto entry = Find(id);
   if (entry == entries_.end()) return false;
   entry->stage = LeaseStage::kReturning;
@@ -35,18 +35,18 @@ bool LeaseBook::Finish(LeaseId id, TimePoint now) {
   return true;
 }
 
-void LeaseBook::Forget(LeaseId id) {
+void LeaseTable::Forget(LeaseId id) {
   const auto entry = Find(id);
   if (entry == entries_.end()) {
-    Bury(id);  // it may still be on its way to us
+    Remember(id);  // it may still be on its way here
     return;
   }
   *entry->stop = true;
   entries_.erase(entry);
-  Bury(id);
+  Remember(id);
 }
 
-std::vector<LeaseId> LeaseBook::Take(const std::function<bool(const Entry&)>& which) {
+std::vector<LeaseId> LeaseTable::Take(const std::function<bool(const Entry&)>& which) {
   std::vector<LeaseId> taken;
   for (const Entry& entry : entries_) {
     if (which(entry)) taken.push_back(entry.lease.id);
@@ -55,25 +55,25 @@ std::vector<LeaseId> LeaseBook::Take(const std::function<bool(const Entry&)>& wh
   return taken;
 }
 
-std::vector<LeaseId> LeaseBook::TakeWaiting() {
+std::vector<LeaseId> LeaseTable::TakeWaiting() {
   return Take([](const Entry& entry) { return entry.stage == LeaseStage::kWaiting; });
 }
 
-std::vector<LeaseId> LeaseBook::TakeRunning() {
+std::vector<LeaseId> LeaseTable::TakeRunning() {
   return Take([](const Entry& entry) { return entry.stage == LeaseStage::kRunning; });
 }
 
-std::vector<LeaseId> LeaseBook::TakeScene(const Digest& scene) {
+std::vector<LeaseId> LeaseTable::TakeScene(const Digest& scene) {
   return Take([&](const Entry& entry) {
     return entry.lease.scene == scene && entry.stage != LeaseStage::kReturning;
   });
 }
 
-std::list<LeaseBook::Entry>::iterator LeaseBook::Find(LeaseId id) {
+std::list<LeaseTable::Entry>::iterator LeaseTable::Find(LeaseId id) {
   return std::ranges::find(entries_, id, [](const Entry& entry) { return entry.lease.id; });
 }
 
-void LeaseBook::Bury(LeaseId id) {
+void LeaseTable::Remember(LeaseId id) {
   if (!past_.insert(id).second) return;
   past_order_.push_back(id);
   if (past_order_.size() <= kPastMax) return;
@@ -81,20 +81,20 @@ void LeaseBook::Bury(LeaseId id) {
   past_order_.pop_front();
 }
 
-bool LeaseBook::Holds(LeaseId id) const {
+bool LeaseTable::Holds(LeaseId id) const {
   return std::ranges::any_of(entries_, [id](const Entry& entry) { return entry.lease.id == id; });
 }
 
-bool LeaseBook::Uses(const Digest& scene) const {
+bool LeaseTable::Uses(const Digest& scene) const {
   return std::ranges::any_of(entries_, [&](const Entry& entry) { return entry.lease.scene == scene; });
 }
 
-size_t LeaseBook::running() const {
+size_t LeaseTable::running() const {
   return static_cast<size_t>(std::ranges::count_if(
       entries_, [](const Entry& entry) { return entry.stage == LeaseStage::kRunning; }));
 }
 
-std::vector<HeldLease> LeaseBook::Held(TimePoint now) const {
+std::vector<HeldLease> LeaseTable::Held(TimePoint now) const {
   std::vector<HeldLease> held;
   held.reserve(entries_.size());
   for (const Entry& entry : entries_) {
@@ -104,7 +104,7 @@ std::vector<HeldLease> LeaseBook::Held(TimePoint now) const {
   return held;
 }
 
-std::optional<std::chrono::milliseconds> LeaseBook::ShortestDuration() const {
+std::optional<std::chrono::milliseconds> LeaseTable::ShortestDuration() const {
   std::optional<std::chrono::milliseconds> shortest;
   for (const Entry& entry : entries_) {
     if (!shortest || entry.lease.duration < *shortest) shortest = entry.lease.duration;

@@ -1,4 +1,4 @@
-#include "worker/returner.h"
+#include "worker/result_sender.h"
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
@@ -13,13 +13,15 @@
 namespace tessera {
 namespace {
 
-constexpr std::chrono::seconds kAnswerPatience{60};  // results are written to disk before they are answered
+// Results are written to disk before they are acknowledged.
+constexpr std::chrono::seconds kAnswerPatience{60};
 
 std::vector<Lease> ReadLeases(const google::protobuf::RepeatedPtrField<proto::Lease>& messages) {
   std::vector<Lease> leases;
   for (const proto::Lease& message : messages) {
     const auto lease = ReadLease(message);
-    if (lease) leases.push_back(*lease);  // one that makes no sense lapses
+    // A malformed lease is left to expire.
+    if (lease) leases.push_back(*lease);
   }
   return leases;
 }
@@ -43,20 +45,20 @@ void LogVerdicts(const proto::ResultsAnswer& answer, const std::vector<FinishedU
   int reason = 0;
   for (int i = 0; i < answer.verdicts_size() && i < static_cast<int>(results.size()); ++i) {
     const WorkUnit& unit = results[static_cast<size_t>(i)].unit;
-    spdlog::debug("answered unit=\"{}\" verdict={}", unit.Text(), NameOf(answer.verdicts(i)));
+    spdlog::debug("result_answered unit=\"{}\" verdict={}", unit.Text(), NameOf(answer.verdicts(i)));
     if (answer.verdicts(i) != proto::ResultsAnswer::REFUSED) continue;
-    const std::string words = reason < answer.reasons_size() ? ReadReason(answer.reasons(reason)) : "";
+    const std::string why = reason < answer.reasons_size() ? ReadReason(answer.reasons(reason)) : "";
     ++reason;
-    spdlog::error("result_refused unit=\"{}\" reason=\"{}\"", unit.Text(), words);
+    spdlog::error("result_refused unit=\"{}\" reason=\"{}\"", unit.Text(), why);
   }
 }
 
-// One conversation of the returner: a stub and a way to stop.
-class Courier {
+// The calls that send results and failures.
+class Calls {
  public:
-  Courier(const std::shared_ptr<grpc::Channel>& channel, WorkerId worker, Workbench& bench,
-          std::stop_token stop)
-      : stub_(proto::Work::NewStub(channel)), worker_(worker), bench_(bench), stop_(std::move(stop)) {}
+  Calls(const std::shared_ptr<grpc::Channel>& channel, WorkerId worker, SharedWorkload& workload,
+        std::stop_token stop)
+      : stub_(proto::Work::NewStub(channel)), worker_(worker), workload_(workload), stop_(std::move(stop)) {}
 
   grpc::Status Send(const std::vector<FinishedUnit>& results) {
     proto::ResultsRequest request;
@@ -75,8 +77,9 @@ class Courier {
     });
     if (!status.ok()) return status;
     LogVerdicts(answer, results);
-    bench_.AddLeases(ReadLeases(answer.leases()), ReadIds(answer.drop()));
-    bench_.ResultsAnswered(results);
+    workload_.Change()->AddLeases(ReadLeases(answer.leases()), ReadIds(answer.drop()),
+                                  SharedWorkload::Clock::now());
+    workload_.Change()->ResultsAnswered(results);
     return status;
   }
 
@@ -91,8 +94,8 @@ class Courier {
     const grpc::Status status =
         Call([&](grpc::ClientContext* context) { return stub_->ReturnFailure(context, request, &answer); });
     if (!status.ok()) return status;
-    bench_.AddLeases(ReadLeases(answer.leases()), {});
-    bench_.FailureAnswered();
+    workload_.Change()->AddLeases(ReadLeases(answer.leases()), {}, SharedWorkload::Clock::now());
+    workload_.Change()->FailureAnswered();
     return status;
   }
 
@@ -107,22 +110,23 @@ class Courier {
 
   std::unique_ptr<proto::Work::Stub> stub_;
   WorkerId worker_;
-  Workbench& bench_;
+  SharedWorkload& workload_;
   std::stop_token stop_;
 };
 
 }  // namespace
 
-void Returner::Run(std::stop_token stop) {
-  Courier courier(channel_, worker_, bench_, stop);
-  Backoff backoff(Number(worker_) + 1);  // not in step with the synchronizer's
+void ResultSender::Run(std::stop_token stop) {
+  Calls calls(channel_, worker_, workload_, stop);
+  // Another seed than the synchronizer's, so that their attempts do not coincide.
+  Backoff backoff(Number(worker_) + 1);
   size_t batch_bytes = kResultsBatchBytes;
   while (true) {
-    const Workbench::Parcel parcel = bench_.AwaitParcel(batch_bytes, stop);
-    if (stop.stop_requested() || std::holds_alternative<std::monostate>(parcel)) return;
-    const auto* results = std::get_if<std::vector<FinishedUnit>>(&parcel);
+    const Workload::Batch batch = workload_.AwaitBatch(batch_bytes, stop);
+    if (stop.stop_requested() || std::holds_alternative<std::monostate>(batch)) return;
+    const auto* results = std::get_if<std::vector<FinishedUnit>>(&batch);
     const grpc::Status status =
-        results != nullptr ? courier.Send(*results) : courier.Send(std::get<FailureReport>(parcel));
+        results != nullptr ? calls.Send(*results) : calls.Send(std::get<FailureReport>(batch));
     if (status.ok()) {
       backoff.Reset();
       batch_bytes = kResultsBatchBytes;
@@ -132,14 +136,15 @@ void Returner::Run(std::stop_token stop) {
       on_refusal_(ToError(status, "return results"));
       return;
     }
-    batch_bytes = 0;  // one at a time: the batch may have been too large, or one of it bad
+    // One at a time: the batch may have been too large, or one result of it malformed.
+    batch_bytes = 0;
     if (status.error_code() == grpc::StatusCode::INVALID_ARGUMENT &&
         (results == nullptr || results->size() == 1)) {
-      spdlog::error("result_unreturnable reason=\"{}\"", status.error_message());
+      spdlog::error("result_not_accepted reason=\"{}\"", status.error_message());
       if (results != nullptr) {
-        bench_.ResultsAnswered(*results);  // the lease lapses
+        workload_.Change()->ResultsAnswered(*results);  // the lease expires
       } else {
-        bench_.FailureAnswered();
+        workload_.Change()->FailureAnswered();
       }
       continue;
     }

@@ -1,4 +1,4 @@
-#include "worker/core/scene_shelf.h"
+#include "worker/core/scene_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace {
 
 using testing::ElementsAre;
 
-const SceneShelf::TimePoint kStart{};
+const SceneTable::TimePoint kStart{};
 
 Digest Key(uint8_t number) {
   Digest digest;
@@ -28,18 +28,18 @@ bool NotInUse(const Digest&) {
   return false;
 }
 
-std::vector<Digest> Keys(const SceneShelf& shelf) {
+std::vector<Digest> Keys(const SceneTable& shelf) {
   std::vector<Digest> keys;
   for (const HeldScene& held : shelf.Held()) keys.push_back(held.key);
   return keys;
 }
 
-void LoadAll(SceneShelf& shelf) {
+void LoadAll(SceneTable& shelf) {
   while (const auto order = shelf.StartLoading(kStart)) shelf.Loaded(order->key, LoadTinyScene());
 }
 
-TEST(SceneShelf, LoadsTheMostWantedFirstAndEachOnce) {
-  SceneShelf shelf;
+TEST(SceneTable, LoadsTheMostWantedFirstAndEachOnce) {
+  SceneTable shelf;
   shelf.Want({Order(2), Order(1)}, NotInUse);
   EXPECT_EQ(shelf.StartLoading(kStart)->key, Key(2));
   shelf.Want({Order(2), Order(1)}, NotInUse);  // told again meanwhile
@@ -52,8 +52,8 @@ TEST(SceneShelf, LoadsTheMostWantedFirstAndEachOnce) {
   EXPECT_EQ(shelf.Use(Key(1)), nullptr);
 }
 
-TEST(SceneShelf, LetsGoOfTheLongestUnusedThatNobodyWantsOrUses) {
-  SceneShelf shelf;
+TEST(SceneTable, LetsGoOfTheLongestUnusedThatNobodyWantsOrUses) {
+  SceneTable shelf;
   for (uint8_t i = 1; i <= kScenesHeldMax + 1; ++i) {
     shelf.Want({Order(i)}, NotInUse);
     LoadAll(shelf);
@@ -65,8 +65,8 @@ TEST(SceneShelf, LetsGoOfTheLongestUnusedThatNobodyWantsOrUses) {
   EXPECT_THAT(Keys(shelf), ElementsAre(Key(1), Key(2), Key(3), Key(5)));
 }
 
-TEST(SceneShelf, ASceneThatFailedIsTriedAgainOnlyAfterAWhileAndIfStillWanted) {
-  SceneShelf shelf;
+TEST(SceneTable, ASceneThatFailedIsTriedAgainOnlyAfterAWhileAndIfStillWanted) {
+  SceneTable shelf;
   shelf.Want({Order(1)}, NotInUse);
   shelf.StartLoading(kStart);
   shelf.Failed(Key(1), kStart);
@@ -80,8 +80,8 @@ TEST(SceneShelf, ASceneThatFailedIsTriedAgainOnlyAfterAWhileAndIfStillWanted) {
   EXPECT_FALSE(shelf.StartLoading(kStart + kSceneRetryInterval));
 }
 
-TEST(SceneShelf, ExpectsWhatIsWantedLoadingOrReady) {
-  SceneShelf shelf;
+TEST(SceneTable, ExpectsWhatIsWantedLoadingOrReady) {
+  SceneTable shelf;
   EXPECT_FALSE(shelf.Expects(Key(1)));
   shelf.Want({Order(1)}, NotInUse);
   EXPECT_TRUE(shelf.Expects(Key(1)));

@@ -1,0 +1,238 @@
+#include "proto/blobs/blob_store.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+
+#include "proto/blobs/blob_room.h"
+#include "proto/terms.h"
+#include "renderer/util/file.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::hours kIncomingAgeMax{24};           // nobody resumes an older one
+constexpr uint64_t kWorthKeepingBytes = uint64_t{1} << 20;  // of an unfinished blob
+constexpr size_t kPieceBytes = size_t{1} << 20;
+
+// Removes incoming files that are too old, or that cannot be resumed and that no process writes to.
+Result<void> RemoveStale(const std::string& incoming) {
+  std::error_code error;
+  const auto stale = fs::file_time_type::clock::now() - kIncomingAgeMax;
+  for (const auto& entry : fs::directory_iterator(incoming, error)) {
+    std::error_code ignored;
+    const bool resumable = entry.path().filename().string().find('.') == std::string::npos;
+    if (!resumable || entry.last_write_time(ignored) < stale) RemoveIfIdle(entry.path().string());
+  }
+  if (error) return Failed(fmt::format("{}: cannot be read: {}", incoming, error.message()));
+  return {};
+}
+
+}  // namespace
+
+Result<BlobStore> BlobStore::Open(const std::string& path, const BlobStoreOptions& options) {
+  const std::string incoming = path + "/incoming";
+  std::error_code error;
+  fs::create_directories(incoming, error);
+  if (error) return Failed(fmt::format("{}: cannot be created: {}", incoming, error.message()));
+  if (::access(incoming.c_str(), W_OK) != 0) return SystemError(incoming, "cannot be written to");
+  if (const auto removed = RemoveStale(incoming); !removed) return removed.error();
+  return BlobStore(path, options);
+}
+
+BlobStore::BlobStore(std::string path, BlobStoreOptions options)
+    : path_(std::move(path)),
+      options_(std::move(options)),
+      room_(std::make_shared<BlobRoom>(path_, options_)) {}
+
+void BlobStore::Protect(PackagesInUse in_use) {
+  room_->Protect(std::move(in_use));
+}
+
+uint64_t BlobStore::bytes() const {
+  return room_->bytes();
+}
+
+// Two levels, so that no folder gets long.
+std::string BlobStore::Folder(const Digest& digest) const {
+  return path_ + "/" + digest.Hex().substr(0, 2);
+}
+
+std::string BlobStore::Path(const Digest& digest) const {
+  return Folder(digest) + "/" + digest.Hex();
+}
+
+std::optional<uint64_t> BlobStore::Size(const Digest& digest) const {
+  struct stat status {};
+  if (::stat(Path(digest).c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+  return static_cast<uint64_t>(status.st_size);
+}
+
+std::optional<uint64_t> BlobStore::Use(const Digest& digest) const {
+  const auto size = Size(digest);
+  if (size) ::utimensat(AT_FDCWD, Path(digest).c_str(), nullptr, 0);  // now
+  return size;
+}
+
+Result<std::string> BlobStore::Read(const Digest& digest, uint64_t size_max) const {
+  if (!Has(digest)) return BadInput(fmt::format("there is no blob {}", digest.Hex()));
+  auto bytes = ReadFile(Path(digest), size_max);
+  if (bytes && Sha256(*bytes) != digest)
+    return Failed(fmt::format("{}: is corrupt (SHA-256 mismatch)", Path(digest)));
+  return bytes;
+}
+
+Result<void> BlobStore::Write(const Digest& digest, std::string_view bytes) const {
+  auto partial = Begin(digest, bytes.size());
+  if (!partial) return partial.error();
+  if (const auto added = (*partial)->Add(bytes); !added) return added.error();
+  return (*partial)->Finish();
+}
+
+void BlobStore::Remove(const Digest& digest) const {
+  const auto size = Size(digest);
+  if (size && ::unlink(Path(digest).c_str()) == 0) room_->Give(*size);
+}
+
+std::string BlobStore::IncomingPath(const Digest& digest) const {
+  return fmt::format("{}/incoming/{}", path_, digest.Hex());
+}
+
+uint64_t BlobStore::Arrived(const Digest& digest) const {
+  struct stat status {};
+  if (::stat(IncomingPath(digest).c_str(), &status) != 0) return 0;
+  return static_cast<uint64_t>(status.st_size);
+}
+
+// The file that the blob is received into, cut at `offset`: the one that others may resume from or, if
+// somebody is writing to that now and the partial need not be `alone`, one of its own.
+Result<int> BlobStore::OpenIncoming(uint64_t offset, bool alone, Partial& partial) const {
+  partial.temporary_ = IncomingPath(partial.digest_);
+  const int file = ::open(partial.temporary_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (file < 0) return SystemError(partial.temporary_, "cannot be created");
+  struct stat ours {};
+  struct stat named {};
+  // The file may have been renamed before it was locked: then it is a blob by now.
+  partial.resumable_ = ::flock(file, LOCK_EX | LOCK_NB) == 0 && ::fstat(file, &ours) == 0 &&
+                       ::stat(partial.temporary_.c_str(), &named) == 0 && ours.st_ino == named.st_ino;
+  if (partial.resumable_) {
+    const auto size = static_cast<uint64_t>(ours.st_size);
+    if (offset <= size && ::ftruncate(file, static_cast<off_t>(offset)) == 0) {
+      room_->Give(size - offset);
+      return file;
+    }
+    partial.resumable_ = false;
+  }
+  ::close(file);
+  if (offset > 0 || alone)
+    return Error{ErrorKind::kInterrupted,
+                 "the bytes sent earlier are not there any more; send the file again"};
+  partial.temporary_ += ".XXXXXX";
+  const int own = ::mkostemp(partial.temporary_.data(), O_CLOEXEC);
+  if (own < 0) return SystemError(partial.temporary_, "cannot be created");
+  ::flock(own, LOCK_EX | LOCK_NB);
+  return own;
+}
+
+Result<std::unique_ptr<BlobStore::Partial>> BlobStore::Begin(const Digest& digest, uint64_t size,
+                                                             uint64_t offset) const {
+  return Receive(digest, size, offset, false);
+}
+
+Result<std::unique_ptr<BlobStore::Partial>> BlobStore::Resume(const Digest& digest, uint64_t size) const {
+  const uint64_t arrived = Arrived(digest);
+  auto partial = Receive(digest, size, arrived <= size ? arrived : 0, true);
+  if (!partial && partial.error().kind == ErrorKind::kInterrupted) return std::unique_ptr<Partial>();
+  return partial;
+}
+
+Result<std::unique_ptr<BlobStore::Partial>> BlobStore::Receive(const Digest& digest, uint64_t size,
+                                                               uint64_t offset, bool alone) const {
+  if (size > kBlobBytesMax)
+    return BadInput(
+        fmt::format("blob {}: {} bytes are more than the limit of {}", digest.Hex(), size, kBlobBytesMax));
+  if (offset > size) return BadInput(fmt::format("blob {}: the offset is beyond its end", digest.Hex()));
+  if (auto taken = room_->Take(size - offset); !taken) return taken.error();
+  std::unique_ptr<Partial> partial(new Partial);
+  partial->digest_ = digest;
+  partial->size_ = size;
+  partial->resumed_at_ = partial->received_ = offset;
+  partial->durable_ = options_.durable;
+  partial->folder_ = Folder(digest);
+  partial->path_ = Path(digest);
+  const auto file = OpenIncoming(offset, alone, *partial);
+  if (!file) {
+    room_->Give(size - offset);
+    return file.error();
+  }
+  partial->file_ = *file;
+  partial->room_ = room_;
+  std::string piece(kPieceBytes, '\0');
+  for (uint64_t at = 0; at < offset;) {
+    const ssize_t count =
+        ::pread(*file, piece.data(), std::min<uint64_t>(piece.size(), offset - at), static_cast<off_t>(at));
+    if (count <= 0) return partial->Fail(SystemError(partial->temporary_, "cannot be read"));
+    partial->hash_.Add(std::string_view(piece).substr(0, static_cast<size_t>(count)));
+    at += static_cast<uint64_t>(count);
+  }
+  ::lseek(*file, static_cast<off_t>(offset), SEEK_SET);
+  return partial;
+}
+
+BlobStore::Partial::~Partial() {
+  if (file_ < 0) return;
+  const bool kept = resumable_ && !failed_ && received_ >= kWorthKeepingBytes;
+  if (!kept) ::unlink(temporary_.c_str());
+  ::close(file_);  // releases the lock
+  room_->Give(kept ? size_ - received_ : size_);
+}
+
+Error BlobStore::Partial::Fail(Error error) {
+  failed_ = true;
+  return error;
+}
+
+Result<void> BlobStore::Partial::Add(std::string_view bytes) {
+  if (bytes.size() > size_ - received_)
+    return Fail(BadInput(fmt::format("blob {}: more bytes than announced", digest_.Hex())));
+  hash_.Add(bytes);
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file_, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return Fail(SystemError(temporary_, "cannot be written"));
+    bytes.remove_prefix(static_cast<size_t>(count));
+    received_ += static_cast<uint64_t>(count);
+  }
+  return {};
+}
+
+Result<void> BlobStore::Partial::Finish() {
+  if (!IsWhole())
+    return Fail(BadInput(fmt::format("blob {}: {} bytes instead of {}", digest_.Hex(), received_, size_)));
+  failed_ = true;  // unless everything below succeeds
+  if (const Digest found = hash_.Finish(); found != digest_) {
+    const ErrorKind kind = resumed_at_ > 0 ? ErrorKind::kInterrupted : ErrorKind::kBadInput;
+    return Error{kind,
+                 fmt::format("blob {}: SHA-256 mismatch: the bytes have {}", digest_.Hex(), found.Hex())};
+  }
+  if (::mkdir(folder_.c_str(), 0755) != 0 && errno != EEXIST)
+    return SystemError(folder_, "cannot be created");
+  if (durable_ && ::fsync(file_) != 0) return SystemError(temporary_, "cannot be synced");
+  const bool is_copy = ::access(path_.c_str(), F_OK) == 0;  // somebody else was faster
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) return SystemError(path_, "cannot be written");
+  ::close(file_);
+  file_ = -1;  // nothing is left for the destructor
+  if (is_copy) room_->Give(size_);
+  if (durable_) SyncFolder(folder_);
+  return {};
+}
+
+}  // namespace tessera

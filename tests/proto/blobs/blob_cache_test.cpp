@@ -1,0 +1,135 @@
+// A blob store as a cache that several processes share.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+
+#include "proto/blobs/blob_store.h"
+#include "tests/coordinator/store/temporary_dir.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMega = uint64_t{1} << 20;
+
+class BlobCache : public testing::Test {
+ protected:
+  BlobStore Open(uint64_t bytes_max = 100 * kMega) const {
+    return *BlobStore::Open(folder_.path(), BlobStoreOptions::Cache(bytes_max));
+  }
+  uint64_t BytesOnDisk() const {
+    uint64_t bytes = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path()))
+      bytes += entry.is_regular_file() ? entry.file_size() : 0;
+    return bytes;
+  }
+  TemporaryDir folder_;
+};
+
+TEST_F(BlobCache, IsSharedWithTheNextProcess) {
+  const std::string bytes = "some bytes";
+  ASSERT_TRUE(Open().Write(Sha256(bytes), bytes));
+  EXPECT_EQ(*Open().Read(Sha256(bytes), 100), bytes);
+}
+
+TEST_F(BlobCache, LeastRecentlyUsedBlobsAreEvictedFirst) {
+  const BlobStore cache = Open(10'000);
+  std::vector<Digest> digests;
+  const auto write = [&](char letter) {
+    const std::string bytes(1000, letter);
+    EXPECT_TRUE(cache.Write(Sha256(bytes), bytes));
+    digests.push_back(Sha256(bytes));
+    // Times of files may be coarse: set them apart.
+    fs::last_write_time(cache.Path(digests.back()),
+                        fs::file_time_type::clock::now() - std::chrono::hours(100 - digests.size()));
+  };
+  for (char letter = 'a'; letter < 'k'; ++letter) write(letter);
+  EXPECT_TRUE(cache.Use(digests[0]));
+  write('k');
+  EXPECT_LE(BytesOnDisk(), 10'000u);
+  EXPECT_TRUE(cache.Has(digests[0]));
+  EXPECT_FALSE(cache.Has(digests[1]));
+  EXPECT_TRUE(cache.Has(digests.back()));
+}
+
+TEST_F(BlobCache, BlobsOfOtherProcessesCountWhenRoomIsNeeded) {
+  const BlobStore one = Open(3 * kMega), other = Open(3 * kMega);
+  for (const char letter : {'a', 'b'}) {
+    const std::string bytes(kMega, letter);
+    ASSERT_TRUE(other.Write(Sha256(bytes), bytes));
+    fs::last_write_time(other.Path(Sha256(bytes)), fs::file_time_type::clock::now() - std::chrono::hours(1));
+  }
+  for (const char letter : {'c', 'd', 'e', 'f'}) {
+    const std::string bytes(kMega, letter);
+    ASSERT_TRUE(one.Write(Sha256(bytes), bytes));
+  }
+  EXPECT_LE(BytesOnDisk(), 3 * kMega);
+}
+
+TEST_F(BlobCache, ABlobLargerThanTheCacheIsRefused) {
+  const auto written = Open(100).Write(Sha256(std::string(1000, 'x')), std::string(1000, 'x'));
+  ASSERT_FALSE(written);
+  EXPECT_THAT(written.error().message, testing::HasSubstr("the limit of --cache-size is 100"));
+  EXPECT_EQ(BytesOnDisk(), 0u);
+}
+
+TEST_F(BlobCache, ACorruptBlobIsReplacedAfterItsRemoval) {
+  const BlobStore cache = Open();
+  const std::string bytes = "some bytes";
+  for (const char* corrupt : {"some bytez", "some byte", ""}) {
+    ASSERT_TRUE(cache.Write(Sha256(bytes), bytes));
+    std::ofstream(cache.Path(Sha256(bytes))) << corrupt;
+    EXPECT_FALSE(cache.Read(Sha256(bytes), 100));
+    cache.Remove(Sha256(bytes));
+    EXPECT_FALSE(cache.Has(Sha256(bytes)));
+  }
+  ASSERT_TRUE(cache.Write(Sha256(bytes), bytes));
+  EXPECT_EQ(*cache.Read(Sha256(bytes), 100), bytes);
+}
+
+TEST_F(BlobCache, OneProcessReceivesABlobAndTheOthersWait) {
+  const std::string bytes(3 * kMega, 'x');
+  {
+    const BlobStore cache = Open();
+    const auto partial = cache.Resume(Sha256(bytes), bytes.size());
+    ASSERT_TRUE((*partial)->Add(bytes.substr(0, 2 * kMega)));
+    EXPECT_FALSE(cache.Has(Sha256(bytes)));
+  }
+  const BlobStore cache = Open(), other = Open();
+  {
+    const auto partial = cache.Resume(Sha256(bytes), bytes.size());
+    EXPECT_EQ((*partial)->received(), 2 * kMega) << "what a former process received";
+    EXPECT_EQ(*other.Resume(Sha256(bytes), bytes.size()), nullptr);
+    ASSERT_TRUE((*partial)->Add(bytes.substr(2 * kMega)));
+    ASSERT_TRUE((*partial)->Finish());
+  }
+  EXPECT_EQ(*other.Read(Sha256(bytes), bytes.size()), bytes);
+  EXPECT_EQ(BytesOnDisk(), bytes.size());
+}
+
+TEST_F(BlobCache, OpeningRemovesOnlyTheIncomingFilesOfProcessesThatHaveEnded) {
+  { const BlobStore cache = Open(); }
+  const std::string dead = folder_ / "incoming/ab.dead", living = folder_ / "incoming/ab.live";
+  std::ofstream(dead) << "half";
+  const int file = ::open(living.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  ASSERT_EQ(::flock(file, LOCK_EX | LOCK_NB), 0);
+  { const BlobStore cache = Open(); }
+  EXPECT_FALSE(fs::exists(dead));
+  EXPECT_TRUE(fs::exists(living));
+  ::close(file);
+}
+
+TEST_F(BlobCache, AFolderThatCannotBeCreatedIsRefused) {
+  EXPECT_TRUE(BlobStore::Open(folder_ / "new/deep", BlobStoreOptions::Cache(kMega)));
+  EXPECT_FALSE(BlobStore::Open("/proc/nothing", BlobStoreOptions::Cache(kMega)));
+}
+
+}  // namespace
+}  // namespace tessera
