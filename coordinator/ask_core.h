@@ -10,16 +10,16 @@
 
 namespace tessera {
 
-constexpr std::chrono::milliseconds kCorePatience{
-    2000};  // far above any batch; a disk that hangs takes longer
+// Far longer than any batch takes; only a disk that hangs takes longer.
+constexpr std::chrono::milliseconds kCorePatience{2000};
 
-// What `question` answers, on the core thread; nothing if that takes longer than kCorePatience. Not to be
-// called on the core thread.
+// Runs `question` on the core thread and returns its answer; nullopt if that takes longer than kCorePatience.
+// Must not be called on the core thread.
 template <typename Question>
 auto AskCore(CoreThread& core, Question question)
     -> std::optional<decltype(question(std::declval<CoreContext&>()))> {
   using Answer = decltype(question(std::declval<CoreContext&>()));
-  // Shared: the core thread may answer when nobody waits any more.
+  // Shared: the core thread may answer after the caller has stopped waiting.
   const auto promise = std::make_shared<std::promise<Answer>>();
   auto answer = promise->get_future();
   core.Post([promise, question](CoreContext& context) { promise->set_value(question(context)); });

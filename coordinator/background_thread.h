@@ -1,4 +1,4 @@
-// A thread for what takes long: encoding, files. Tasks run one after the other.
+// A thread for tasks that take long, such as encoding and files. They run one after the other.
 #pragma once
 
 #include <chrono>
@@ -16,9 +16,9 @@ class BackgroundThread {
   ~BackgroundThread();  // Stop
   // Thread safe.
   void Post(std::function<void()> task);
-  // Runs what was posted, then ends the thread.
+  // Runs the tasks posted so far, then ends the thread.
   void Stop();
-  // For a task: waits, at most until Stop; whether it may go on.
+  // For a task: waits for `duration` or until Stop. Returns false once Stop was called.
   bool Sleep(std::chrono::milliseconds duration);
 
  private:

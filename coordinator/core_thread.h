@@ -23,17 +23,17 @@ namespace tessera {
 // Answers that wait for an event. Belongs to the core thread.
 class PendingAnswers {
  public:
-  // Gets the directive, or null if the call was cancelled or the coordinator ends.
+  // Receives the directive, or null if the call was cancelled or the coordinator ends.
   using OnDirective = std::function<void(const WorkerDirective*)>;
-  // Gets the answer, or null if the coordinator ends before the results are on stable storage.
+  // Receives the answer, or null if the coordinator ends before the results are on stable storage.
   using OnResults = std::function<void(const FarmOutput::Results*)>;
-  // Gets each new status; `last` if there will be no other, because the job has ended or (status null) the
-  // coordinator ends. Returns false if nobody is watching any more.
+  // Receives each new status; `last` if there will be no other, because the job has ended or (status null)
+  // the coordinator ends. Returns false if nobody is watching any more.
   using OnStatus = std::function<bool(const JobStatus* status, bool last)>;
 
   void AwaitDirective(CallId call, OnDirective answer) { directives_[call] = std::move(answer); }
   void AwaitResults(CallId call, OnResults answer) { results_[call] = std::move(answer); }
-  // Gets true when everything that the event caused is on stable storage, false if the coordinator ends
+  // Receives true when everything that the event caused is on stable storage, false if the coordinator ends
   // first.
   using OnSync = std::function<void(bool synced)>;
   void AfterSync(OnSync answer) { after_sync_.push_back(std::move(answer)); }

@@ -1,4 +1,4 @@
-// What people and monitoring systems see of a farm: one look at everything, as values.
+// What people and monitoring systems see of a farm at one moment, as values.
 #pragma once
 
 #include <optional>
@@ -11,16 +11,16 @@ namespace tessera {
 
 class CoreThread;
 
-// Bytes that went through the coordinator since it started.
+// Bytes transferred since the coordinator started.
 struct Traffic {
   uint64_t results_in = 0;  // radiance
   uint64_t blobs_in = 0, blobs_out = 0;
 };
 
-// Of returned results, now.
+// Results being returned now.
 struct IntakeUse {
-  uint64_t bytes = 0;    // let in and not yet on disk
-  uint64_t waiting = 0;  // calls, for room
+  uint64_t bytes = 0;    // admitted and not yet on disk
+  uint64_t waiting = 0;  // calls that wait for room
 };
 
 struct FarmView {
@@ -35,8 +35,8 @@ struct FarmView {
   uint64_t blob_bytes = 0;  // kept on disk
 };
 
-// Asks the core thread; nothing if it does not answer in time. `traffic`, `intake` and `blob_bytes` are
-// the caller's to fill in.
+// Asks the core thread; nullopt if it does not answer in time. The caller fills in `traffic`, `intake` and
+// `blob_bytes`.
 std::optional<FarmView> LookAtFarm(CoreThread& core);
 
 }  // namespace tessera

@@ -8,7 +8,7 @@
 namespace tessera {
 namespace {
 
-// A farm beyond it is watched as a whole: each series costs the monitoring system memory for weeks.
+// Larger farms are monitored as a whole: every series costs the monitoring system memory for weeks.
 constexpr size_t kWorkersShownMax = 1000;
 
 using Labels = std::vector<prometheus::ClientMetric::Label>;
@@ -24,7 +24,7 @@ class Families {
   std::string Text() const { return prometheus::TextSerializer().Serialize(families_); }
 
  private:
-  // Series of one name follow each other.
+  // Series of the same name are added one after the other.
   prometheus::ClientMetric& Add(prometheus::MetricType type, const char* name, const char* help,
                                 Labels labels) {
     if (families_.empty() || families_.back().name != name) families_.push_back({name, help, type, {}});
@@ -40,45 +40,47 @@ double D(uint64_t count) {
 
 void AddResults(const FarmCounters& c, Families& out) {
   const char* const name = "tessera_results_total";
-  const char* const help = "Results returned by workers, by outcome.";
+  const char* const help = "Returned results by verdict.";
   out.Counter(name, help, D(c.units_accepted), {{"verdict", "accepted"}});
   out.Counter(name, help, D(c.units_duplicate), {{"verdict", "duplicate"}});
   out.Counter(name, help, D(c.units_obsolete), {{"verdict", "obsolete"}});
   out.Counter(name, help, D(c.units_refused), {{"verdict", "refused"}});
-  out.Counter("tessera_units_failed_total", "Units that a worker could not render.", D(c.units_failed));
-  out.Counter("tessera_samples_total", "Pixel samples merged into pictures; the rate is samples per second.",
+  out.Counter("tessera_units_failed_total", "Units that workers failed to render.", D(c.units_failed));
+  out.Counter("tessera_samples_total", "Pixel samples merged into pictures; its rate is samples per second.",
               D(c.samples_accepted));
-  out.Counter("tessera_samples_wasted_total", "Pixel samples of duplicate results.", D(c.samples_wasted));
+  out.Counter("tessera_samples_wasted_total", "Pixel samples of duplicate, obsolete and refused results.",
+              D(c.samples_wasted));
 }
 
 void AddLeases(const FarmView& view, Families& out) {
   const FarmCounters& c = view.counters;
-  out.Gauge("tessera_leases", "Units leased to workers now.", D(view.leases));
+  out.Gauge("tessera_leases", "Units leased to workers.", D(view.leases));
   out.Counter("tessera_leases_granted_total", "Leases granted.", D(c.leases_granted));
-  out.Counter("tessera_leases_expired_total", "Leases that expired.", D(c.leases_expired));
+  out.Counter("tessera_leases_expired_total", "Leases that were not renewed in time.", D(c.leases_expired));
   out.Counter("tessera_leases_retried_total",
-              "Leases that ended without a result; their units were leased again.", D(c.leases_retried));
-  out.Counter("tessera_leases_moot_total", "Leases revoked because another worker returned the unit first.",
+              "Leases that ended without a result, so that their units were leased again.",
+              D(c.leases_retried));
+  out.Counter("tessera_leases_moot_total", "Leases withdrawn because another worker was faster.",
               D(c.leases_moot));
 }
 
 void AddSlots(const FarmView& view, Families& out) {
   const char* const now = "tessera_slots";
-  const char* const now_help = "Render slots of the farm by current activity.";
+  const char* const now_help = "Render slots by current use.";
   out.Gauge(now, now_help, view.slots.leased, {{"use", "leased"}});
   out.Gauge(now, now_help, view.slots.fetching, {{"use", "fetching"}});
   out.Gauge(now, now_help, view.slots.loading, {{"use", "loading"}});
   out.Gauge(now, now_help, view.slots.idle, {{"use", "idle"}});
   const FarmCounters& c = view.counters;
   const char* const time = "tessera_slot_seconds_total";
-  const char* const time_help = "Time of render slots by activity.";
+  const char* const time_help = "Time of render slots by use.";
   out.Counter(time, time_help, c.leased_s, {{"use", "leased"}});
   out.Counter(time, time_help, c.fetching_s, {{"use", "fetching"}});
   out.Counter(time, time_help, c.loading_s, {{"use", "loading"}});
   out.Counter(time, time_help, c.idle_s, {{"use", "idle"}});
   out.Counter("tessera_render_seconds_total", "Time of slots spent on results that were accepted.",
               c.render_s);
-  out.Counter("tessera_wasted_seconds_total", "Time of slots spent on results that were not used.",
+  out.Counter("tessera_wasted_seconds_total", "Time of slots spent on duplicate and dropped units.",
               c.waste_s);
 }
 
@@ -90,11 +92,12 @@ void AddWorkers(const FarmView& view, Families& out) {
     return Labels{{"worker", fmt::format("{:016x}", Number(worker.worker))}, {"name", worker.name}};
   };
   for (const WorkerStatus& worker : view.workers) {
-    out.Gauge("tessera_worker_utilisation", "Fraction of a worker's slot time spent rendering, last minute.",
+    out.Gauge("tessera_worker_utilisation", "Share of the last minute that the slots of a worker rendered.",
               worker.utilisation, labels(worker));
   }
   for (const WorkerStatus& worker : view.workers) {
-    out.Gauge("tessera_worker_samples_per_second", "Pixel samples accepted from a worker, last minute.",
+    out.Gauge("tessera_worker_samples_per_second",
+              "Pixel samples per second accepted from a worker in the last minute.",
               worker.samples_per_second, labels(worker));
   }
 }
@@ -105,8 +108,7 @@ void AddJobs(const FarmView& view, Families& out) {
     states[static_cast<JobState>(state)] = 0;
   for (const JobStatus& job : view.jobs) ++states[job.state];
   for (const auto& [state, count] : states) {
-    out.Gauge("tessera_jobs", "Jobs known to the coordinator, by state.", count,
-              {{"state", JobStateName(state)}});
+    out.Gauge("tessera_jobs", "Jobs by state.", count, {{"state", JobStateName(state)}});
   }
   out.Gauge("tessera_samples_left", "Pixel samples of open jobs that are not merged yet.",
             D(view.samples_left));
@@ -114,10 +116,10 @@ void AddJobs(const FarmView& view, Families& out) {
 
 void AddCoordinator(const FarmView& view, Families& out) {
   const FarmCounters& c = view.counters;
-  out.Counter("tessera_core_seconds_total", "Time the coordinator spent on decisions and merging.", c.core_s);
+  out.Counter("tessera_core_seconds_total", "Time the coordinator spent deciding and merging.", c.core_s);
   out.Counter("tessera_journal_sync_seconds_total",
-              "Time the coordinator waited for the disk of its journal.", c.journal_s);
-  out.Counter("tessera_journal_syncs_total", "Times the journal was synced.", D(c.journal_syncs));
+              "Time the coordinator waited for the journal to be synced.", c.journal_s);
+  out.Counter("tessera_journal_syncs_total", "Syncs of the journal.", D(c.journal_syncs));
   out.Counter("tessera_picture_seconds_total", "Time spent encoding and writing pictures.", c.picture_s);
   const char* const bytes = "tessera_bytes_total";
   const char* const help = "Bytes received and sent by the coordinator.";

@@ -1,4 +1,4 @@
-// The farm in numbers, as Prometheus reads them.
+// The metrics of a farm, as Prometheus reads them.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-// The text exposition format, version 0.0.4. Counters begin at 0 with each process of the coordinator.
+// The text exposition format, version 0.0.4. Counters start at 0 in each coordinator process.
 std::string MetricsText(const FarmView& view);
 
 }  // namespace tessera

@@ -1,5 +1,7 @@
 #include "coordinator/results_call.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "coordinator/core_thread.h"
@@ -10,7 +12,7 @@
 namespace tessera {
 namespace {
 
-constexpr double kRenderSecondsMax = 1e6;  // a measurement beyond it is nonsense
+constexpr double kRenderSecondsMax = 1e6;  // no measurement is longer
 
 grpc::Status Refusal(const char* what) {
   return ToStatus(BadInput(std::string("message refused: ") + what));
@@ -18,7 +20,8 @@ grpc::Status Refusal(const char* what) {
 
 Result<std::vector<ReturnedUnit>> ReadResults(const proto::ResultsRequest& request) {
   if (request.results_size() > kResultsPerCallMax)
-    return BadInput("message refused: too many results in one call");
+    return BadInput(
+        fmt::format("message refused: too many results in one call (limit {})", kResultsPerCallMax));
   std::vector<ReturnedUnit> units;
   for (const proto::UnitResult& result : request.results()) {
     const auto unit = ReadWorkUnit(result.unit());
@@ -58,7 +61,7 @@ ResultsCall::ResultsCall(CoreThread& core, ResultsIntake& intake, CallId id, pro
 
 void ResultsCall::OnReadDone(bool ok) {
   if (!ok) {
-    Finish(Refusal(bytes_ == 0 ? "results were not announced" : "announced results are missing"));
+    Finish(Refusal(bytes_ == 0 ? "the announcement is missing" : "the announced results are missing"));
   } else if (bytes_ == 0) {
     Announced();
   } else {
@@ -68,9 +71,9 @@ void ResultsCall::OnReadDone(bool ok) {
 
 void ResultsCall::Announced() {
   if (request_->worker() == 0) return Finish(Refusal("worker is missing"));
-  if (request_->bytes() == 0) return Finish(Refusal("bytes of the results are missing"));
+  if (request_->bytes() == 0) return Finish(Refusal("bytes is missing"));
   if (request_->bytes() > static_cast<uint64_t>(kMessageBytesMax))
-    return Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "the results exceed the message limit"});
+    return Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "the results are larger than the message limit"});
   worker_ = WorkerId{request_->worker()};
   bytes_ = request_->bytes();
   intake_.Enter(id_, bytes_, [this] {
@@ -79,10 +82,10 @@ void ResultsCall::Announced() {
   });
 }
 
-// Here, so that checking and copying pixels uses many threads.
+// Decodes here rather than on the core thread, so that checking and copying pixels uses many threads.
 void ResultsCall::Received() {
   bytes_in_ += request_->ByteSizeLong();
-  if (request_->ByteSizeLong() > bytes_) return Finish(Refusal("more results than announced"));
+  if (request_->ByteSizeLong() > bytes_) return Finish(Refusal("the results are larger than announced"));
   auto units = ReadResults(*request_);
   request_.reset();
   if (!units) return Finish(ToStatus(units.error()));
@@ -98,7 +101,7 @@ void ResultsCall::Answer(const FarmOutput::Results* results) {
   Finish(results != nullptr ? grpc::Status::OK : CoordinatorEnds());
 }
 
-// Whoever waits in line has nothing open that would break.
+// While a call waits for admission, no read is open that would report the cancellation.
 void ResultsCall::OnCancel() {
   if (intake_.Withdraw(id_)) Finish(grpc::Status::CANCELLED);
 }

@@ -1,4 +1,4 @@
-// One call of proto/work.proto's ReturnResults.
+// One ReturnResults call of proto/work.proto.
 #pragma once
 
 #include <grpcpp/support/server_callback.h>
@@ -14,11 +14,11 @@ namespace tessera {
 class CoreThread;
 class ResultsIntake;
 
-// Reads the announcement, waits until the results are let in, reads them, hands them to the core and gives
+// Reads the announcement, waits until the results are admitted, reads them, passes them to the core and sends
 // its answer. Deletes itself when the call is over.
 class ResultsCall final : public grpc::ServerReadReactor<proto::ResultsRequest> {
  public:
-  // `bytes_in` counts what was read.
+  // Adds the bytes read to `bytes_in`.
   ResultsCall(CoreThread& core, ResultsIntake& intake, CallId id, proto::ResultsAnswer& answer,
               std::atomic<uint64_t>& bytes_in);
 
@@ -36,7 +36,7 @@ class ResultsCall final : public grpc::ServerReadReactor<proto::ResultsRequest> 
   const CallId id_;
   proto::ResultsAnswer& answer_;
   std::atomic<uint64_t>& bytes_in_;
-  std::optional<proto::ResultsRequest> request_;  // gone as soon as its results are read from it
+  std::optional<proto::ResultsRequest> request_;  // released as soon as its results are decoded
   WorkerId worker_{};
   uint64_t bytes_ = 0;  // announced; 0 before
   bool admitted_ = false;

@@ -11,9 +11,9 @@ namespace tessera {
 void ResultsIntake::Enter(CallId call, uint64_t bytes, std::function<void()> admitted) {
   {
     const std::lock_guard lock(mutex_);
-    line_.push_back({call, bytes, std::move(admitted)});
+    queue_.push_back({call, bytes, std::move(admitted)});
   }
-  AdmitWhoFits();
+  AdmitWaiting();
 }
 
 void ResultsIntake::Leave(uint64_t bytes) {
@@ -22,29 +22,29 @@ void ResultsIntake::Leave(uint64_t bytes) {
     TESSERA_CHECK(bytes <= bytes_);
     bytes_ -= bytes;
   }
-  AdmitWhoFits();
+  AdmitWaiting();
 }
 
 bool ResultsIntake::Withdraw(CallId call) {
   size_t withdrawn = 0;
   {
     const std::lock_guard lock(mutex_);
-    withdrawn = std::erase_if(line_, [&](const Place& place) { return place.call == call; });
+    withdrawn = std::erase_if(queue_, [&](const Waiting& waiting) { return waiting.call == call; });
   }
-  if (withdrawn > 0) AdmitWhoFits();  // it may have been a large one in front of small ones
+  if (withdrawn > 0) AdmitWaiting();  // smaller calls may have waited behind it
   return withdrawn > 0;
 }
 
-void ResultsIntake::AdmitWhoFits() {
-  std::vector<Place> admitted;
+void ResultsIntake::AdmitWaiting() {
+  std::vector<Waiting> admitted;
   {
     const std::lock_guard lock(mutex_);
-    for (; !line_.empty() && HasRoom(line_.front().bytes); line_.pop_front()) {
-      bytes_ += line_.front().bytes;
-      admitted.push_back(std::move(line_.front()));
+    for (; !queue_.empty() && HasRoom(queue_.front().bytes); queue_.pop_front()) {
+      bytes_ += queue_.front().bytes;
+      admitted.push_back(std::move(queue_.front()));
     }
   }
-  for (const Place& place : admitted) place.admitted();
+  for (const Waiting& waiting : admitted) waiting.admitted();
 }
 
 uint64_t ResultsIntake::bytes() const {
@@ -54,7 +54,7 @@ uint64_t ResultsIntake::bytes() const {
 
 size_t ResultsIntake::waiting() const {
   const std::lock_guard lock(mutex_);
-  return line_.size();
+  return queue_.size();
 }
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
-// How many bytes of results are in memory at once, from the moment they are read off the network until they
-// are on disk and answered. Whoever finds no room waits in line, first come first served, and what he sends
-// meanwhile stays in his own memory. So neither a thousand workers nor a disk that refuses can fill memory.
+// Bounds the bytes of results in memory, from the moment they are read from the network until they are on
+// disk and acknowledged. Calls that find no room wait in a queue, first come first served; their results stay
+// in the memory of the worker. So neither a thousand workers nor a disk that refuses writes can fill the
+// coordinator's memory.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,8 @@
 
 namespace tessera {
 
-// Room for a second of what a coordinator merges on two cores. What is let in is held encoded and decoded for
-// a moment, so memory may be a few times that.
+// What a coordinator merges in about a second on two cores. Admitted results are held encoded and decoded for
+// a moment, so the memory used may be a few times that.
 constexpr uint64_t kIntakeBytesMax = uint64_t{128} << 20;
 
 // Thread safe. No lock is held while `admitted` is called.
@@ -21,30 +22,30 @@ class ResultsIntake {
  public:
   explicit ResultsIntake(uint64_t bytes_max) : bytes_max_(bytes_max) {}
 
-  // Calls `admitted` when there is room for that many bytes: immediately, or later from another thread.
-  // More than all the room there is are admitted alone.
+  // Calls `admitted` as soon as there is room for `bytes`: before it returns, or later from another thread. A
+  // call larger than the whole room is admitted when nothing else is.
   void Enter(CallId call, uint64_t bytes, std::function<void()> admitted);
-  // Gives the room of an admitted call to others.
+  // Releases the room of an admitted call.
   void Leave(uint64_t bytes);
-  // Takes a call out of the line. False if it does not stand there: it is admitted, or was never there.
+  // Removes a call from the queue. Returns false if it is not waiting: it has been admitted or never entered.
   bool Withdraw(CallId call);
 
   uint64_t bytes() const;
   size_t waiting() const;
 
  private:
-  struct Place {
+  struct Waiting {
     CallId call{};
     uint64_t bytes = 0;
     std::function<void()> admitted;
   };
   bool HasRoom(uint64_t bytes) const { return bytes_ == 0 || bytes_ + bytes <= bytes_max_; }
-  void AdmitWhoFits();
+  void AdmitWaiting();
 
   const uint64_t bytes_max_;
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // of the members below
   uint64_t bytes_ = 0;        // of admitted calls
-  std::deque<Place> line_;
+  std::deque<Waiting> queue_;
 };
 
 }  // namespace tessera

@@ -23,8 +23,8 @@ bool IsTaken(const Address& address) {
 }
 
 Error CannotListen(const Address& address) {
-  return Failed(
-      fmt::format("cannot listen on {}: it is in use or not an address of this machine", address.Text()));
+  return Failed(fmt::format("cannot listen on {}: the address is in use or does not belong to this machine",
+                            address.Text()));
 }
 
 }  // namespace
@@ -35,7 +35,8 @@ CoordinatorServer::~CoordinatorServer() = default;
 Result<std::unique_ptr<CoordinatorServer>> CoordinatorServer::Start(const std::vector<Address>& listen,
                                                                     WorkService& work, BlobService& blobs,
                                                                     JobsService& jobs) {
-  gpr_set_log_function([](gpr_log_func_args*) {});  // errors reach the user through us, on one line
+  // Errors are reported by this program, on one line.
+  gpr_set_log_function([](gpr_log_func_args*) {});
   grpc::ServerBuilder builder;
   ConfigureServer(builder);
   std::vector<int> ports(listen.size(), -1);

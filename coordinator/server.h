@@ -1,4 +1,4 @@
-// The listening end: services, addresses, threads of gRPC.
+// The gRPC server: services, addresses and threads.
 #pragma once
 
 #include <memory>
@@ -25,9 +25,9 @@ class CoordinatorServer {
                                                           WorkService& work, BlobService& blobs,
                                                           JobsService& jobs);
   ~CoordinatorServer();
-  // As listened on: with the port that was chosen for port 0.
+  // Where it listens, with the ports that were chosen for port 0.
   const std::vector<Address>& addresses() const { return addresses_; }
-  // Takes no new calls and waits a little for those that run, then breaks them off.
+  // Accepts no new calls, waits a moment for running calls, then cancels them.
   void Shutdown();
 
  private:

@@ -8,7 +8,7 @@ namespace tessera {
 namespace {
 
 constexpr size_t kJobsShownMax = 200;     // the newest
-constexpr size_t kWorkersShownMax = 500;  // a page stays readable
+constexpr size_t kWorkersShownMax = 500;  // so that the page stays readable
 constexpr int kRefresh_s = 3;
 
 constexpr const char* kStyle = R"(
@@ -33,7 +33,7 @@ vertical-align:middle;margin-right:8px}.bar i{display:block;height:100%;backgrou
 .failed,.quarantined{background:var(--bad);color:#fff}.paused,.draining{background:var(--warn);color:#fff}
 )";
 
-// With a prefix that leaves it below 1000.
+// Three digits or so and a metric prefix.
 std::string Rounded(double value) {
   size_t prefix = 0;
   for (; value >= 1000 && prefix < 4; ++prefix) value /= 1000;
@@ -101,7 +101,7 @@ std::string Jobs(const FarmView& view) {
   for (size_t i = 0; i < shown; ++i) rows += JobRow(view.jobs[view.jobs.size() - 1 - i]);
   rows += "</table>\n";
   if (shown < view.jobs.size())
-    rows += fmt::format("<p class=none>and {} older ones</p>\n", view.jobs.size() - shown);
+    rows += fmt::format("<p class=none>{} older jobs are not shown.</p>\n", view.jobs.size() - shown);
   return rows;
 }
 
@@ -109,12 +109,12 @@ std::string Workers(const FarmView& view) {
   if (view.workers.empty()) return "<p class=none>No workers are connected.</p>\n";
   std::string rows =
       "<table><tr><th>name<th>state<th>busy, last minute<th class=n>slots<th class=n>samples/s<th "
-      "class=n>units<th class=n>failed<th class=n>speed<th class=n>heard of</tr>\n";
+      "class=n>units<th class=n>failed<th class=n>speed<th class=n>last seen</tr>\n";
   const size_t shown = std::min(view.workers.size(), kWorkersShownMax);
   for (size_t i = 0; i < shown; ++i) rows += WorkerRow(view.workers[i]);
   rows += "</table>\n";
   if (shown < view.workers.size())
-    rows += fmt::format("<p class=none>and {} more</p>\n", view.workers.size() - shown);
+    rows += fmt::format("<p class=none>{} more workers are not shown.</p>\n", view.workers.size() - shown);
   return rows;
 }
 
@@ -146,14 +146,13 @@ std::string StatusPage(const FarmView& view) {
       "<style>{}</style></head><body>\n<h1>Tessera farm</h1>\n<div class=tiles>\n",
       kRefresh_s, kStyle);
   page += Tile(fmt::format("{}", view.workers.size()), "workers");
-  page += Tile(fmt::format("{} / {}", slots.leased, all), "slots with work");
+  page += Tile(fmt::format("{} / {}", slots.leased, all), "slots leased");
   page += Tile(Rounded(rate), "samples/s");
   page += Tile(Rounded(static_cast<double>(view.samples_left)), "samples left");
-  page += Tile(fmt::format("{}", view.leases), "units in work");
-  page += Tile(Rounded(static_cast<double>(view.blob_bytes)) + "B", "scene files kept");
+  page += Tile(fmt::format("{}", view.leases), "units leased");
+  page += Tile(Rounded(static_cast<double>(view.blob_bytes)) + "B", "of scene files");
   page += fmt::format("</div>\n<h2>Jobs</h2>\n{}<h2>Workers</h2>\n{}", Jobs(view), Workers(view));
-  page +=
-      "<p class=none>Numbers for a monitoring system: <a href=/metrics>/metrics</a></p>\n</body></html>\n";
+  page += "<p class=none>Metrics for Prometheus: <a href=/metrics>/metrics</a></p>\n</body></html>\n";
   return page;
 }
 

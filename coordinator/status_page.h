@@ -8,9 +8,9 @@
 
 namespace tessera {
 
-// Text as it is written into HTML, between tags or in quotes.
+// Escapes text for HTML, between tags or in quotes.
 std::string EscapeHtml(std::string_view text);
-// A whole page that needs nothing else and asks for itself again every few seconds.
+// A complete page that loads nothing else and reloads itself every few seconds.
 std::string StatusPage(const FarmView& view);
 
 }  // namespace tessera

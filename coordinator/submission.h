@@ -1,4 +1,4 @@
-// Whether a submitted job can be rendered with the blobs that are there.
+// Checks that a submitted job can be rendered with the blobs that are stored.
 #pragma once
 
 #include "proto/blobs/blob_store.h"
@@ -7,8 +7,8 @@
 
 namespace tessera {
 
-// kBadInput for a package that does not hold the job's scene files, kFailed for blobs that are missing: the
-// message names the first file.
+// An error, naming the first file: kBadInput if the package lacks a scene file of the job, kFailed if a blob
+// is missing.
 Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs);
 
 }  // namespace tessera

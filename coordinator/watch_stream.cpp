@@ -37,7 +37,7 @@ void WatchStream::Link::SendNext() {
 }
 
 void WatchStream::OnWriteDone(bool ok) {
-  const auto link = link_;  // outlives this stream, whose end may come with Finish
+  const auto link = link_;  // outlives this stream, which Finish may end
   const std::lock_guard lock(link->mutex_);
   link->sending_ = false;
   if (link->stream_ == nullptr) return;

@@ -10,14 +10,14 @@
 
 namespace tessera {
 
-// The stream deletes itself when the call is over; whoever feeds it holds its link, which outlives it. Thread
+// The stream deletes itself when the call is over. Updates go through its link, which outlives it. Thread
 // safe.
 class WatchStream final : public grpc::ServerWriteReactor<proto::JobStatus> {
  public:
   class Link {
    public:
-    // Sends the status, or keeps it until the one before is sent: a slow client misses some, never the last.
-    // Without a status the coordinator is shutting down. False if the client is gone.
+    // Sends the status, or keeps it until the one before is sent: a slow client misses some, but never the
+    // last. Null means that the coordinator ends. Returns false if the client is gone.
     bool Offer(const JobStatus* status, bool last);
     void Finish(const grpc::Status& status);
 
@@ -26,7 +26,7 @@ class WatchStream final : public grpc::ServerWriteReactor<proto::JobStatus> {
     void SendNext();  // with the mutex held
 
     std::mutex mutex_;
-    WatchStream* stream_ = nullptr;  // null when the call is over or its end is decided
+    WatchStream* stream_ = nullptr;  // null once the call is over or finishing
     std::optional<JobStatus> next_;
     bool sending_ = false, last_ = false;
     proto::JobStatus message_;

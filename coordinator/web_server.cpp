@@ -105,7 +105,7 @@ void WebServer::SetUp() {
         return;
       }
       response.status = 503;
-      response.set_content("the coordinator is busy; try again\n", "text/plain; charset=utf-8");
+      response.set_content("The coordinator is busy. Try again.\n", "text/plain; charset=utf-8");
     };
   };
   server_->Get("/", serve("text/html; charset=utf-8", StatusPage));
@@ -122,8 +122,9 @@ Result<std::unique_ptr<WebServer>> WebServer::Start(const Address& address, Look
                    : server.bind_to_port(address.host, address.port) ? address.port
                                                                      : -1;
   if (port <= 0) {
-    return Failed(fmt::format("cannot listen on --http {}: it is in use or not an address of this machine",
-                              address.Text()));
+    return Failed(
+        fmt::format("cannot listen on --http {}: the address is in use or does not belong to this machine",
+                    address.Text()));
   }
   web->address_.port = port;
   web->thread_ = std::thread([&server] { server.listen_after_bind(); });

@@ -1,5 +1,5 @@
-// A scene package: the files of a scene, by their paths in it. Its manifest is itself a blob; the manifest's
-// digest names the package. Immutable values.
+// A scene package: the files of a scene by their paths. Its manifest is a blob, too, and the digest of the
+// manifest names the package. Immutable values.
 #pragma once
 
 #include <cstdint>
@@ -30,8 +30,8 @@ struct ScenePackage {
 // no control characters or backslashes, within kPathBytesMax.
 bool IsPackagePath(std::string_view path);
 
-// Text: "tessera-package 1\n", then "DIGEST SIZE PATH\n" for each file in order of path. One codec; equal
-// packages give equal bytes, so the digest of the manifest compares packages.
+// Text: "tessera-package 1\n", then "DIGEST SIZE PATH\n" for each file in order of path. Equal packages
+// give equal bytes, so comparing digests of manifests compares packages.
 std::string EncodeScenePackage(const ScenePackage& package);
 // Refuses any text that EncodeScenePackage would not have written; the message names the line.
 Result<ScenePackage> DecodeScenePackage(std::string_view manifest);

@@ -1,5 +1,5 @@
-// The plain values that client, coordinator and worker all name. No gRPC, no protobuf: those are in wire/.
-// Everything here has been checked when it came from outside (wire/convert.h), so its limits hold.
+// The plain values that client, coordinator and worker share. No gRPC and no protobuf: those are in wire/.
+// Values that come from outside are checked when they are read (wire/convert.h), so the limits here hold.
 #pragma once
 
 #include <chrono>
@@ -18,8 +18,8 @@
 
 namespace tessera {
 
-constexpr uint32_t kProtocolVersion = 3;           // counts changes that old programs would misread
-constexpr const char* kSoftwareVersion = "0.1.0";  // farms mix no versions: pictures are exact per release
+constexpr uint32_t kProtocolVersion = 3;           // counts changes that older programs would misread
+constexpr const char* kSoftwareVersion = "0.1.0";  // one per farm: pictures are exact per release
 
 constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message
 constexpr int64_t kResultBytesMax = int64_t{16} << 20;  // of one unit's radiance tile
@@ -37,15 +37,15 @@ constexpr int kScenesPerWorkerMax = 256;             // listed in one state
 constexpr size_t kNameBytesMax = 256;                // of a job, a worker, a version
 constexpr size_t kPathBytesMax = 4096;               // of a file in a package
 constexpr size_t kOptionsBytesMax = 64 << 10;        // of encoded render options
-constexpr size_t kReasonBytesMax = 4096;             // of words for people; longer ones are cut
+constexpr size_t kReasonBytesMax = 4096;             // of messages to users; longer ones are cut
 constexpr size_t kAttributesBytesMax = 1 << 20;      // of a frame's EXR header attributes together
 constexpr int kPriorityMax = 1'000'000;              // and its negative
-constexpr size_t kTagBytesMax = 64;                  // a word, not a text
-constexpr size_t kTagsMax = 32;  // of a worker, or required by a job: more are a list of something else
+constexpr size_t kTagBytesMax = 64;                  // of one word
+constexpr size_t kTagsMax = 32;                      // of a worker, or required by a job
 constexpr std::chrono::milliseconds kSynchronizeWaitMax{
     10'000};  // that an answer waits: below any proxy's idle limit
 
-// A tag says what a worker has that not every worker has: one word of letters, digits and ". _ - + :".
+// A tag names something that not every worker has. It is one word of letters, digits and ". _ - + :".
 bool IsTag(std::string_view word);
 
 // From 0 to 1.
@@ -53,9 +53,9 @@ constexpr bool IsShare(double value) {
   return value >= 0 && value <= 1;
 }
 
-enum class JobId : uint64_t {};     // counts from 1 in the life of a data directory
-enum class WorkerId : uint64_t {};  // random, drawn by the worker process
-enum class LeaseId : uint64_t {};   // never used twice in the life of a data directory
+enum class JobId : uint64_t {};     // counted from 1 per data directory
+enum class WorkerId : uint64_t {};  // random, chosen by the worker process
+enum class LeaseId : uint64_t {};   // never used twice in one data directory
 
 constexpr uint64_t Number(JobId id) {
   return static_cast<uint64_t>(id);
@@ -77,25 +77,25 @@ struct WorkUnit {
   std::string Text() const;  // "job 3 frame 0 tile 17 samples [64,128)"
 };
 
-// Leave to render a unit. The worker should render it within `duration` of being told, or say that it still
-// holds it.
+// Permission to render a unit. The worker should return its result within `duration` of receiving the lease,
+// or report that it still holds it.
 struct Lease {
   LeaseId id{};
   WorkUnit unit;
   PixelBounds bounds;
-  PixelMask pixels;  // of the bounds: those to be rendered
+  PixelMask pixels;  // those of the bounds to be rendered
   Digest scene;      // SceneOrder::key
   std::chrono::milliseconds duration{};
 };
 
-// A scene as loaded: package, scene file and options. Two jobs with the same three share it.
+// A scene to load: package, scene file and options. Jobs with the same three share it.
 struct SceneOrder {
   Digest key;  // SceneKey(package, scene_file, options)
   Digest package;
   std::string scene_file;
   std::string options;  // EncodeRenderOptions
   FrameSpec frame;
-  bool needs_all = false;  // every file of the package is of this scene
+  bool needs_all = false;  // the scene uses every file of the package
 };
 Digest SceneKey(const Digest& package, const std::string& scene_file, const std::string& options);
 
@@ -109,21 +109,21 @@ struct HeldLease {
 
 struct HeldScene {
   Digest key;
-  bool ready = false;     // or still loading
-  bool fetching = false;  // loading: its files are still on their way
+  bool ready = false;     // otherwise still loading
+  bool fetching = false;  // while loading: its files are being fetched
 };
 
-// What the slots of a worker process have done since it started, in slot-milliseconds. Only grows, so that a
-// message that is lost takes nothing with it.
+// What the slots of a worker process have done since it started, in slot-milliseconds. The values only grow,
+// so nothing is lost with a message.
 struct WorkerActivity {
   uint64_t busy_ms = 0;      // rendering
-  uint64_t fetching_ms = 0;  // nothing to do while the worker fetches a scene's files
-  uint64_t loading_ms = 0;   // the same while it reads and builds the scene
-  uint64_t idle_ms = 0;      // nothing to do at all
+  uint64_t fetching_ms = 0;  // waiting while the worker fetches the files of a scene
+  uint64_t loading_ms = 0;   // waiting while the worker reads and builds a scene
+  uint64_t idle_ms = 0;      // without anything to do
   uint64_t bytes_fetched = 0;
 };
 
-// What a worker is and does, as it says itself.
+// What a worker is and does, as it reports.
 struct WorkerState {
   uint32_t protocol = kProtocolVersion;
   WorkerId worker{};
@@ -143,7 +143,7 @@ struct WorkerState {
   std::chrono::milliseconds wait{};
 };
 
-// What a worker should have and do: see proto/work.proto for the rules.
+// What a worker should hold and do; proto/work.proto has the rules.
 struct WorkerDirective {
   std::vector<SceneOrder> scenes;
   std::vector<Lease> leases;
@@ -161,7 +161,7 @@ struct FrameOrder {
   std::string options;  // EncodeRenderOptions
   FrameSpec spec;
   int32_t number = 0;
-  bool extendable = false;  // its samples do not depend on how many there will be
+  bool extendable = false;  // its samples do not depend on their number
 };
 
 // What a client submits. Immutable once accepted.
@@ -171,8 +171,8 @@ struct JobSpec {
   int32_t priority = 0;
   Digest package;
   std::vector<FrameOrder> frames;
-  std::set<std::string> required_tags;  // only workers that have all of them work for it
-  double verify_share = 0;              // of its units that two workers render; IsShare
+  std::set<std::string> required_tags;  // only workers with all of them render its units
+  double verify_share = 0;              // share of its units that two workers render; IsShare
 };
 
 enum class JobState { kWaiting, kRunning, kPaused, kFinished, kFailed, kCancelled };
@@ -181,21 +181,21 @@ constexpr bool HasEnded(JobState state) {
   return state == JobState::kFinished || state == JobState::kFailed || state == JobState::kCancelled;
 }
 
-// Where the farm's time went while a job was open, in seconds of render slots. The parts make up the whole.
+// Where the time of the farm went while a job was open, in slot-seconds. The parts add up to the whole.
 struct JobTimes {
   double render_s = 0;    // rendering what is in the picture
-  double waste_s = 0;     // rendering what others had sooner, or what was given up or lost
+  double waste_s = 0;     // rendering what others returned earlier, or what was dropped or lost
   double other_s = 0;     // rendering other jobs
   double fetch_s = 0;     // waiting for scene files
   double load_s = 0;      // waiting for a scene to be read and built
-  double idle_s = 0;      // without work while there was still work to hand out
-  double tail_s = 0;      // without work while the last units ran elsewhere
+  double idle_s = 0;      // without work while units were waiting to be leased
+  double tail_s = 0;      // without work while the last units ran on other slots
   double writing_s = 0;   // without work while pictures were written
-  double overhead_s = 0;  // with work in hand and not rendering: messages, and all that nobody measures
+  double overhead_s = 0;  // holding a lease and not rendering: messages and everything unmeasured
   double SlotSeconds() const {
     return render_s + waste_s + other_s + fetch_s + load_s + idle_s + tail_s + writing_s + overhead_s;
   }
-  // Of the coordinator, not of slots; it does these while the slots render.
+  // Of the coordinator, not of slots: it does these while the slots render.
   double merge_s = 0, journal_s = 0, picture_s = 0;
 };
 
@@ -204,24 +204,24 @@ struct JobStatus {
   std::string name;
   int32_t priority = 0;
   JobState state = JobState::kWaiting;
-  std::string reason;  // of kPaused and kFailed; of kWaiting if it waits for something that is not there
+  std::string reason;  // of kPaused and kFailed; of kWaiting if something it needs is missing
   uint64_t samples_done = 0, samples_total = 0;
   double samples_per_second = 0;
   uint32_t workers = 0;
   std::chrono::milliseconds elapsed{};
-  std::chrono::milliseconds left{-1};  // negative: not known
+  std::chrono::milliseconds left{-1};  // negative: unknown
   uint32_t frames_total = 0, frames_finished = 0;
   JobTimes times;
-  bool paused_by_user = false;  // or by what `reason` says; then it goes on by itself
-  // Verification: the share of units asked for, units on which two workers agree, units on which some did not
-  // agree, and units merged from workers that were found wrong, which nobody has confirmed.
+  bool paused_by_user = false;  // otherwise `reason` applies, and the job resumes by itself
+  // Verification: the share of units requested, units on which two workers agree, units on which workers
+  // disagreed, and units merged from workers found wrong that no other worker has confirmed.
   double verify_share = 0;
   uint64_t units_verified = 0, units_disputed = 0, units_suspect = 0;
 };
 
 struct FrameStatus {
   int32_t number = 0;          // FrameOrder::number
-  std::optional<Digest> file;  // of its EXR, once it can be fetched
+  std::optional<Digest> file;  // of its EXR file, once it can be fetched
 };
 
 struct WorkerStatus {

@@ -22,14 +22,14 @@ Result<Address> ParseUnix(const std::string& text, const std::string& what) {
   Address address;
   address.kind = Address::Kind::kUnix;
   address.path = text.substr(kUnixPrefix.size());
-  if (address.path.empty()) return BadAddress(text, what, "no path");
+  if (address.path.empty()) return BadAddress(text, what, "the path is empty");
   if (address.path.size() > kSocketPathMax) {
     return BadAddress(text, what, fmt::format("the path of a socket has at most {} bytes", kSocketPathMax));
   }
   return address;
 }
 
-// Takes the host off `text` and leaves what follows its colon; false if that is not the form.
+// Splits `text` at the colon between host and port. Returns false if it is malformed.
 bool SplitHost(const std::string& text, std::string& host, std::string& port) {
   if (text.starts_with('[')) {
     const size_t close = text.find("]:");
@@ -59,7 +59,7 @@ std::string Address::Target() const {
 
 bool Address::IsLocal() const {
   if (kind == Kind::kUnix || host == "localhost" || host == "::1") return true;
-  // A numeric IPv4 address in 127.0.0.0/8, not a name that begins that way.
+  // A numeric IPv4 address in 127.0.0.0/8, not a name that starts like one.
   return host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos;
 }
 
@@ -67,13 +67,13 @@ Result<Address> ParseAddress(const std::string& text, const std::string& what) {
   if (text.starts_with(kUnixPrefix)) return ParseUnix(text, what);
   Address address;
   std::string port;
-  if (!SplitHost(text, address.host, port)) return BadAddress(text, what, "not of that form");
-  if (address.host.empty()) return BadAddress(text, what, "no host");
+  if (!SplitHost(text, address.host, port)) return BadAddress(text, what, "malformed");
+  if (address.host.empty()) return BadAddress(text, what, "the host is missing");
   if (address.host.size() > kHostBytesMax) return BadAddress(text, what, "the host name is too long");
   const char* const end = port.data() + port.size();
   const auto [stop, error] = std::from_chars(port.data(), end, address.port);
   if (error != std::errc() || stop != end || address.port < 0 || address.port > 65535) {
-    return BadAddress(text, what, "the port is not a number up to 65535");
+    return BadAddress(text, what, "the port is not a number from 0 to 65535");
   }
   return address;
 }

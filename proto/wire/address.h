@@ -1,4 +1,4 @@
-// Where programs meet: HOST:PORT or unix:PATH. No gRPC in here.
+// An address to listen on or connect to: HOST:PORT or unix:PATH. Independent of gRPC.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@ namespace tessera {
 struct Address {
   enum class Kind { kTcp, kUnix };
   Kind kind = Kind::kTcp;
-  std::string host;  // kTcp: a name or number; an IPv6 number without its brackets
-  int port = 0;      // kTcp; 0: any free port, for listening only
+  std::string host;  // kTcp: a name or number; an IPv6 number without brackets
+  int port = 0;      // kTcp; 0 to listen on any free port
   std::string path;  // kUnix
 
   bool operator==(const Address&) const = default;

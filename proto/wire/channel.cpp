@@ -13,13 +13,13 @@
 namespace tessera {
 namespace {
 
-// Keepalive finds connections whose other end has vanished without a word (a pulled cable): TCP alone takes
+// Keepalive detects connections whose other end has vanished, such as by a pulled cable. TCP alone takes
 // minutes.
 constexpr int kKeepaliveTime_ms = 10'000;
 constexpr int kKeepaliveTimeout_ms = 10'000;
-constexpr int kPingIntervalMin_ms =
-    5'000;  // the server's tolerance: below the clients' interval, or it says GOAWAY
-// Back-off between attempts to connect: quick enough that a restarted coordinator has its farm within
+// The server's tolerance. It must be less than the clients' interval, or the server answers GOAWAY.
+constexpr int kPingIntervalMin_ms = 5'000;
+// Back-off between attempts to connect. Short enough for a restarted coordinator to have its farm back within
 // seconds.
 constexpr int kReconnectFirst_ms = 100;
 constexpr int kReconnectMax_ms = 3'000;
@@ -35,9 +35,9 @@ std::shared_ptr<grpc::Channel> OpenChannel(const Address& address) {
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kReconnectFirst_ms);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kReconnectFirst_ms);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kReconnectMax_ms);
-  // A farm's machines talk to each other directly; a proxy for the web is not meant for them.
+  // The machines of a farm connect directly; a web proxy is not meant for them.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  // Two channels of one process are two connections: a worker's bulk data does not hold up its state.
+  // Two channels of one process are two connections: the bulk data of a worker does not delay its state.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   return grpc::CreateCustomChannel(address.Target(), grpc::InsecureChannelCredentials(), arguments);
 }
@@ -48,7 +48,7 @@ void ConfigureServer(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kPingIntervalMin_ms);
-  // Two coordinators must not share a port: the second is to fail.
+  // Two coordinators must not share a port: the second one fails.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
 }
 

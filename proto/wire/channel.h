@@ -17,28 +17,28 @@ class Status;
 
 namespace tessera {
 
-// A connection that is made when first used and made again, with back-off, whenever it breaks. Never fails:
-// calls on it answer UNAVAILABLE while there is no coordinator. Thread safe.
+// A connection that is made when it is first used and, with back-off, made again whenever it breaks. Never
+// fails: calls on it return UNAVAILABLE while there is no coordinator. Thread safe.
 std::shared_ptr<grpc::Channel> OpenChannel(const Address& address);
 
 // Message limits and keepalive of a server whose clients use OpenChannel.
 void ConfigureServer(grpc::ServerBuilder& builder);
 
-// Waits until the coordinator is reached; whether it was within `patience`.
+// Waits until the coordinator is reached. Returns false if that takes longer than `patience`.
 bool WaitForConnection(grpc::Channel& channel, std::chrono::milliseconds patience);
 
-// Sets the call's deadline.
+// Sets the deadline of the call.
 void SetDeadline(grpc::ClientContext& context, std::chrono::milliseconds duration);
 
-// How an error travels: kBadInput as INVALID_ARGUMENT, kFailed as FAILED_PRECONDITION, kInterrupted as
-// CANCELLED.
+// The status that carries an error: kBadInput as INVALID_ARGUMENT, kFailed as FAILED_PRECONDITION,
+// kInterrupted as CANCELLED.
 grpc::Status ToStatus(const Error& error);
-// The error of a failed call. `what` names what was tried, as "submit the job". INVALID_ARGUMENT and
+// The error of a failed call. `what` names what was tried, such as "submit the job". INVALID_ARGUMENT and
 // NOT_FOUND become kBadInput, CANCELLED kInterrupted, everything else kFailed.
 Error ToError(const grpc::Status& status, const std::string& what);
-// The answer to calls that a coordinator which ends cannot answer any more: they are to be tried again.
+// The answer to calls that a coordinator cannot serve any more because it ends. Callers try again.
 grpc::Status CoordinatorEnds();
-// Whether the same call may succeed later: the coordinator is away or did not answer in time.
+// Whether the same call may succeed later: the coordinator was not reached or did not answer in time.
 bool IsTransient(const grpc::Status& status);
 
 }  // namespace tessera

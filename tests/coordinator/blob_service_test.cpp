@@ -8,7 +8,7 @@ namespace {
 
 using grpc::StatusCode;
 
-TEST_F(Services, BlobsAreKeptOnlyIfTheyAreWhatTheyClaim) {
+TEST_F(Services, BlobsAreKeptOnlyIfSizeAndDigestMatch) {
   const std::string bytes(5000, 'x');
   EXPECT_EQ(Upload(bytes, Sha256("other"), bytes.size()).error_code(), StatusCode::DATA_LOSS);
   EXPECT_EQ(Upload(bytes, Sha256(bytes), 4999).error_code(), StatusCode::DATA_LOSS);
@@ -24,7 +24,7 @@ TEST_F(Services, BlobsAreKeptOnlyIfTheyAreWhatTheyClaim) {
   EXPECT_EQ(answer.missing_size(), 0);
 }
 
-TEST_F(Services, AnUploadThatWasCutShortGoesOnWhereItStopped) {
+TEST_F(Services, AnUploadThatWasCutShortIsResumedWhereItStopped) {
   const std::string bytes(3'000'000, 'x');
   EXPECT_EQ(Upload(bytes.substr(0, 2'000'000), Sha256(bytes), bytes.size()).error_code(),
             StatusCode::DATA_LOSS);
@@ -47,8 +47,7 @@ TEST_F(Services, AnUploadThatWasCutShortGoesOnWhereItStopped) {
     writer->WritesDone();
     return writer->Finish();
   };
-  EXPECT_EQ(send_rest(2'500'000).error_code(), StatusCode::UNAVAILABLE)
-      << "the part that was sent before is missing";
+  EXPECT_EQ(send_rest(2'500'000).error_code(), StatusCode::UNAVAILABLE) << "fewer bytes have arrived";
   EXPECT_TRUE(send_rest(2'000'000).ok());
   EXPECT_TRUE(coordinator->blobs().Has(Sha256(bytes)));
 }

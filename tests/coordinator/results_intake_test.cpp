@@ -29,7 +29,7 @@ struct Line {
   std::vector<int> admitted;
 };
 
-TEST(ResultsIntake, LetsInAsMuchAsThereIsRoomForAndTheNextWhenSomebodyLeaves) {
+TEST(ResultsIntake, AdmitsCallsUntilTheRoomIsUsedAndTheNextWhenOneLeaves) {
   Line line;
   line.Enter(1, 60);
   line.Enter(2, 40);
@@ -40,7 +40,7 @@ TEST(ResultsIntake, LetsInAsMuchAsThereIsRoomForAndTheNextWhenSomebodyLeaves) {
   EXPECT_EQ(line.intake.bytes(), 90u);
 }
 
-TEST(ResultsIntake, NobodyOvertakes) {
+TEST(ResultsIntake, CallsAreAdmittedInOrder) {
   Line line;
   line.EnterWithALargeOneWaiting();
   EXPECT_THAT(line.admitted, ElementsAre(1));
@@ -48,7 +48,7 @@ TEST(ResultsIntake, NobodyOvertakes) {
   EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
 }
 
-TEST(ResultsIntake, WhatIsMoreThanAllRoomIsLetInAlone) {
+TEST(ResultsIntake, ACallLargerThanTheWholeRoomIsAdmittedAlone) {
   Line line;
   line.Enter(1, 1);
   line.Enter(2, 1000);
@@ -60,7 +60,7 @@ TEST(ResultsIntake, WhatIsMoreThanAllRoomIsLetInAlone) {
   EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
 }
 
-TEST(ResultsIntake, WhoeverWithdrawsMakesWayForThoseBehind) {
+TEST(ResultsIntake, AWithdrawnCallMakesWayForThoseAfterIt) {
   Line line;
   line.EnterWithALargeOneWaiting();
   EXPECT_FALSE(line.intake.Withdraw(CallId{1})) << "it is in already";
@@ -70,7 +70,7 @@ TEST(ResultsIntake, WhoeverWithdrawsMakesWayForThoseBehind) {
   EXPECT_EQ(line.intake.waiting(), 0u);
 }
 
-// Whether it comes true within our patience.
+// Whether the condition becomes true within kPatience.
 bool Comes(const std::function<bool()>& condition) {
   const auto end = std::chrono::steady_clock::now() + kPatience;
   while (!condition() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(milliseconds(1));
@@ -114,13 +114,13 @@ TEST_F(Services, ResultsWaitUntilThereIsRoomForThem) {
   auto returning = std::async(std::launch::async, [&] { return Return(job, 0, {0, 4}, answer); });
   ASSERT_TRUE(Comes([&] { return intake.waiting() == 3; }));
   in_line.back().CutOff();
-  ASSERT_TRUE(Comes([&] { return intake.waiting() == 2; })) << "who is cut off leaves the line";
+  ASSERT_TRUE(Comes([&] { return intake.waiting() == 2; })) << "a cancelled call leaves the queue";
   admitted.front().CutOff();
-  ASSERT_TRUE(returning.get().ok()) << "who is cut off gives its room to those in line";
+  ASSERT_TRUE(returning.get().ok()) << "a cancelled call gives its room to those that wait";
   EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::ACCEPTED);
 }
 
-TEST_F(Services, ResultsThatAreNotWhatWasAnnouncedAreRefused) {
+TEST_F(Services, ResultsThatDifferFromTheirAnnouncementAreRefused) {
   const uint64_t job = Submit();
   const proto::ResultsRequest results = ResultOf(job, 0, {0, 4}, "not a tile");
   const auto refusal = [&](uint64_t worker, uint64_t bytes) {
@@ -131,8 +131,8 @@ TEST_F(Services, ResultsThatAreNotWhatWasAnnouncedAreRefused) {
     return Return(announcement, results, answer);
   };
   EXPECT_THAT(refusal(0, 100).error_message(), HasSubstr("worker is missing"));
-  EXPECT_THAT(refusal(7, 0).error_message(), HasSubstr("bytes of the results are missing"));
-  EXPECT_THAT(refusal(7, 3).error_message(), HasSubstr("more results than announced"));
+  EXPECT_THAT(refusal(7, 0).error_message(), HasSubstr("bytes is missing"));
+  EXPECT_THAT(refusal(7, 3).error_message(), HasSubstr("larger than announced"));
   EXPECT_EQ(refusal(7, 3).error_code(), StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(refusal(7, kMessageBytesMax + 1).error_code(), StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_TRUE(refusal(7, 100).ok());

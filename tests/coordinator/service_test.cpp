@@ -1,4 +1,4 @@
-// Jobs and workers: the services spoken to as clients and workers do.
+// The services for jobs and workers, called as clients and workers do.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -47,7 +47,7 @@ TEST_F(Services, AJobGoesFromSubmissionToFile) {
   ASSERT_TRUE(Fetch(job, true, bytes).ok()) << "a preview of half the picture";
   EXPECT_FALSE(bytes.empty());
 
-  // Who watches is told of the end, and of nothing after.
+  // A watcher receives the last status, and nothing after it.
   grpc::ClientContext context;
   SetDeadline(context, kPatience);
   proto::JobRequest watched;
@@ -71,7 +71,7 @@ TEST_F(Services, AJobGoesFromSubmissionToFile) {
   for (const float value : picture->values) EXPECT_EQ(value, 0.5f);
 }
 
-TEST_F(Services, DamagedResultsAreRefused) {
+TEST_F(Services, MalformedResultsAreRefused) {
   const uint64_t job = Submit();
   proto::ResultsAnswer answer;
   ASSERT_TRUE(Return(ResultOf(job, 0, {0, 4}, "not a tile"), answer).ok());
@@ -82,7 +82,7 @@ TEST_F(Services, DamagedResultsAreRefused) {
   EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::REFUSED);
 }
 
-TEST_F(Services, AWaitingWorkerHearsOfANewJobAtOnce) {
+TEST_F(Services, AWaitingWorkerLearnsOfANewJobImmediately) {
   std::promise<void> asked;
   auto waiting = std::async(std::launch::async, [&] {
     proto::WorkerDirective directive;
@@ -104,7 +104,7 @@ TEST_F(Services, AWaitingWorkerHearsOfANewJobAtOnce) {
   EXPECT_EQ(leases.leases_size(), 2);
 }
 
-TEST_F(Services, ABrokenConnectionFreesTheWorkersLeases) {
+TEST_F(Services, ABrokenConnectionReturnsTheLeasesOfTheWorker) {
   const uint64_t job = Submit();
   proto::WorkerDirective directive;
   ASSERT_TRUE(Synchronize(Worker(milliseconds(0)), directive).ok());
@@ -133,7 +133,7 @@ TEST_F(Services, ABrokenConnectionFreesTheWorkersLeases) {
   EXPECT_EQ(Status(job).workers(), 0u);
 }
 
-TEST_F(Services, WorkersOfAnotherReleaseAreTurnedAway) {
+TEST_F(Services, WorkersOfAnotherReleaseAreRefused) {
   WorkerState state = Worker(milliseconds(0));
   state.software_version = "0.0.0";
   proto::WorkerDirective directive;
@@ -142,7 +142,7 @@ TEST_F(Services, WorkersOfAnotherReleaseAreTurnedAway) {
   EXPECT_THAT(status.error_message(), HasSubstr("0.0.0"));
 }
 
-TEST_F(Services, WhatIsNotThereIsNotFound) {
+TEST_F(Services, UnknownJobsAreNotFound) {
   proto::JobRequest request;
   request.set_job(77);
   proto::JobStatus status;
@@ -167,7 +167,7 @@ TEST_F(Services, JobsSurviveARestart) {
   coordinator.reset();
   while (watch->Read(&status)) {
   }
-  EXPECT_EQ(watch->Finish().error_code(), StatusCode::UNAVAILABLE) << "who watches is to try again";
+  EXPECT_EQ(watch->Finish().error_code(), StatusCode::UNAVAILABLE) << "watchers try again";
   Start();
   EXPECT_EQ(Status(job).name(), "job");
   EXPECT_EQ(Submit(), job) << "the same submission";

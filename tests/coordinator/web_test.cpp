@@ -1,4 +1,4 @@
-// The web end: metrics, page, and what must not get through it.
+// The web server: metrics, page, and requests it must not serve.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
@@ -40,7 +40,7 @@ Address Loopback(int port) {
   return *ParseAddress("127.0.0.1:" + std::to_string(port), "test");
 }
 
-TEST(MetricsText, NamesEveryCounterWithItsValue) {
+TEST(MetricsText, ListsEveryCounterWithItsValue) {
   const std::string text = MetricsText(SomeView());
   EXPECT_THAT(text, HasSubstr("# TYPE tessera_results_total counter\n"));
   EXPECT_THAT(text, HasSubstr("tessera_results_total{verdict=\"duplicate\"} 7\n"));
@@ -53,13 +53,13 @@ TEST(MetricsText, NamesEveryCounterWithItsValue) {
               HasSubstr("tessera_worker_utilisation{worker=\"000000000000000a\",name=\"a\\\"b\\n<i>\"} 0.5"));
 }
 
-TEST(StatusPage, ShowsJobsAndWorkersAndRunsNothingOfTheirNames) {
+TEST(StatusPage, ShowsJobsAndWorkersAndEscapesTheirNames) {
   const std::string page = StatusPage(SomeView());
   EXPECT_THAT(page, HasSubstr("&lt;script&gt;alert(&quot;1&quot;)"));
   EXPECT_THAT(page, Not(HasSubstr("<script")));
   EXPECT_THAT(page, Not(HasSubstr("<i>\"")));
   EXPECT_THAT(page, HasSubstr("25.0 %"));
-  EXPECT_THAT(page, Not(HasSubstr("http://"))) << "needs nothing from elsewhere";
+  EXPECT_THAT(page, Not(HasSubstr("http://"))) << "loads nothing from elsewhere";
 }
 
 TEST(WebServer, ServesThePageAndTheMetricsAndNothingElse) {
@@ -73,13 +73,13 @@ TEST(WebServer, ServesThePageAndTheMetricsAndNothingElse) {
   EXPECT_EQ(client.Post("/", "x", "text/plain")->status, 404);
 }
 
-TEST(WebServer, AFarmThatDoesNotAnswerIsSaidToBeBusy) {
+TEST(WebServer, AFarmThatDoesNotAnswerIsReportedAsBusy) {
   const auto web = WebServer::Start(Loopback(0), [] { return std::optional<FarmView>(); });
   httplib::Client client("127.0.0.1", (*web)->address().port);
   EXPECT_EQ(client.Get("/metrics")->status, 503);
 }
 
-TEST(WebServer, APortThatIsTakenIsAnErrorThatNamesIt) {
+TEST(WebServer, APortInUseIsAnErrorThatNamesIt) {
   const auto web = WebServer::Start(Loopback(0), [] { return std::optional<FarmView>(); });
   const Address taken = (*web)->address();
   const auto second = WebServer::Start(taken, [] { return std::optional<FarmView>(); });
@@ -88,7 +88,7 @@ TEST(WebServer, APortThatIsTakenIsAnErrorThatNamesIt) {
   EXPECT_THAT(second.error().message, HasSubstr(taken.Text()));
 }
 
-TEST(WebServer, ConnectionsThatSayNothingHoldUpOthersOnlyForAMoment) {
+TEST(WebServer, SilentConnectionsDelayOthersOnlyBriefly) {
   const auto web = WebServer::Start(Loopback(0), [] { return std::optional(SomeView()); });
   std::vector<int> silent;
   for (int i = 0; i < 6; ++i) {

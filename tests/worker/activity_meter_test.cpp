@@ -7,7 +7,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(ActivityMeter, TellsWhatTheSlotsDidAndWhyTheOthersHadNothing) {
+TEST(ActivityMeter, MeasuresWhatSlotsDoAndWhyTheOthersWait) {
   ActivityMeter::TimePoint now;
   ActivityMeter meter(4, now);
   now += milliseconds(10);  // 4 idle
@@ -29,7 +29,7 @@ TEST(ActivityMeter, TellsWhatTheSlotsDidAndWhyTheOthersHadNothing) {
   EXPECT_EQ(state.activity.bytes_fetched, 7u);
 }
 
-TEST(ActivityMeter, MarksScenesWhoseFilesAreOnTheirWay) {
+TEST(ActivityMeter, MarksScenesWhoseFilesAreBeingFetched) {
   const ActivityMeter::TimePoint now;
   ActivityMeter meter(1, now);
   WorkerState state;

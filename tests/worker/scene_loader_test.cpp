@@ -36,14 +36,14 @@ TEST(SceneLoader, APackageThatLacksAFileFailsByName) {
   EXPECT_THAT(scene.error().message, HasSubstr("more.pbrt"));
 }
 
-TEST(SceneLoader, ABlobThatCannotBeHadFailsTheScene) {
+TEST(SceneLoader, ABlobThatCannotBeFetchedFailsTheScene) {
   BlobMap blobs;
   const SceneOrder order = MakeOrder(blobs, kTinyScene);
   const BlobMap nothing;
   EXPECT_FALSE(LoadOrderedScene(order, nothing.Fetcher()));
 }
 
-TEST(PackageFileSource, ReachesNothingOutsideThePackage) {
+TEST(PackageFileSource, ReadsNothingOutsideThePackage) {
   BlobMap blobs;
   ScenePackage package;
   package.files["a.txt"] = {blobs.Add("inside"), 6};
@@ -53,7 +53,7 @@ TEST(PackageFileSource, ReachesNothingOutsideThePackage) {
     EXPECT_FALSE(files.Read(name)) << name;
 }
 
-TEST(PackageFileSource, FindsNamesThatAreNoPathsOfAPackage) {
+TEST(PackageFileSource, FindsNamesThatAreNotPathsOfAPackage) {
   BlobMap blobs;
   ScenePackage package;
   package.files[PackagePath("../up/x y.txt")] = {blobs.Add("up"), 2};
@@ -63,7 +63,7 @@ TEST(PackageFileSource, FindsNamesThatAreNoPathsOfAPackage) {
   EXPECT_EQ(*files.Read("/abs.txt"), "abs");
 }
 
-TEST(PackageFileSource, RefusesABlobWhoseSizeIsNotTheManifests) {
+TEST(PackageFileSource, RefusesABlobWhoseSizeDiffersFromTheManifest) {
   BlobMap blobs;
   ScenePackage package;
   package.files["a.txt"] = {blobs.Add("inside"), 7};
@@ -71,7 +71,7 @@ TEST(PackageFileSource, RefusesABlobWhoseSizeIsNotTheManifests) {
   EXPECT_FALSE(files.Read("a.txt"));
 }
 
-TEST(SceneLoader, AFrameInAFolderOfItsPackageIsTheFrameThatItIsAlone) {
+TEST(SceneLoader, AFrameInAFolderOfItsPackageEqualsTheFrameAlone) {
   BlobMap blobs;
   const std::string scene = std::string(kTinyScene) + "Include \"more.pbrt\"";
   ScenePackage alone, job;
@@ -90,14 +90,14 @@ TEST(SceneLoader, AFrameInAFolderOfItsPackageIsTheFrameThatItIsAlone) {
   EXPECT_FALSE(LoadOrderedScene(order, blobs.Fetcher()));
 }
 
-TEST(PackagePath, AFolderIsWhatIsBeforeThePathOfTheSceneFile) {
+TEST(PackagePath, TheFolderIsWhatPrecedesThePathOfTheSceneFile) {
   EXPECT_EQ(PackageFolder("scene.pbrt"), "");
   EXPECT_EQ(PackageFolder(PackagePath("my scene.pbrt")), "");
   EXPECT_EQ(PackageFolder("folder-7/scene.pbrt"), "folder-7/");
   EXPECT_EQ(PackageFolder("folder-7/" + PackagePath("my scene.pbrt")), "folder-7/");
 }
 
-TEST(PackagePath, TheNameComesBack) {
+TEST(PackagePath, TheNameIsRecovered) {
   for (const char* name : {"a.pbrt", "my scene.pbrt", "../a", "/b", "names/c", "\xff%2"})
     EXPECT_EQ(NameOfPackagePath(PackagePath(name)), name);
   for (const char* path : {"names/%zz", "names/%2", "names/%"}) EXPECT_EQ(NameOfPackagePath(path), path);

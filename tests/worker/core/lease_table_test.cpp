@@ -30,7 +30,7 @@ bool AnyScene(const Digest&) {
   return true;
 }
 
-TEST(LeaseTable, UnitsStartInTheOrderOfTheirArrivalAsTheirScenesAreReady) {
+TEST(LeaseTable, UnitsStartInOrderOfArrivalOnceTheirScenesAreReady) {
   LeaseTable book;
   book.Add(MakeLease(1, 1), kStart);
   book.Add(MakeLease(2, 2), kStart);
@@ -44,7 +44,7 @@ TEST(LeaseTable, UnitsStartInTheOrderOfTheirArrivalAsTheirScenesAreReady) {
   EXPECT_EQ(book.running(), 3u);
 }
 
-TEST(LeaseTable, ALeaseToldTwiceIsHeldOnceAndNeverAgainAfterItHasGone) {
+TEST(LeaseTable, ARepeatedLeaseIsHeldOnceAndNeverAgainAfterItWasForgotten) {
   LeaseTable book;
   EXPECT_TRUE(book.Add(MakeLease(1), kStart));
   EXPECT_FALSE(book.Add(MakeLease(1), kStart));
@@ -53,13 +53,13 @@ TEST(LeaseTable, ALeaseToldTwiceIsHeldOnceAndNeverAgainAfterItHasGone) {
   EXPECT_TRUE(book.Held(kStart).empty());
 }
 
-TEST(LeaseTable, ADropThatOvertakesItsLeaseStillHolds) {
+TEST(LeaseTable, ADropThatOvertakesItsLeaseStillApplies) {
   LeaseTable book;
   book.Forget(LeaseId{1});
   EXPECT_FALSE(book.Add(MakeLease(1), kStart));
 }
 
-TEST(LeaseTable, TellsTheStageOfEachLeaseAndForHowLong) {
+TEST(LeaseTable, ReportsTheStageOfEachLeaseAndItsDuration) {
   LeaseTable book;
   for (uint64_t id : {1, 2, 3}) book.Add(MakeLease(id), kStart);
   book.Start(AnyScene, kStart + milliseconds(10));

@@ -38,7 +38,7 @@ void LoadAll(SceneTable& shelf) {
   while (const auto order = shelf.StartLoading(kStart)) shelf.Loaded(order->key, LoadTinyScene());
 }
 
-TEST(SceneTable, LoadsTheMostWantedFirstAndEachOnce) {
+TEST(SceneTable, LoadsTheMostUrgentFirstAndEachOnce) {
   SceneTable shelf;
   shelf.Want({Order(2), Order(1)}, NotInUse);
   EXPECT_EQ(shelf.StartLoading(kStart)->key, Key(2));
@@ -52,7 +52,7 @@ TEST(SceneTable, LoadsTheMostWantedFirstAndEachOnce) {
   EXPECT_EQ(shelf.Use(Key(1)), nullptr);
 }
 
-TEST(SceneTable, LetsGoOfTheLongestUnusedThatNobodyWantsOrUses) {
+TEST(SceneTable, EvictsTheLeastRecentlyUsedThatIsNeitherWantedNorInUse) {
   SceneTable shelf;
   for (uint8_t i = 1; i <= kScenesHeldMax + 1; ++i) {
     shelf.Want({Order(i)}, NotInUse);
@@ -65,7 +65,7 @@ TEST(SceneTable, LetsGoOfTheLongestUnusedThatNobodyWantsOrUses) {
   EXPECT_THAT(Keys(shelf), ElementsAre(Key(1), Key(2), Key(3), Key(5)));
 }
 
-TEST(SceneTable, ASceneThatFailedIsTriedAgainOnlyAfterAWhileAndIfStillWanted) {
+TEST(SceneTable, AFailedSceneIsRetriedAfterAnIntervalIfStillWanted) {
   SceneTable shelf;
   shelf.Want({Order(1)}, NotInUse);
   shelf.StartLoading(kStart);
@@ -80,7 +80,7 @@ TEST(SceneTable, ASceneThatFailedIsTriedAgainOnlyAfterAWhileAndIfStillWanted) {
   EXPECT_FALSE(shelf.StartLoading(kStart + kSceneRetryInterval));
 }
 
-TEST(SceneTable, ExpectsWhatIsWantedLoadingOrReady) {
+TEST(SceneTable, ExpectsScenesThatAreWantedLoadingOrReady) {
   SceneTable shelf;
   EXPECT_FALSE(shelf.Expects(Key(1)));
   shelf.Want({Order(1)}, NotInUse);
