@@ -24,7 +24,7 @@ class SharedWorkload {
   explicit SharedWorkload(std::function<void()> on_news) : on_news_(std::move(on_news)) {}
 
   // Access to the workload, locked until the end of the statement: `Change()->Drain()`. Then the threads that
-  // wait look again.
+  // wait look again. Arguments are evaluated under the lock: they must not use the SharedWorkload.
   class Changing {
    public:
     ~Changing();

@@ -1,6 +1,7 @@
 // Blobs up and down.
 #include <gtest/gtest.h>
 
+#include "proto/blobs/blob_store.h"
 #include "tests/coordinator/services_fixture.h"
 
 namespace tessera {

@@ -118,7 +118,8 @@ TEST_F(SharedWorkloadTest, DrainingReturnsWhatWaitsAndFinishesWhatRuns) {
   workload_.Change()->ReturnsAcknowledged({LeaseId{2}, LeaseId{3}});
   EXPECT_FALSE(*task->stop);
   Finish(*task);
-  workload_.Change()->ResultsAnswered(Results());
+  const auto results = Results();
+  workload_.Change()->ResultsAnswered(results);
   EXPECT_TRUE(workload_.AwaitIdle(milliseconds(0)));
 }
 

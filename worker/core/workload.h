@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "proto/terms.h"
-#include "worker/core/lease_table.h"
+#include "worker/core/held_leases.h"
 #include "worker/core/scene_table.h"
 
 namespace tessera {
@@ -35,7 +35,7 @@ struct FailureReport {
 struct UnitTask {
   Lease lease;
   SceneTable::ScenePointer scene;
-  LeaseTable::StopFlag stop;
+  HeldLeases::StopFlag stop;
 };
 
 // Not thread safe.
@@ -89,7 +89,7 @@ class Workload {
   void StopRendering();
 
  private:
-  LeaseTable leases_;
+  HeldLeases leases_;
   SceneTable scenes_;
   std::deque<FinishedUnit> results_;
   std::deque<FailureReport> failures_;

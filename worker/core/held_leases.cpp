@@ -1,4 +1,4 @@
-#include "worker/core/lease_table.h"
+#include "worker/core/held_leases.h"
 
 #include <algorithm>
 
@@ -10,13 +10,13 @@ constexpr size_t kPastMax = 100'000;
 
 }  // namespace
 
-bool LeaseTable::Add(const Lease& lease, TimePoint now) {
+bool HeldLeases::Add(const Lease& lease, TimePoint now) {
   if (Holds(lease.id) || past_.contains(lease.id)) return false;
   entries_.push_back({lease, LeaseStage::kWaiting, now, std::make_shared<std::atomic<bool>>(false)});
   return true;
 }
 
-std::optional<LeaseTable::Started> LeaseTable::Start(const std::function<bool(const Digest&)>& is_ready,
+std::optional<HeldLeases::Started> HeldLeases::Start(const std::function<bool(const Digest&)>& is_ready,
                                                      TimePoint now) {
   for (Entry& entry : entries_) {
     if (entry.stage != LeaseStage::kWaiting || !is_ready(entry.lease.scene)) continue;
@@ -27,7 +27,7 @@ std::optional<LeaseTable::Started> LeaseTable::Start(const std::function<bool(co
   return std::nullopt;
 }
 
-bool LeaseTable::Finish(LeaseId id, TimePoint now) {
+bool HeldLeases::Finish(LeaseId id, TimePoint now) {
   const auto entry = Find(id);
   if (entry == entries_.end()) return false;
   entry->stage = LeaseStage::kReturning;
@@ -35,7 +35,7 @@ bool LeaseTable::Finish(LeaseId id, TimePoint now) {
   return true;
 }
 
-void LeaseTable::Forget(LeaseId id) {
+void HeldLeases::Forget(LeaseId id) {
   const auto entry = Find(id);
   if (entry == entries_.end()) {
     Remember(id);  // it may still be on its way here
@@ -46,7 +46,7 @@ void LeaseTable::Forget(LeaseId id) {
   Remember(id);
 }
 
-std::vector<LeaseId> LeaseTable::Take(const std::function<bool(const Entry&)>& which) {
+std::vector<LeaseId> HeldLeases::Take(const std::function<bool(const Entry&)>& which) {
   std::vector<LeaseId> taken;
   for (const Entry& entry : entries_) {
     if (which(entry)) taken.push_back(entry.lease.id);
@@ -55,25 +55,25 @@ std::vector<LeaseId> LeaseTable::Take(const std::function<bool(const Entry&)>& w
   return taken;
 }
 
-std::vector<LeaseId> LeaseTable::TakeWaiting() {
+std::vector<LeaseId> HeldLeases::TakeWaiting() {
   return Take([](const Entry& entry) { return entry.stage == LeaseStage::kWaiting; });
 }
 
-std::vector<LeaseId> LeaseTable::TakeRunning() {
+std::vector<LeaseId> HeldLeases::TakeRunning() {
   return Take([](const Entry& entry) { return entry.stage == LeaseStage::kRunning; });
 }
 
-std::vector<LeaseId> LeaseTable::TakeScene(const Digest& scene) {
+std::vector<LeaseId> HeldLeases::TakeScene(const Digest& scene) {
   return Take([&](const Entry& entry) {
     return entry.lease.scene == scene && entry.stage != LeaseStage::kReturning;
   });
 }
 
-std::list<LeaseTable::Entry>::iterator LeaseTable::Find(LeaseId id) {
+std::list<HeldLeases::Entry>::iterator HeldLeases::Find(LeaseId id) {
   return std::ranges::find(entries_, id, [](const Entry& entry) { return entry.lease.id; });
 }
 
-void LeaseTable::Remember(LeaseId id) {
+void HeldLeases::Remember(LeaseId id) {
   if (!past_.insert(id).second) return;
   past_order_.push_back(id);
   if (past_order_.size() <= kPastMax) return;
@@ -81,20 +81,20 @@ void LeaseTable::Remember(LeaseId id) {
   past_order_.pop_front();
 }
 
-bool LeaseTable::Holds(LeaseId id) const {
+bool HeldLeases::Holds(LeaseId id) const {
   return std::ranges::any_of(entries_, [id](const Entry& entry) { return entry.lease.id == id; });
 }
 
-bool LeaseTable::Uses(const Digest& scene) const {
+bool HeldLeases::Uses(const Digest& scene) const {
   return std::ranges::any_of(entries_, [&](const Entry& entry) { return entry.lease.scene == scene; });
 }
 
-size_t LeaseTable::running() const {
+size_t HeldLeases::running() const {
   return static_cast<size_t>(std::ranges::count_if(
       entries_, [](const Entry& entry) { return entry.stage == LeaseStage::kRunning; }));
 }
 
-std::vector<HeldLease> LeaseTable::Held(TimePoint now) const {
+std::vector<HeldLease> HeldLeases::Held(TimePoint now) const {
   std::vector<HeldLease> held;
   held.reserve(entries_.size());
   for (const Entry& entry : entries_) {
@@ -104,7 +104,7 @@ std::vector<HeldLease> LeaseTable::Held(TimePoint now) const {
   return held;
 }
 
-std::optional<std::chrono::milliseconds> LeaseTable::ShortestDuration() const {
+std::optional<std::chrono::milliseconds> HeldLeases::ShortestDuration() const {
   std::optional<std::chrono::milliseconds> shortest;
   for (const Entry& entry : entries_) {
     if (!shortest || entry.lease.duration < *shortest) shortest = entry.lease.duration;

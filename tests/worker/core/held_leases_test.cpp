@@ -1,4 +1,4 @@
-#include "worker/core/lease_table.h"
+#include "worker/core/held_leases.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@ namespace {
 using std::chrono::milliseconds;
 using testing::ElementsAre;
 
-const LeaseTable::TimePoint kStart{};
+const HeldLeases::TimePoint kStart{};
 
 Digest Scene(uint8_t number) {
   Digest digest;
@@ -30,8 +30,8 @@ bool AnyScene(const Digest&) {
   return true;
 }
 
-TEST(LeaseTable, UnitsStartInOrderOfArrivalOnceTheirScenesAreReady) {
-  LeaseTable book;
+TEST(HeldLeases, UnitsStartInOrderOfArrivalOnceTheirScenesAreReady) {
+  HeldLeases book;
   book.Add(MakeLease(1, 1), kStart);
   book.Add(MakeLease(2, 2), kStart);
   book.Add(MakeLease(3, 1), kStart);
@@ -44,8 +44,8 @@ TEST(LeaseTable, UnitsStartInOrderOfArrivalOnceTheirScenesAreReady) {
   EXPECT_EQ(book.running(), 3u);
 }
 
-TEST(LeaseTable, ARepeatedLeaseIsHeldOnceAndNeverAgainAfterItWasForgotten) {
-  LeaseTable book;
+TEST(HeldLeases, ARepeatedLeaseIsHeldOnceAndNeverAgainAfterItWasForgotten) {
+  HeldLeases book;
   EXPECT_TRUE(book.Add(MakeLease(1), kStart));
   EXPECT_FALSE(book.Add(MakeLease(1), kStart));
   book.Forget(LeaseId{1});
@@ -53,14 +53,14 @@ TEST(LeaseTable, ARepeatedLeaseIsHeldOnceAndNeverAgainAfterItWasForgotten) {
   EXPECT_TRUE(book.Held(kStart).empty());
 }
 
-TEST(LeaseTable, ADropThatOvertakesItsLeaseStillApplies) {
-  LeaseTable book;
+TEST(HeldLeases, ADropThatOvertakesItsLeaseStillApplies) {
+  HeldLeases book;
   book.Forget(LeaseId{1});
   EXPECT_FALSE(book.Add(MakeLease(1), kStart));
 }
 
-TEST(LeaseTable, ReportsTheStageOfEachLeaseAndItsDuration) {
-  LeaseTable book;
+TEST(HeldLeases, ReportsTheStageOfEachLeaseAndItsDuration) {
+  HeldLeases book;
   for (uint64_t id : {1, 2, 3}) book.Add(MakeLease(id), kStart);
   book.Start(AnyScene, kStart + milliseconds(10));
   book.Start(AnyScene, kStart + milliseconds(20));
@@ -75,8 +75,8 @@ TEST(LeaseTable, ReportsTheStageOfEachLeaseAndItsDuration) {
   EXPECT_EQ(held[2].stage_duration, milliseconds(100));
 }
 
-TEST(LeaseTable, ForgettingARunningUnitStopsItAndItsResultIsNotWanted) {
-  LeaseTable book;
+TEST(HeldLeases, ForgettingARunningUnitStopsItAndItsResultIsNotWanted) {
+  HeldLeases book;
   book.Add(MakeLease(1), kStart);
   const auto started = book.Start(AnyScene, kStart);
   EXPECT_FALSE(*started->stop);
@@ -85,8 +85,8 @@ TEST(LeaseTable, ForgettingARunningUnitStopsItAndItsResultIsNotWanted) {
   EXPECT_FALSE(book.Finish(LeaseId{1}, kStart));
 }
 
-TEST(LeaseTable, TakesLeasesByStageAndByScene) {
-  LeaseTable book;
+TEST(HeldLeases, TakesLeasesByStageAndByScene) {
+  HeldLeases book;
   for (uint64_t id : {1, 2, 3, 4}) book.Add(MakeLease(id, id == 4 ? 2 : 1), kStart);
   const auto first = book.Start(AnyScene, kStart);
   book.Start(AnyScene, kStart);
@@ -101,8 +101,8 @@ TEST(LeaseTable, TakesLeasesByStageAndByScene) {
   EXPECT_EQ(book.Held(kStart)[0].id, LeaseId{2});
 }
 
-TEST(LeaseTable, KnowsTheShortestLease) {
-  LeaseTable book;
+TEST(HeldLeases, KnowsTheShortestLease) {
+  HeldLeases book;
   EXPECT_FALSE(book.ShortestDuration());
   book.Add(MakeLease(1, 1, milliseconds(900)), kStart);
   book.Add(MakeLease(2, 1, milliseconds(300)), kStart);

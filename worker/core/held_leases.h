@@ -16,7 +16,7 @@
 namespace tessera {
 
 // Not thread safe.
-class LeaseTable {
+class HeldLeases {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
   // Set when the unit is not wanted any more, read by the thread that renders it.
