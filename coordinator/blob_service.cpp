@@ -60,7 +60,7 @@ class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
     if (upload_ == nullptr)
       return {grpc::StatusCode::INVALID_ARGUMENT, "message refused: the upload has no chunks"};
     // What has arrived is kept for the next attempt.
-    if (!upload_->IsWhole()) return {grpc::StatusCode::DATA_LOSS, "the upload was cut short"};
+    if (!upload_->IsWhole()) return {grpc::StatusCode::DATA_LOSS, "the upload ended early"};
     const auto finished = upload_->Finish();
     return finished ? grpc::Status::OK : Refusal(finished.error());
   }

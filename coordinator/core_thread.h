@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "coordinator/core/farm.h"
-#include "coordinator/core/schedule/instant.h"
 #include "coordinator/core/journal.h"
+#include "coordinator/core/schedule/instant.h"
 #include "coordinator/core/spool.h"
 #include "coordinator/picture_writer.h"
 
@@ -23,18 +23,19 @@ namespace tessera {
 // Answers that wait for an event. Belongs to the core thread.
 class PendingAnswers {
  public:
-  // Receives the directive, or null if the call was cancelled or the coordinator ends.
+  // Receives the directive, or null if the call was cancelled or the coordinator is shutting down.
   using OnDirective = std::function<void(const WorkerDirective*)>;
-  // Receives the answer, or null if the coordinator ends before the results are on stable storage.
+  // Receives the answer, or null if the coordinator is shutting down before the results are on stable
+  // storage.
   using OnResults = std::function<void(const FarmOutput::Results*)>;
   // Receives each new status; `last` if there will be no other, because the job has ended or (status null)
-  // the coordinator ends. Returns false if nobody is watching any more.
+  // the coordinator is shutting down. Returns false if nobody is watching any more.
   using OnStatus = std::function<bool(const JobStatus* status, bool last)>;
 
   void AwaitDirective(CallId call, OnDirective answer) { directives_[call] = std::move(answer); }
   void AwaitResults(CallId call, OnResults answer) { results_[call] = std::move(answer); }
-  // Receives true when everything that the event caused is on stable storage, false if the coordinator ends
-  // first.
+  // Receives true when everything that the event caused is on stable storage, false if the coordinator is
+  // shutting down first.
   using OnSync = std::function<void(bool synced)>;
   void AfterSync(OnSync answer) { after_sync_.push_back(std::move(answer)); }
   void Watch(JobId job, OnStatus watcher) { watchers_.push_back({job, std::move(watcher), {}}); }
@@ -75,7 +76,7 @@ class CoreThread {
 
   // Thread safe. Events are applied in order.
   void Post(Event event);
-  // From now on no call waits: workers and watchers learn that the coordinator ends. Thread safe.
+  // From now on no call waits: workers and watchers learn that the coordinator is shutting down. Thread safe.
   void Close();
   // Ends the picture writer, applies what was posted, then ends the thread.
   void Stop();

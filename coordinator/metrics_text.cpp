@@ -46,7 +46,7 @@ void AddResults(const FarmCounters& c, Families& out) {
   out.Counter(name, help, D(c.units_obsolete), {{"verdict", "obsolete"}});
   out.Counter(name, help, D(c.units_refused), {{"verdict", "refused"}});
   out.Counter("tessera_units_failed_total", "Units that workers failed to render.", D(c.units_failed));
-  out.Counter("tessera_samples_total", "Pixel samples merged into pictures; its rate is samples per second.",
+  out.Counter("tessera_samples_total", "Pixel samples merged into pictures; the rate is samples per second.",
               D(c.samples_accepted));
   out.Counter("tessera_samples_wasted_total", "Pixel samples of duplicate, obsolete and refused results.",
               D(c.samples_wasted));
@@ -116,7 +116,7 @@ void AddJobs(const FarmView& view, Families& out) {
 
 void AddCoordinator(const FarmView& view, Families& out) {
   const FarmCounters& c = view.counters;
-  out.Counter("tessera_core_seconds_total", "Time the coordinator spent deciding and merging.", c.core_s);
+  out.Counter("tessera_core_seconds_total", "Time the coordinator spent on decisions and merging.", c.core_s);
   out.Counter("tessera_journal_sync_seconds_total",
               "Time the coordinator waited for the journal to be synced.", c.journal_s);
   out.Counter("tessera_journal_syncs_total", "Syncs of the journal.", D(c.journal_syncs));

@@ -17,7 +17,7 @@ class WatchStream final : public grpc::ServerWriteReactor<proto::JobStatus> {
   class Link {
    public:
     // Sends the status, or keeps it until the one before is sent: a slow client misses some, but never the
-    // last. Null means that the coordinator ends. Returns false if the client is gone.
+    // last. Null means that the coordinator is shutting down. Returns false if the client is gone.
     bool Offer(const JobStatus* status, bool last);
     void Finish(const grpc::Status& status);
 

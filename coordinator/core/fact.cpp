@@ -210,7 +210,7 @@ std::string EncodeFact(const Fact& fact) {
 Result<Fact> DecodeFact(std::string_view bytes) {
   ByteReader in(bytes);
   auto fact = ReadFact(in);
-  if (!fact || !in.ok() || !in.at_end()) return Failed("a fact of an unknown kind or form");
+  if (!fact || !in.ok() || !in.at_end()) return Failed("a fact of an unknown kind or format");
   return std::move(*fact);
 }
 

@@ -64,12 +64,12 @@ std::string ResultAcceptance::Mismatch(const Job& job, const ReturnedUnit& retur
   const RadianceTile& tile = *returned.tile;
   const FrameSpec& spec = job.spec->frames[unit.frame].spec;
   if (tile.range != unit.range)
-    return fmt::format("holds samples {} instead of {}", tile.range.Text(), unit.range.Text());
+    return fmt::format("has samples {}, expected {}", tile.range.Text(), unit.range.Text());
   if (tile.bounds != spec.TileBounds(static_cast<int>(unit.tile)))
-    return "holds other pixels than the tile's";
+    return "does not have the bounds of its tile";
   const ChannelLayout layout = spec.Layout();
   if (tile.shape != layout.shape())
-    return fmt::format("has {} channels instead of {}", tile.shape.stride(), layout.shape().stride());
+    return fmt::format("has {} channels, expected {}", tile.shape.stride(), layout.shape().stride());
   if (!spec.IsAdaptive()) return {};
   const FrameWork& work = state_.scheduler.WorkOf(unit);
   const bool fits = work.IsDone({unit.tile, unit.range}) || HasExactly(layout, work.Pixels(unit.tile), tile);

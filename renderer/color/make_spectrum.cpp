@@ -51,7 +51,7 @@ std::string SamplesProblem(std::span<const float> wavelengths, std::span<const f
     if (!std::isfinite(wavelengths[i]) || !std::isfinite(values[i])) return "a sample is not finite";
     if (values[i] < 0) return fmt::format("the value {} at {} nm is negative", values[i], wavelengths[i]);
     if (i > 0 && !(wavelengths[i] > wavelengths[i - 1])) {
-      return fmt::format("the wavelengths do not rise: {} nm follows {} nm", wavelengths[i],
+      return fmt::format("the wavelengths do not increase: {} nm follows {} nm", wavelengths[i],
                          wavelengths[i - 1]);
     }
   }
@@ -90,7 +90,7 @@ Result<Samples> ParseSamples(const std::string& text) {
       const char* const word = *at == '+' ? at + 1 : at;
       const auto [rest, problem] = std::from_chars(word, end, number);
       if (problem != std::errc() || (rest < end && !IsSpace(*rest) && *rest != '#')) {
-        return BadInput(fmt::format("line {} has a word that is no number", line));
+        return BadInput(fmt::format("line {} has a word that is not a number", line));
       }
       (is_wavelength ? samples.wavelengths : samples.values).push_back(number);
       is_wavelength = !is_wavelength;
@@ -107,7 +107,7 @@ Result<Spectrum> FromFile(const SpectrumValue& value, SpectrumUse use, FileSourc
   const Result<std::string> text = files.Read(value.name);
   if (!text) {
     return ErrorAt(value.location,
-                   fmt::format("\"{}\" is no named spectrum{} and cannot be read: {}", value.name,
+                   fmt::format("\"{}\" is not a named spectrum{} and cannot be read: {}", value.name,
                                DidYouMean(value.name, NamedSpectrumNames()), text.error().message));
   }
   if (text->size() > kSpectrumFileSizeMax) {

@@ -46,7 +46,7 @@ Result<std::string> DiskFileSource::Read(const std::string& name) {
   if (!bytes) return bytes;
   const File file{path, Sha256(*bytes), bytes->size()};
   if (!Remember(name, file)) {
-    return Failed(fmt::format("{}: changed while the scene was read: try again", path));
+    return Failed(fmt::format("{}: changed while the scene was being read; run the command again", path));
   }
   if (!state.empty())
     cache()->Keep(state, std::make_shared<const File>(file), sizeof(File) + 2 * state.size());

@@ -48,7 +48,8 @@ Result<void> CheckHeader(const Header& header) {
   }
   const SampleRange range{header.begin, header.size};
   if (!range.IsDyadic()) {
-    return Failed(fmt::format("radiance tile: samples {}+{} are no dyadic range", range.begin, range.size));
+    return Failed(
+        fmt::format("radiance tile: samples {}+{} are not a dyadic range", range.begin, range.size));
   }
   const auto channels = uint64_t{header.sums} + header.nearest + header.id_sets;
   if (header.sums < 1 || channels > kChannelsMax) {
@@ -63,10 +64,10 @@ Result<void> CheckHeader(const Header& header) {
 Result<Header> ReadHeader(std::string_view bytes) {
   Header header{};
   if (bytes.size() < kSumsHeaderSize)
-    return Failed(fmt::format("radiance tile: cut short at {} bytes", bytes.size()));
+    return Failed(fmt::format("radiance tile: truncated at {} bytes", bytes.size()));
   std::memcpy(&header, bytes.data(), kSumsHeaderSize);
   if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0)
-    return Failed("radiance tile: does not begin with TSRT");
+    return Failed("radiance tile: does not start with TSRT");
   if (header.version != kSumsVersion && header.version != kRulesVersion) {
     return Failed(fmt::format("radiance tile: version {}; this program knows {} and {}", header.version,
                               kSumsVersion, kRulesVersion));
@@ -190,7 +191,7 @@ std::string EncodeRadianceTile(const RadianceTile& tile) {
 
 Result<RadianceTile> DecodeRadianceTile(std::string_view bytes) {
   if (bytes.size() < kSumsHeaderSize + kCheckSize) {
-    return Failed(fmt::format("radiance tile: cut short at {} bytes", bytes.size()));
+    return Failed(fmt::format("radiance tile: truncated at {} bytes", bytes.size()));
   }
   const std::string_view body = bytes.substr(0, bytes.size() - kCheckSize);
   const auto header = ReadHeader(body);

@@ -50,15 +50,16 @@ Result<void> CheckPng(const std::string& bytes, const std::string& name) {
   size_t at = kSignatureSize;
   bool is_first = true, has_data = false;
   while (true) {
-    if (all.size() < at + kChunkOverhead) return damaged("it ends early");
+    if (all.size() < at + kChunkOverhead) return damaged("unexpected end of file");
     const uint32_t length = BigEndian(all, at);
-    if (length > kChunkSizeMax || all.size() - at - kChunkOverhead < length) return damaged("it ends early");
+    if (length > kChunkSizeMax || all.size() - at - kChunkOverhead < length)
+      return damaged("unexpected end of file");
     const std::string_view type_and_data = all.substr(at + 4, length + 4);
     const std::string_view type = type_and_data.substr(0, 4), data = type_and_data.substr(4);
     const uint32_t checksum = static_cast<uint32_t>(crc32(
         0, reinterpret_cast<const Bytef*>(type_and_data.data()), static_cast<uInt>(type_and_data.size())));
     if (checksum != BigEndian(all, at + 8 + length)) return damaged("wrong checksum");
-    if (is_first != (type == "IHDR")) return damaged("it does not begin with its header");
+    if (is_first != (type == "IHDR")) return damaged("no header at the start");
     if (is_first) {
       if (length != kHeaderChunkSize || !IsValidDepth(data[9], data[8])) return damaged("wrong header");
       is_first = false;
@@ -83,7 +84,7 @@ Result<void> CheckJpeg(const std::string& bytes, const std::string& name) {
     constexpr uint8_t kStartOfScan = 0xda;
     if (marker == kStartOfScan) {
       if (all.find("\xff\xd9", at) != std::string_view::npos) return {};
-      return Damaged(name, "JPEG", "it ends early");
+      return Damaged(name, "JPEG", "unexpected end of file");
     }
     at += 2 + (static_cast<uint8_t>(all[at + 2]) << 8 | static_cast<uint8_t>(all[at + 3]));
   }

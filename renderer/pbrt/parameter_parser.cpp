@@ -90,7 +90,7 @@ std::optional<Parameter> SceneParser::ReadDeclaration(const Token& token) {
   const std::string_view name = TakeWord(&declaration);
   const SourceLocation location = token.Location();
   if (name.empty()) {
-    Fail(location, fmt::format("{} is no parameter, expected \"type name\"", Quoted(token.text)));
+    Fail(location, fmt::format("{} is not a parameter, expected \"type name\"", Quoted(token.text)));
     return std::nullopt;
   }
   if (!IsType(type)) {

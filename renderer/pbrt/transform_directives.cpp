@@ -75,8 +75,9 @@ bool SceneParser::CoordSysTransform(const Statement& statement) {
   if (found != coordinate_systems_.end()) {
     state_.transform = found->second;
   } else {
-    Warn(statement.location, fmt::format("coordinate system {} is not defined{}: the transformation stays",
-                                         Quoted(*name), is_import_ ? " in the imported file" : ""));
+    Warn(statement.location,
+         fmt::format("coordinate system {} is not defined{}: the transformation is unchanged", Quoted(*name),
+                     is_import_ ? " in the imported file" : ""));
   }
   return true;
 }

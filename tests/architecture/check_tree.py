@@ -59,28 +59,6 @@ PHRASES_IN_STRINGS = [
 ]
 
 
-# Files whose violations are known and about to be removed. No file is added to this list.
-PENDING = {
-    "coordinator/core/fact.h",
-    "coordinator/store/blob_room.h",
-    "coordinator/store/blob_store.h",
-    "renderer/film/adaptive.h",
-    "renderer/math/motion.h",
-    "renderer/math/transform.h",
-    "renderer/scene/scene.h",
-    "renderer/util/digest.h",
-    "tests/proto/wire/convert_test.cpp",
-    "worker/blob_cache.cpp",
-    "worker/blob_fetcher.cpp",
-    "worker/core/lease_book.cpp",
-    "worker/core/lease_book.h",
-    "worker/returner.cpp",
-    "worker/synchronizer.h",
-    "worker/worker.cpp",
-    "worker/worker.h",
-}
-
-
 COMMENT_OR_STRING = re.compile(
     r'//[^\n]*|/\*.*?\*/|R"\w*\(.*?\)\w*"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'', flags=re.S)
 
@@ -231,7 +209,6 @@ def main():
     check_tests_registered(root, problems)
     check_guide(root, problems)
     check_top_level(root, problems)
-    problems = [problem for problem in problems if problem.split(":")[0] not in PENDING]
     print("\n".join(problems))
     print(f"{len(problems)} violations")
     return 1 if problems else 0

@@ -53,9 +53,9 @@ TEST(Farm, WrongResultsAreRefusedWithTheirReason) {
     const char* reason;
   } table[] = {
       {Failed("its check sum is wrong"), {0, 2}, 0, 0, "its check sum is wrong"},
-      {Ones({2, 2}), {0, 2}, 0, 0, "holds samples [2,4) instead of [0,2)"},
+      {Ones({2, 2}), {0, 2}, 0, 0, "has samples [2,4), expected [0,2)"},
       {wrong_bounds, {0, 2}, 0, 0, "other pixels"},
-      {wrong_channels, {0, 2}, 0, 0, "4 channels instead of 2"},
+      {wrong_channels, {0, 2}, 0, 0, "4 channels, expected 2"},
       {Ones({0, 2}), {0, 2}, 5, 0, "no such unit"},
       {Ones({0, 2}), {0, 2}, 0, 5, "no such unit"},
       {Ones({4, 4}), {4, 4}, 0, 0, "no such unit"},

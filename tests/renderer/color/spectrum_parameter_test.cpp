@@ -83,9 +83,9 @@ TEST(MakeSpectrum, RefusesBrokenFilesWithTheReason) {
   const auto error = [&](const char* name) {
     return ErrorOf(NamedValue(name), SpectrumUse::kUnbounded, files);
   };
-  EXPECT_THAT(error("word"), HasSubstr("\"word\": line 2 has a word that is no number"));
+  EXPECT_THAT(error("word"), HasSubstr("\"word\": line 2 has a word that is not a number"));
   EXPECT_THAT(error("odd"), HasSubstr("no value"));
-  EXPECT_THAT(error("falling"), HasSubstr("do not rise"));
+  EXPECT_THAT(error("falling"), HasSubstr("do not increase"));
   EXPECT_THAT(error("empty"), HasSubstr("no samples"));
   EXPECT_THAT(error("infinite"), HasSubstr("not finite"));
   EXPECT_THAT(error("negative"), HasSubstr("negative"));
@@ -100,7 +100,7 @@ TEST(MakeSpectrum, ChecksSamples) {
   MemoryFiles files;
   EXPECT_EQ(ErrorOf(SamplesValue({400, 500}, {1, 2}), SpectrumUse::kUnbounded, files), "");
   EXPECT_THAT(ErrorOf(SamplesValue({400, 400}, {1, 2}), SpectrumUse::kUnbounded, files),
-              HasSubstr("do not rise"));
+              HasSubstr("do not increase"));
   EXPECT_THAT(ErrorOf(SamplesValue({400}, {1, 2}), SpectrumUse::kUnbounded, files), HasSubstr("no value"));
   EXPECT_THAT(ErrorOf(SamplesValue({}, {}), SpectrumUse::kUnbounded, files), HasSubstr("no samples"));
 }

@@ -116,8 +116,8 @@ const BadScene kSyntax[] = {
 };
 
 const BadScene kParameters[] = {
-    {"Camera \"p\" \"fov\" 1", "a.pbrt:1:12: \"fov\" is no parameter, expected \"type name\""},
-    {"Camera \"p\" \"  \" 1", "a.pbrt:1:12: \"  \" is no parameter, expected \"type name\""},
+    {"Camera \"p\" \"fov\" 1", "a.pbrt:1:12: \"fov\" is not a parameter, expected \"type name\""},
+    {"Camera \"p\" \"  \" 1", "a.pbrt:1:12: \"  \" is not a parameter, expected \"type name\""},
     {"Camera \"p\" \"flaot fov\" 1",
      "a.pbrt:1:12: unknown parameter type \"flaot\" (did you mean \"float\"?), expected one of bool float "
      "integer point2 "

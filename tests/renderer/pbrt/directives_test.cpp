@@ -163,8 +163,9 @@ TEST(Directives, CoordinateSystemsAreRestoredByName) {
 TEST(Directives, UnknownCoordinateSystemsOnlyWarn) {
   const SceneDescription scene =
       Parsed("WorldBegin\nTranslate 1 0 0 CoordSysTransform \"x\" Shape \"sphere\"");
-  EXPECT_THAT(scene.diagnostics.WarningTexts(),
-              ElementsAre("a.pbrt:2:17: coordinate system \"x\" is not defined: the transformation stays"));
+  EXPECT_THAT(
+      scene.diagnostics.WarningTexts(),
+      ElementsAre("a.pbrt:2:17: coordinate system \"x\" is not defined: the transformation is unchanged"));
   EXPECT_EQ(scene.shapes[0].world_from_object.First().ToPoint({0, 0, 0}), (Point3{1, 0, 0}));
 }
 

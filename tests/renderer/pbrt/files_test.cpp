@@ -168,7 +168,7 @@ TEST_F(DiskFiles, ThatChangeBetweenTwoReadsAreRefused) {
   EXPECT_TRUE(files.Read("f").has_value());
   Write("f", "two");
   EXPECT_EQ(files.Read("f").error().message,
-            folder_.string() + "/f: changed while the scene was read: try again");
+            folder_.string() + "/f: changed while the scene was being read; run the command again");
 }
 
 }  // namespace
