@@ -127,8 +127,8 @@ class Packer {
       return BadInput(fmt::format("{}: the job refers to {} files up to this frame; the limit is {}",
                                   frame.path, packed.package.files.size(), kFilesPerPackageMax));
     }
-    FrameOrder order{folder + PackagePath(frame.name()), EncodeRenderOptions(frame.options), read.spec,
-                     frame.number, read.extendable};
+    FrameRequest order{folder + PackagePath(frame.name()), EncodeRenderOptions(frame.options), read.spec,
+                       frame.number, read.extendable};
     order.spec.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(alone)).Hex();
     packed.frames.push_back(std::move(order));
     return {};

@@ -12,7 +12,7 @@ Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs) {
   if (!manifest) return manifest.error();
   const auto package = DecodeScenePackage(*manifest);
   if (!package) return package.error();
-  for (const FrameOrder& frame : spec.frames) {
+  for (const FrameRequest& frame : spec.frames) {
     if (!package->files.contains(frame.scene_file)) {
       return BadInput(fmt::format("{}: the scene file is not in the scene package", frame.scene_file));
     }

@@ -84,12 +84,12 @@ struct Lease {
   WorkUnit unit;
   PixelBounds bounds;
   PixelMask pixels;  // those of the bounds to be rendered
-  Digest scene;      // SceneOrder::key
+  Digest scene;      // SceneRequest::key
   std::chrono::milliseconds duration{};
 };
 
 // A scene to load: package, scene file and options. Jobs with the same three share it.
-struct SceneOrder {
+struct SceneRequest {
   Digest key;  // SceneKey(package, scene_file, options)
   Digest package;
   std::string scene_file;
@@ -145,7 +145,7 @@ struct WorkerState {
 
 // What a worker should hold and do; proto/work.proto has the rules.
 struct WorkerDirective {
-  std::vector<SceneOrder> scenes;
+  std::vector<SceneRequest> scenes;
   std::vector<Lease> leases;
   std::vector<LeaseId> drop;
   std::vector<Digest> prefetch;  // packages
@@ -156,7 +156,7 @@ struct WorkerDirective {
 // What became of a returned result.
 enum class Verdict { kAccepted, kDuplicate, kObsolete, kRefused };
 
-struct FrameOrder {
+struct FrameRequest {
   std::string scene_file;
   std::string options;  // EncodeRenderOptions
   FrameSpec spec;
@@ -170,7 +170,7 @@ struct JobSpec {
   std::string name;
   int32_t priority = 0;
   Digest package;
-  std::vector<FrameOrder> frames;
+  std::vector<FrameRequest> frames;
   std::set<std::string> required_tags;  // only workers with all of them render its units
   double verify_share = 0;              // share of its units that two workers render; IsShare
 };
@@ -220,7 +220,7 @@ struct JobStatus {
 };
 
 struct FrameStatus {
-  int32_t number = 0;          // FrameOrder::number
+  int32_t number = 0;          // FrameRequest::number
   std::optional<Digest> file;  // of its EXR file, once it can be fetched
 };
 

@@ -35,7 +35,7 @@ ScenePackage PackageFileSource::PackageRead() const {
   return read_;
 }
 
-Result<std::shared_ptr<const Scene>> LoadOrderedScene(const SceneOrder& order, const FetchBlob& fetch,
+Result<std::shared_ptr<const Scene>> LoadOrderedScene(const SceneRequest& order, const FetchBlob& fetch,
                                                       std::shared_ptr<SharedCache> cache) {
   const auto options = DecodeRenderOptions(order.options);
   if (!options) return options.error();

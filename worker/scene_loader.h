@@ -50,7 +50,7 @@ class PackageFileSource : public FileSource {
 // Fetches, parses and builds. An error, for the user to read, if a file cannot be fetched, the scene is
 // invalid or its frame is not the one that was ordered. Reuses what `cache`, which may be null, holds of the
 // same files.
-Result<std::shared_ptr<const Scene>> LoadOrderedScene(const SceneOrder& order, const FetchBlob& fetch,
+Result<std::shared_ptr<const Scene>> LoadOrderedScene(const SceneRequest& order, const FetchBlob& fetch,
                                                       std::shared_ptr<SharedCache> cache = nullptr);
 
 }  // namespace tessera

@@ -23,9 +23,9 @@ std::optional<UnitTask> SharedWorkload::AwaitUnit(std::stop_token stop) {
   return task;
 }
 
-std::optional<SceneOrder> SharedWorkload::AwaitSceneOrder(std::stop_token stop) {
+std::optional<SceneRequest> SharedWorkload::AwaitSceneOrder(std::stop_token stop) {
   std::unique_lock lock(mutex_);
-  std::optional<SceneOrder> order;
+  std::optional<SceneRequest> order;
   const auto has_order = [&] {
     order = load_.StartScene(Clock::now());
     return order.has_value();

@@ -46,7 +46,7 @@ class SharedWorkload {
   // For the rendering threads.
   std::optional<UnitTask> AwaitUnit(std::stop_token stop);
   // For the thread that loads scenes.
-  std::optional<SceneOrder> AwaitSceneOrder(std::stop_token stop);
+  std::optional<SceneRequest> AwaitSceneOrder(std::stop_token stop);
   // For the thread that sends results: Workload::NextBatch.
   Workload::Batch AwaitBatch(size_t bytes_max, std::stop_token stop);
   // Waits until nothing is being rendered and everything is returned and acknowledged, at most for

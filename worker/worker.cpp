@@ -171,7 +171,7 @@ void Worker::Render() {
 }
 
 // Files that are missing afterwards are fetched when the scene reads them.
-void Worker::FetchFiles(const SceneOrder& order) {
+void Worker::FetchFiles(const SceneRequest& order) {
   if (!order.needs_all) return;
   meter_.LoaderDoes(ActivityMeter::Loader::kFetching, Clock::now());
   synchronizer_.NotifyNews();

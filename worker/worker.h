@@ -41,7 +41,7 @@ class Worker {
  private:
   void Render();
   void LoadScenes();
-  void FetchFiles(const SceneOrder& order);
+  void FetchFiles(const SceneRequest& order);
   void OnRefusal(Error why);
   void Drain();
 

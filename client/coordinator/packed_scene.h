@@ -11,7 +11,7 @@
 namespace tessera {
 
 struct PackedScene {
-  std::vector<FrameOrder> frames;  // with the attributes of the picture files
+  std::vector<FrameRequest> frames;  // with the attributes of the picture files
   ScenePackage package;
   std::string manifest;                      // EncodeScenePackage(package)
   Digest digest;                             // of the manifest

@@ -10,7 +10,7 @@ uint64_t SamplesOf(const FrameSpec& spec) {
 
 uint64_t SamplesOf(const JobSpec& spec) {
   uint64_t samples = 0;
-  for (const FrameOrder& frame : spec.frames) samples += SamplesOf(frame.spec);
+  for (const FrameRequest& frame : spec.frames) samples += SamplesOf(frame.spec);
   return samples;
 }
 
@@ -20,13 +20,13 @@ uint64_t SumsBytes(const FrameSpec& spec) {
   return static_cast<uint64_t>(spec.crop.area()) * spec.Layout().shape().floats_max() * sizeof(float) * terms;
 }
 
-bool IsExtendable(const FrameOrder& frame) {
+bool IsExtendable(const FrameRequest& frame) {
   return frame.extendable && !frame.spec.IsAdaptive();
 }
 
 std::shared_ptr<const JobSpec> ExtendedSpec(const JobSpec& spec, uint32_t samples_per_pixel) {
   auto extended = std::make_shared<JobSpec>(spec);
-  for (FrameOrder& frame : extended->frames) {
+  for (FrameRequest& frame : extended->frames) {
     if (frame.spec.samples_per_pixel >= samples_per_pixel) continue;
     frame.spec.samples_per_pixel = samples_per_pixel;
     const auto attribute = frame.spec.attributes.find(kSamplesAttribute);

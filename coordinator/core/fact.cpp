@@ -15,8 +15,8 @@ enum class Kind : uint32_t {
   kFrameResumed = 11,
   kJobPaused = 5,
   kJobPriorityChanged = 6,
-  kWorkerBarred = 9,
-  kOpinionHeard = 20,
+  kWorkerQuarantined = 9,
+  kVoteRecorded = 20,
   kUnitsCounted = 21,
   kFrameFinished = 22,
   kJobSubmitted = 23,
@@ -77,16 +77,16 @@ void Add(ByteWriter& out, const JobPriorityChanged& fact) {
   out.Add32(static_cast<uint32_t>(fact.priority));
 }
 
-void Add(ByteWriter& out, const WorkerBarred& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kWorkerBarred));
+void Add(ByteWriter& out, const WorkerQuarantined& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kWorkerQuarantined));
   out.Add64(Number(fact.worker));
   out.AddText(fact.name);
   out.Add32(fact.drained ? 1 : 0);
   out.AddText(fact.quarantine);
 }
 
-void Add(ByteWriter& out, const OpinionHeard& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kOpinionHeard));
+void Add(ByteWriter& out, const VoteRecorded& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kVoteRecorded));
   out.Add64(Number(fact.unit.job));
   for (const uint32_t value :
        {fact.unit.frame, fact.unit.tile, fact.unit.range.begin, fact.unit.range.size}) {
@@ -105,8 +105,8 @@ void Add(ByteWriter& out, const UnitsCounted& fact) {
   out.Add64(fact.suspect);
 }
 
-std::optional<Fact> ReadWorkerBarred(ByteReader& in) {
-  WorkerBarred fact;
+std::optional<Fact> ReadWorkerQuarantined(ByteReader& in) {
+  WorkerQuarantined fact;
   fact.worker = WorkerId{in.Read64()};
   fact.name = in.ReadText();
   const uint32_t drained = in.Read32();
@@ -116,8 +116,8 @@ std::optional<Fact> ReadWorkerBarred(ByteReader& in) {
   return fact;
 }
 
-std::optional<Fact> ReadOpinionHeard(ByteReader& in) {
-  OpinionHeard fact;
+std::optional<Fact> ReadVoteRecorded(ByteReader& in) {
+  VoteRecorded fact;
   fact.unit.job = JobId{in.Read64()};
   for (uint32_t* value : {&fact.unit.frame, &fact.unit.tile, &fact.unit.range.begin, &fact.unit.range.size}) {
     *value = in.Read32();
@@ -185,8 +185,8 @@ std::optional<Fact> ReadFact(ByteReader& in) {
       if (priority < -kPriorityMax || priority > kPriorityMax) return std::nullopt;
       return JobPriorityChanged{job, priority};
     }
-    case Kind::kWorkerBarred: return ReadWorkerBarred(in);
-    case Kind::kOpinionHeard: return ReadOpinionHeard(in);
+    case Kind::kWorkerQuarantined: return ReadWorkerQuarantined(in);
+    case Kind::kVoteRecorded: return ReadVoteRecorded(in);
     case Kind::kUnitsCounted: {
       UnitsCounted fact;
       fact.job = JobId{in.Read64()};

@@ -65,7 +65,7 @@ struct JobPriorityChanged {
 };
 
 // The user has drained or the farm has quarantined a worker; with neither, it may work again.
-struct WorkerBarred {
+struct WorkerQuarantined {
   WorkerId worker{};
   std::string name;
   bool drained = false;
@@ -73,7 +73,7 @@ struct WorkerBarred {
 };
 
 // A worker's vote on a unit that is verified: the digest of its result (RadianceTileDigest).
-struct OpinionHeard {
+struct VoteRecorded {
   WorkUnit unit;
   WorkerId worker{};
   std::string name;  // the worker's
@@ -88,7 +88,7 @@ struct UnitsCounted {
 
 using Fact =
     std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended, JobsForgotten,
-                 FrameResumed, JobPaused, JobPriorityChanged, WorkerBarred, OpinionHeard, UnitsCounted>;
+                 FrameResumed, JobPaused, JobPriorityChanged, WorkerQuarantined, VoteRecorded, UnitsCounted>;
 
 // A 32-bit number of the kind, then its members in order (byte_codec.h), texts and lists preceded by a 64-bit
 // length. The meaning of a number never changes: a kind whose members change gets another number, and those

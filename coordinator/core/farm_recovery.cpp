@@ -18,7 +18,7 @@ struct Overloaded : Functions... {
 
 }  // namespace
 
-WorkerBarred FactOf(const WorkerBlock& block) {
+WorkerQuarantined FactOf(const WorkerBlock& block) {
   return {block.worker, block.name, block.is_drained, block.quarantine};
 }
 
@@ -60,10 +60,10 @@ void FarmRecovery::Restore(const Fact& fact) {
           [&](const JobPriorityChanged& each) {
             with_job(each.job, [&](Job& job) { job.priority = each.priority; });
           },
-          [&](const WorkerBarred& each) {
+          [&](const WorkerQuarantined& each) {
             blocks_.push_back({each.worker, each.name, each.drained, each.quarantine});
           },
-          [&](const OpinionHeard& each) {
+          [&](const VoteRecorded& each) {
             with_job(each.unit.job, [&](Job& job) {
               ResultAcceptance::CountVote(job, each.unit, {each.worker, each.name, each.result});
             });
@@ -182,7 +182,7 @@ void FarmRecovery::AppendHistory(const Job& job, std::vector<Fact>& facts) {
     }
   }
   uint32_t samples_max = 0;
-  for (const FrameOrder& frame : job.spec->frames) {
+  for (const FrameRequest& frame : job.spec->frames) {
     samples_max = std::max(samples_max, frame.spec.samples_per_pixel);
   }
   facts.emplace_back(JobExtended{job.id, samples_max});
@@ -194,7 +194,7 @@ void FarmRecovery::AppendControl(const Job& job, std::vector<Fact>& facts) {
   if (job.priority != job.submitted->priority) facts.emplace_back(JobPriorityChanged{job.id, job.priority});
   for (const auto& [unit, votes] : job.results.votes) {
     for (const Vote& vote : votes)
-      facts.emplace_back(OpinionHeard{unit, vote.worker, vote.name, vote.result});
+      facts.emplace_back(VoteRecorded{unit, vote.worker, vote.name, vote.result});
   }
   if (job.submitted->verify_share > 0) facts.emplace_back(CountsOf(job));
 }

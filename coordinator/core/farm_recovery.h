@@ -50,6 +50,6 @@ class FarmRecovery {
   std::set<FrameId> found_kept_;   // in the spool
 };
 
-WorkerBarred FactOf(const WorkerBlock& block);
+WorkerQuarantined FactOf(const WorkerBlock& block);
 
 }  // namespace tessera

@@ -77,7 +77,7 @@ bool ReadFrameSpecByNames(ByteReader& in, FrameSpec& spec) {
   return writes_samples <= 1 && in.ok() && spec.Check().has_value();
 }
 
-void AddFrameOrder(ByteWriter& out, const FrameOrder& frame) {
+void AddFrameRequest(ByteWriter& out, const FrameRequest& frame) {
   ByteWriter body;
   body.AddText(frame.scene_file);
   body.AddText(frame.options);
@@ -88,21 +88,21 @@ void AddFrameOrder(ByteWriter& out, const FrameOrder& frame) {
 }
 
 // What both forms begin with.
-void ReadFrameHead(ByteReader& in, FrameOrder& frame) {
+void ReadFrameHead(ByteReader& in, FrameRequest& frame) {
   frame.scene_file = in.ReadText();
   frame.options = in.ReadText();
   frame.number = static_cast<int32_t>(in.Read32());
   frame.extendable = in.Read32() != 0;
 }
 
-bool ReadFrameOrder(ByteReader& in, FrameOrder& frame) {
+bool ReadFrameRequest(ByteReader& in, FrameRequest& frame) {
   auto record = in.ReadRecord(kVersion);
   if (!record) return false;
   ReadFrameHead(record->body, frame);
   return ReadFrameSpec(record->body, frame.spec) && record->IsReadBy(kVersion);
 }
 
-bool ReadFrameOrderByNames(ByteReader& in, FrameOrder& frame) {
+bool ReadFrameRequestByNames(ByteReader& in, FrameRequest& frame) {
   ReadFrameHead(in, frame);
   return ReadFrameSpecByNames(in, frame.spec);
 }
@@ -165,7 +165,7 @@ void AddJobSpec(ByteWriter& out, const JobSpec& spec) {
   body.Add32(static_cast<uint32_t>(spec.priority));
   AddDigest(body, spec.package);
   body.Add64(spec.frames.size());
-  for (const FrameOrder& frame : spec.frames) AddFrameOrder(body, frame);
+  for (const FrameRequest& frame : spec.frames) AddFrameRequest(body, frame);
   body.Add64(spec.required_tags.size());
   for (const std::string& tag : spec.required_tags) body.AddText(tag);
   body.Add64(std::bit_cast<uint64_t>(spec.verify_share));
@@ -174,11 +174,11 @@ void AddJobSpec(ByteWriter& out, const JobSpec& spec) {
 
 bool ReadJobSpec(ByteReader& in, JobSpec& spec) {
   auto record = in.ReadRecord(kVersion);
-  return record && ReadMembers(record->body, spec, ReadFrameOrder) && record->IsReadBy(kVersion);
+  return record && ReadMembers(record->body, spec, ReadFrameRequest) && record->IsReadBy(kVersion);
 }
 
 bool ReadJobSpecByNames(ByteReader& in, JobSpec& spec) {
-  return ReadMembers(in, spec, ReadFrameOrderByNames);
+  return ReadMembers(in, spec, ReadFrameRequestByNames);
 }
 
 }  // namespace tessera

@@ -2,7 +2,7 @@
 // (byte_codec.h).
 //   digest      text of 32 bytes
 //   JobSpec     record: version 1: submission, name, priority, package, frames, tags, verify share
-//   FrameOrder  record: version 1: scene file, options, number, extendable, FrameSpec
+//   FrameRequest  record: version 1: scene file, options, number, extendable, FrameSpec
 //   FrameSpec   record: version 1: size, crop, samples, tile size, EXR type, channels (name, type, rule,
 //               written), attributes, noise threshold
 // A new member is appended to its record and gets a default where an older record is read.

@@ -12,7 +12,7 @@ namespace {
 
 uint32_t SamplesMax(const JobSpec& spec) {
   uint32_t samples = 0;
-  for (const FrameOrder& frame : spec.frames) samples = std::max(samples, frame.spec.samples_per_pixel);
+  for (const FrameRequest& frame : spec.frames) samples = std::max(samples, frame.spec.samples_per_pixel);
   return samples;
 }
 
@@ -23,7 +23,7 @@ std::string SamplerOf(const FrameSpec& spec) {
 }
 
 // Why the frame itself cannot get more samples.
-std::string WhyNotExtendable(const FrameOrder& frame, uint32_t samples_per_pixel) {
+std::string WhyNotExtendable(const FrameRequest& frame, uint32_t samples_per_pixel) {
   if (frame.spec.IsAdaptive()) {
     return fmt::format(
         "its pixels stop adaptively (--noise-threshold); submit the scene again with --spp {} "
@@ -42,7 +42,7 @@ Result<void> JobExtension::Check(const Job& job, uint32_t samples_per_pixel) con
   const auto refuse = [&](const std::string& why) {
     return Failed(fmt::format("job {} cannot be extended: {}", Number(job.id), why));
   };
-  for (const FrameOrder& frame : job.spec->frames) {
+  for (const FrameRequest& frame : job.spec->frames) {
     if (!IsExtendable(frame)) return refuse(WhyNotExtendable(frame, samples_per_pixel));
   }
   if (HasEnded(job.state) && job.state != JobState::kFinished)

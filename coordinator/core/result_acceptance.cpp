@@ -84,7 +84,7 @@ std::optional<Verdict> ResultAcceptance::Verify(Instant now, Job& job, WorkerId 
                                                           returned.render_seconds, result);
   if (outcome.is_new) {
     CountVote(job, returned.unit, {worker, outcome.name, result});
-    state_.output.facts.emplace_back(OpinionHeard{returned.unit, worker, outcome.name, result});
+    state_.output.facts.emplace_back(VoteRecorded{returned.unit, worker, outcome.name, result});
   }
   switch (outcome.kind) {
     case VoteOutcome::Kind::kHeld: return Verdict::kAccepted;

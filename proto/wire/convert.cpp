@@ -176,7 +176,7 @@ void Write(const Lease& value, proto::Lease& message) {
   message.set_duration_ms(static_cast<uint32_t>(value.duration.count()));
 }
 
-Result<SceneOrder> ReadSceneOrder(const proto::SceneOrder& message) {
+Result<SceneRequest> ReadSceneOrder(const proto::SceneRequest& message) {
   const auto key = ReadDigest(message.scene(), "scene");
   if (!key) return key.error();
   const auto package = ReadDigest(message.package(), "package");
@@ -185,14 +185,14 @@ Result<SceneOrder> ReadSceneOrder(const proto::SceneOrder& message) {
   if (message.options().size() > kOptionsBytesMax) return BadField("options", "are too long");
   auto frame = ReadFrameSpec(message.frame());
   if (!frame) return frame.error();
-  SceneOrder order{
+  SceneRequest order{
       *key, *package, message.scene_file(), message.options(), std::move(*frame), message.needs_all()};
   if (order.key != SceneKey(order.package, order.scene_file, order.options))
     return BadField("scene", "is not its key");
   return order;
 }
 
-void Write(const SceneOrder& value, proto::SceneOrder& message) {
+void Write(const SceneRequest& value, proto::SceneRequest& message) {
   message.set_scene(WriteDigest(value.key));
   message.set_package(WriteDigest(value.package));
   message.set_scene_file(value.scene_file);

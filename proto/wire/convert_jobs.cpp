@@ -6,13 +6,13 @@
 namespace tessera {
 namespace {
 
-Result<FrameOrder> ReadFrameOrder(const proto::FrameOrder& message) {
+Result<FrameRequest> ReadFrameRequest(const proto::FrameRequest& message) {
   if (!IsPackagePath(message.scene_file())) return BadField("scene_file", "is not a path in a package");
   if (message.options().size() > kOptionsBytesMax) return BadField("options", "are too long");
   auto spec = ReadFrameSpec(message.spec());
   if (!spec) return spec.error();
-  return FrameOrder{message.scene_file(), message.options(), std::move(*spec), message.number(),
-                    message.extendable()};
+  return FrameRequest{message.scene_file(), message.options(), std::move(*spec), message.number(),
+                      message.extendable()};
 }
 
 std::chrono::milliseconds ReadDuration(uint64_t ms) {
@@ -81,7 +81,7 @@ Result<JobSpec> ReadJobSpec(const proto::JobSpec& message) {
   if (message.frames_size() < 1) return BadField("frames", "are missing");
   if (message.frames_size() > kFramesPerJobMax) return BadField("frames", "are too many for one job");
   for (const auto& frame : message.frames()) {
-    auto order = ReadFrameOrder(frame);
+    auto order = ReadFrameRequest(frame);
     if (!order) return order.error();
     spec.frames.push_back(std::move(*order));
   }
@@ -98,7 +98,7 @@ void Write(const JobSpec& value, proto::JobSpec& message) {
   message.set_name(value.name);
   message.set_priority(value.priority);
   message.set_package(WriteDigest(value.package));
-  for (const FrameOrder& frame : value.frames) {
+  for (const FrameRequest& frame : value.frames) {
     auto& written = *message.add_frames();
     written.set_scene_file(frame.scene_file);
     written.set_options(frame.options);

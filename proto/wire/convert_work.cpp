@@ -157,7 +157,7 @@ Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& messag
 }
 
 void Write(const WorkerDirective& value, proto::WorkerDirective& message) {
-  for (const SceneOrder& scene : value.scenes) Write(scene, *message.add_scenes());
+  for (const SceneRequest& scene : value.scenes) Write(scene, *message.add_scenes());
   for (const Lease& lease : value.leases) Write(lease, *message.add_leases());
   for (const LeaseId lease : value.drop) message.add_drop(Number(lease));
   for (const Digest& package : value.prefetch) message.add_prefetch(WriteDigest(package));

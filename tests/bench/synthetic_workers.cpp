@@ -142,7 +142,7 @@ class SyntheticWorkers::One {
   // Every scene is in memory at once.
   void Apply(const proto::WorkerDirective& directive) {
     const std::lock_guard lock(mutex_);
-    for (const proto::SceneOrder& message : directive.scenes()) {
+    for (const proto::SceneRequest& message : directive.scenes()) {
       const auto order = ReadSceneOrder(message);
       if (order) state_.scenes = {{order->key, true}};
     }

@@ -8,7 +8,7 @@ class VerificationChecker : public Checker {
  public:
   using Checker::Checker;
   void OnFact(const Fact& fact) override {
-    const auto* const block = std::get_if<WorkerBarred>(&fact);
+    const auto* const block = std::get_if<WorkerQuarantined>(&fact);
     if (block == nullptr || block->quarantine.empty()) return;
     if (!world_.faulty_workers.contains(block->worker))
       world_.Violation("a sound worker is in quarantine: " + block->quarantine);

@@ -21,7 +21,7 @@ TEST(SceneLoader, BuildsTheSceneThatWasOrdered) {
 
 TEST(SceneLoader, RefusesAFrameOtherThanTheOneOrdered) {
   BlobMap blobs;
-  SceneOrder order = MakeOrder(blobs, kTinyScene);
+  SceneRequest order = MakeOrder(blobs, kTinyScene);
   order.frame.samples_per_pixel = 5;
   const auto scene = LoadOrderedScene(order, blobs.Fetcher());
   ASSERT_FALSE(scene);
@@ -30,7 +30,7 @@ TEST(SceneLoader, RefusesAFrameOtherThanTheOneOrdered) {
 
 TEST(SceneLoader, APackageThatLacksAFileFailsByName) {
   BlobMap blobs;
-  const SceneOrder order = MakeOrder(blobs, std::string(kTinyScene) + "Include \"more.pbrt\"\n");
+  const SceneRequest order = MakeOrder(blobs, std::string(kTinyScene) + "Include \"more.pbrt\"\n");
   const auto scene = LoadOrderedScene(order, blobs.Fetcher());
   ASSERT_FALSE(scene);
   EXPECT_THAT(scene.error().message, HasSubstr("more.pbrt"));
@@ -38,7 +38,7 @@ TEST(SceneLoader, APackageThatLacksAFileFailsByName) {
 
 TEST(SceneLoader, ABlobThatCannotBeFetchedFailsTheScene) {
   BlobMap blobs;
-  const SceneOrder order = MakeOrder(blobs, kTinyScene);
+  const SceneRequest order = MakeOrder(blobs, kTinyScene);
   const BlobMap nothing;
   EXPECT_FALSE(LoadOrderedScene(order, nothing.Fetcher()));
 }
@@ -80,7 +80,7 @@ TEST(SceneLoader, AFrameInAFolderOfItsPackageEqualsTheFrameAlone) {
   job.files["folder-1/" + PackagePath("my scene.pbrt")] = {blobs.Add(scene), scene.size()};
   job.files["folder-1/more.pbrt"] = {blobs.Add("# a\n"), 4};
   job.files["folder-2/more.pbrt"] = {blobs.Add("Wrong\n"), 6};
-  SceneOrder order = MakeOrder(blobs, kTinyScene);  // with the same frame
+  SceneRequest order = MakeOrder(blobs, kTinyScene);  // with the same frame
   order.package = blobs.Add(EncodeScenePackage(job));
   order.scene_file = "folder-1/" + PackagePath("my scene.pbrt");
   order.frame.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(alone)).Hex();

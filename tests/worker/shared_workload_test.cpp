@@ -42,7 +42,7 @@ class SharedWorkloadTest : public testing::Test {
   std::atomic<int> news_ = 0;
   BlobMap blobs_;
   SharedWorkload workload_;
-  SceneOrder order_;
+  SceneRequest order_;
 };
 
 TEST_F(SharedWorkloadTest, AUnitGoesFromLeaseToAcknowledgedResult) {
@@ -93,7 +93,7 @@ TEST_F(SharedWorkloadTest, ALeaseForASceneThatIsNotExpectedIsReturned) {
 }
 
 TEST_F(SharedWorkloadTest, ASceneThatFailsReturnsItsLeasesAndIsReported) {
-  const SceneOrder bad = MakeOrder(blobs_, "WorldBegin\nnonsense\n");
+  const SceneRequest bad = MakeOrder(blobs_, "WorldBegin\nnonsense\n");
   workload_.Change()->Apply({{order_, bad}, {}, {}, {}, {}, {}}, Clock::now());
   Lease lease = MakeLease(1);
   lease.scene = bad.key;

@@ -37,10 +37,10 @@ class BlobMap {
 };
 
 // An order for a package that holds `scene` as "scene.pbrt".
-inline SceneOrder MakeOrder(BlobMap& blobs, const std::string& scene, const RenderOptions& options = {}) {
+inline SceneRequest MakeOrder(BlobMap& blobs, const std::string& scene, const RenderOptions& options = {}) {
   ScenePackage package;
   package.files["scene.pbrt"] = {blobs.Add(scene), scene.size()};
-  SceneOrder order;
+  SceneRequest order;
   order.package = blobs.Add(EncodeScenePackage(package));
   order.scene_file = "scene.pbrt";
   order.options = EncodeRenderOptions(options);

@@ -4,11 +4,11 @@
 
 namespace tessera {
 
-void SceneTable::Want(const std::vector<SceneOrder>& orders,
+void SceneTable::Want(const std::vector<SceneRequest>& orders,
                       const std::function<bool(const Digest&)>& in_use) {
   wanted_ = orders;
   const auto is_wanted = [&](const Digest& key) {
-    return std::ranges::any_of(wanted_, [&](const SceneOrder& order) { return order.key == key; });
+    return std::ranges::any_of(wanted_, [&](const SceneRequest& order) { return order.key == key; });
   };
   std::erase_if(failed_, [&](const auto& failure) { return !is_wanted(failure.first); });
   while (entries_.size() > kScenesHeldMax) {
@@ -22,8 +22,8 @@ void SceneTable::Want(const std::vector<SceneOrder>& orders,
   }
 }
 
-std::optional<SceneOrder> SceneTable::StartLoading(TimePoint now) {
-  for (const SceneOrder& order : wanted_) {
+std::optional<SceneRequest> SceneTable::StartLoading(TimePoint now) {
+  for (const SceneRequest& order : wanted_) {
     if (entries_.contains(order.key)) continue;
     const auto failure = failed_.find(order.key);
     if (failure != failed_.end() && now - failure->second < kSceneRetryInterval) continue;
@@ -49,7 +49,8 @@ void SceneTable::Loaded(const Digest& key, ScenePointer scene) {
 
 void SceneTable::Failed(const Digest& key, TimePoint now) {
   entries_.erase(key);
-  const bool wanted = std::ranges::any_of(wanted_, [&](const SceneOrder& order) { return order.key == key; });
+  const bool wanted =
+      std::ranges::any_of(wanted_, [&](const SceneRequest& order) { return order.key == key; });
   if (wanted) failed_[key] = now;
 }
 
@@ -60,7 +61,7 @@ bool SceneTable::IsReady(const Digest& key) const {
 
 bool SceneTable::Expects(const Digest& key) const {
   return entries_.contains(key) ||
-         std::ranges::any_of(wanted_, [&](const SceneOrder& order) { return order.key == key; });
+         std::ranges::any_of(wanted_, [&](const SceneRequest& order) { return order.key == key; });
 }
 
 SceneTable::ScenePointer SceneTable::Use(const Digest& key) {

@@ -29,9 +29,9 @@ class SceneTable {
 
   // Sets the scenes that the coordinator wants here, the most urgent first. Evicts others beyond
   // kScenesHeldMax that are not `in_use`, the least recently used first.
-  void Want(const std::vector<SceneOrder>& orders, const std::function<bool(const Digest&)>& in_use);
+  void Want(const std::vector<SceneRequest>& orders, const std::function<bool(const Digest&)>& in_use);
   // The next scene to load, which counts as loading from now on; nullopt if there is none.
-  std::optional<SceneOrder> StartLoading(TimePoint now);
+  std::optional<SceneRequest> StartLoading(TimePoint now);
   // When StartLoading may return a scene that failed before, if nothing else changes.
   std::optional<TimePoint> NextRetry() const;
   void Loaded(const Digest& key, ScenePointer scene);
@@ -49,7 +49,7 @@ class SceneTable {
     ScenePointer scene;  // null: loading
     uint64_t used = 0;   // value of uses_ at its last use
   };
-  std::vector<SceneOrder> wanted_;
+  std::vector<SceneRequest> wanted_;
   std::map<Digest, Entry> entries_;
   std::map<Digest, TimePoint> failed_;  // scenes that are wanted, and when they failed
   uint64_t uses_ = 0;

@@ -64,7 +64,7 @@ void Workload::UnitFailed(const Lease& lease, std::string reason) {
   failures_.push_back({lease.id, lease.unit, lease.scene, std::move(reason)});
 }
 
-std::optional<SceneOrder> Workload::StartScene(TimePoint now) {
+std::optional<SceneRequest> Workload::StartScene(TimePoint now) {
   if (draining_) return std::nullopt;
   return scenes_.StartLoading(now);
 }

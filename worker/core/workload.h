@@ -64,7 +64,7 @@ class Workload {
 
   // ---- Scenes
   // The next scene to load, which counts as loading from now on; nullopt while draining.
-  std::optional<SceneOrder> StartScene(TimePoint now);
+  std::optional<SceneRequest> StartScene(TimePoint now);
   // When StartScene may return a scene that failed before, if nothing else changes.
   std::optional<TimePoint> NextRetry() const { return draining_ ? std::nullopt : scenes_.NextRetry(); }
   void SceneLoaded(const Digest& key, SceneTable::ScenePointer scene);

@@ -30,7 +30,7 @@ void FailureHandling::FailScene(Instant now, WorkerId worker_id, const Digest& s
   WorkerRecord* const worker = state_.workers.Find(worker_id);
   if (worker == nullptr) return;
   worker->scenes.erase(scene);
-  std::erase_if(worker->wanted, [&](const SceneOrder& order) { return order.key == scene; });
+  std::erase_if(worker->wanted, [&](const SceneRequest& order) { return order.key == scene; });
   worker->loading_since.erase(scene);
   state_.idle.Remove(worker_id);
   state_.log.push_back(fmt::format("scene_failed worker={:016x} name=\"{}\" scene={} reason=\"{}\"",

@@ -25,17 +25,17 @@ struct ActiveFrame {
   // The first `samples_done` samples of every pixel are done.
   ActiveFrame(const JobSpec& submitted, uint32_t index, const FrameSpec& frame, uint32_t samples_done,
               bool has_one_scene)
-      : scene(OrderFor(submitted, submitted.frames[index], has_one_scene)),
+      : scene(RequestFor(submitted, submitted.frames[index], has_one_scene)),
         work(frame, samples_done),
         verification(submitted.verify_share, Hash(submitted.submission, index)) {}
 
-  SceneOrder scene;
+  SceneRequest scene;
   FrameWork work;
   FailureBook failures;
   Verification verification;
 
  private:
-  static SceneOrder OrderFor(const JobSpec& job, const FrameOrder& order, bool has_one_scene) {
+  static SceneRequest RequestFor(const JobSpec& job, const FrameRequest& order, bool has_one_scene) {
     return {SceneKey(job.package, order.scene_file, order.options),
             job.package,
             order.scene_file,

@@ -74,15 +74,15 @@ void SceneLocality::CountHolders(Instant now) {
   for (const auto& [id, worker] : state_.workers.all()) {
     if (!worker.may_work()) continue;
     for (const auto& [scene, is_ready] : worker.scenes) ++holders_[scene];
-    for (const SceneOrder& scene : worker.wanted)
+    for (const SceneRequest& scene : worker.wanted)
       holders_[scene.key] += worker.scenes.contains(scene.key) ? 0 : 1;
   }
 }
 
 void SceneLocality::Request(WorkerRecord& worker, const FrameChoice& choice) {
-  const SceneOrder& scene = choice.frame->scene;
+  const SceneRequest& scene = choice.frame->scene;
   if (worker.scenes.contains(scene.key) || worker.wants(scene.key)) return;
-  for (const SceneOrder& other : worker.wanted) {
+  for (const SceneRequest& other : worker.wanted) {
     size_t& holders = holders_[other.key];
     if (holders > 0 && !worker.scenes.contains(other.key)) --holders;
   }
@@ -92,14 +92,15 @@ void SceneLocality::Request(WorkerRecord& worker, const FrameChoice& choice) {
 
 void SceneLocality::StopRequests(const Job& job) {
   for (auto& [id, worker] : state_.workers.all()) {
-    std::erase_if(worker.wanted, [&](const SceneOrder& scene) { return scene.package == job.spec->package; });
+    std::erase_if(worker.wanted,
+                  [&](const SceneRequest& scene) { return scene.package == job.spec->package; });
   }
 }
 
 void SceneLocality::RequestNext(Instant now, WorkerRecord& worker, const FrameChoice& current) {
   Job& job = *current.job;
   if (job.schedule.active.size() < 2 || worker.is_loading()) return;
-  for (const SceneOrder& scene : worker.wanted) {
+  for (const SceneRequest& scene : worker.wanted) {
     if (!worker.scenes.contains(scene.key)) return;  // it was told to load this, or is about to be
   }
   for (const auto& [index, frame] : job.schedule.active) {

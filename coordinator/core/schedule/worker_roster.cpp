@@ -212,7 +212,7 @@ void WorkerRoster::Revoke(WorkerRecord& worker, LeaseId lease) {
   if (worker.revoked.size() > kRevokedKeptMax) worker.revoked.erase(worker.revoked.begin());
 }
 
-void WorkerRoster::RequestScene(WorkerRecord& worker, const SceneOrder& scene) {
+void WorkerRoster::RequestScene(WorkerRecord& worker, const SceneRequest& scene) {
   worker.wanted = {scene};
   worker.pending.has_scenes = true;
   news_.insert(worker.id);
@@ -235,7 +235,7 @@ void WorkerRoster::UpdateNews(const WorkerRecord& worker) {
 
 WorkerDirective WorkerRoster::TakeRequests(Instant now, WorkerRecord& worker) {
   WorkerDirective directive;
-  for (const SceneOrder& scene : worker.wanted) {
+  for (const SceneRequest& scene : worker.wanted) {
     if (worker.scenes.contains(scene.key)) continue;
     directive.scenes.push_back(scene);
     worker.loading_since.try_emplace(scene.key, now);

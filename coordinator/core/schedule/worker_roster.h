@@ -48,7 +48,7 @@ struct WorkerRecord {
 
   std::map<Digest, bool> scenes;            // listed by the last state; whether each is ready
   bool is_fetching = false;                 // files of one that is not ready
-  std::vector<SceneOrder> wanted;           // to be loaded
+  std::vector<SceneRequest> wanted;         // to be loaded
   std::map<Digest, Instant> loading_since;  // when it was first told to load it
   std::vector<Digest> prefetch;             // packages whose files are to be fetched meanwhile
 
@@ -74,7 +74,7 @@ struct WorkerRecord {
   }
   bool wants(const Digest& scene) const {
     return std::any_of(wanted.begin(), wanted.end(),
-                       [&](const SceneOrder& order) { return order.key == scene; });
+                       [&](const SceneRequest& order) { return order.key == scene; });
   }
 
  private:
@@ -149,7 +149,7 @@ class WorkerRoster {
   void Drop(WorkerRecord& worker, LeaseId lease);
   // A drop of what was taken away on purpose, even if a state on its way still lists it.
   void Revoke(WorkerRecord& worker, LeaseId lease);
-  void RequestScene(WorkerRecord& worker, const SceneOrder& scene);
+  void RequestScene(WorkerRecord& worker, const SceneRequest& scene);
   void RequestPrefetch(WorkerRecord& worker, std::vector<Digest> packages);
   bool HasNews(WorkerId id) const;
   // Workers that HasNews may be true for; all others have none.

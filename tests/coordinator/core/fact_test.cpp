@@ -68,23 +68,23 @@ TEST(Fact, SurvivesItsBytes) {
 }
 
 TEST(Fact, WhatIsSaidOfWorkersSurvivesItsBytes) {
-  const Fact barred = *DecodeFact(EncodeFact(WorkerBarred{WorkerId{7}, "w", true, "why"}));
-  EXPECT_EQ(std::get<WorkerBarred>(barred).worker, WorkerId{7});
-  EXPECT_EQ(std::get<WorkerBarred>(barred).name, "w");
-  EXPECT_TRUE(std::get<WorkerBarred>(barred).drained);
-  EXPECT_EQ(std::get<WorkerBarred>(barred).quarantine, "why");
+  const Fact barred = *DecodeFact(EncodeFact(WorkerQuarantined{WorkerId{7}, "w", true, "why"}));
+  EXPECT_EQ(std::get<WorkerQuarantined>(barred).worker, WorkerId{7});
+  EXPECT_EQ(std::get<WorkerQuarantined>(barred).name, "w");
+  EXPECT_TRUE(std::get<WorkerQuarantined>(barred).drained);
+  EXPECT_EQ(std::get<WorkerQuarantined>(barred).quarantine, "why");
   const WorkUnit unit{JobId{3}, 1, 2, {4, 4}};
-  const Fact heard = *DecodeFact(EncodeFact(OpinionHeard{unit, WorkerId{7}, "w", Sha256("r")}));
-  EXPECT_EQ(std::get<OpinionHeard>(heard).unit, unit);
-  EXPECT_EQ(std::get<OpinionHeard>(heard).worker, WorkerId{7});
-  EXPECT_EQ(std::get<OpinionHeard>(heard).name, "w");
-  EXPECT_EQ(std::get<OpinionHeard>(heard).result, Sha256("r"));
+  const Fact heard = *DecodeFact(EncodeFact(VoteRecorded{unit, WorkerId{7}, "w", Sha256("r")}));
+  EXPECT_EQ(std::get<VoteRecorded>(heard).unit, unit);
+  EXPECT_EQ(std::get<VoteRecorded>(heard).worker, WorkerId{7});
+  EXPECT_EQ(std::get<VoteRecorded>(heard).name, "w");
+  EXPECT_EQ(std::get<VoteRecorded>(heard).result, Sha256("r"));
   const Fact counted = *DecodeFact(EncodeFact(UnitsCounted{JobId{3}, 10, 11, 12}));
   EXPECT_EQ(std::get<UnitsCounted>(counted).job, JobId{3});
   EXPECT_EQ(std::get<UnitsCounted>(counted).verified, 10u);
   EXPECT_EQ(std::get<UnitsCounted>(counted).disputed, 11u);
   EXPECT_EQ(std::get<UnitsCounted>(counted).suspect, 12u);
-  EXPECT_FALSE(DecodeFact(EncodeFact(OpinionHeard{{JobId{3}, 1, 2, {3, 4}}, WorkerId{7}, "w", {}})));
+  EXPECT_FALSE(DecodeFact(EncodeFact(VoteRecorded{{JobId{3}, 1, 2, {3, 4}}, WorkerId{7}, "w", {}})));
 }
 
 TEST(Fact, BytesThatAreCutOrTooLongAreRefused) {
@@ -104,7 +104,7 @@ TEST(Fact, DamagedBytesNeverHarm) {
     const auto fact = DecodeFact(damaged);  // whatever it is, its limits hold
     if (!fact) continue;
     if (const auto* job = std::get_if<JobSubmitted>(&*fact)) {
-      for (const FrameOrder& frame : job->spec->frames) EXPECT_TRUE(frame.spec.Check());
+      for (const FrameRequest& frame : job->spec->frames) EXPECT_TRUE(frame.spec.Check());
     }
   }
 }

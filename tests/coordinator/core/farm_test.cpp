@@ -54,7 +54,7 @@ TEST(Farm, WrongResultsAreRefusedWithTheirReason) {
   } table[] = {
       {Failed("its check sum is wrong"), {0, 2}, 0, 0, "its check sum is wrong"},
       {Ones({2, 2}), {0, 2}, 0, 0, "has samples [2,4), expected [0,2)"},
-      {wrong_bounds, {0, 2}, 0, 0, "other pixels"},
+      {wrong_bounds, {0, 2}, 0, 0, "bounds of its tile"},
       {wrong_channels, {0, 2}, 0, 0, "4 channels, expected 2"},
       {Ones({0, 2}), {0, 2}, 5, 0, "no such unit"},
       {Ones({0, 2}), {0, 2}, 0, 5, "no such unit"},

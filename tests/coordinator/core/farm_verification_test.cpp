@@ -146,7 +146,7 @@ TEST(FarmVerification, WorkersAreFoundByNameAndById) {
   stage.farm.Drain(WorkerId{3});
   stage.Step();
   ASSERT_EQ(stage.output.facts.size(), 2u) << "the process began, and a worker is drained";
-  EXPECT_TRUE(std::get<WorkerBarred>(stage.output.facts[1]).drained);
+  EXPECT_TRUE(std::get<WorkerQuarantined>(stage.output.facts[1]).drained);
 }
 
 }  // namespace

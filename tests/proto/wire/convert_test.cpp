@@ -268,8 +268,8 @@ TEST(Convert, RefusesHostileJobs) {
 
 TEST(Convert, ASceneOrderMustHaveItsOwnKey) {
   const Digest package = Sha256("p");
-  SceneOrder order{SceneKey(package, "a.pbrt", "o"), package, "a.pbrt", "o", GoodFrame(), true};
-  proto::SceneOrder message;
+  SceneRequest order{SceneKey(package, "a.pbrt", "o"), package, "a.pbrt", "o", GoodFrame(), true};
+  proto::SceneRequest message;
   Write(order, message);
   const auto read = ReadSceneOrder(message);
   ASSERT_TRUE(read);

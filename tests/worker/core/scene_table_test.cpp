@@ -18,8 +18,8 @@ Digest Key(uint8_t number) {
   return digest;
 }
 
-SceneOrder Order(uint8_t number) {
-  SceneOrder order;
+SceneRequest Order(uint8_t number) {
+  SceneRequest order;
   order.key = Key(number);
   return order;
 }

@@ -12,7 +12,7 @@ namespace {
 void LoadScenes(SchedulerStage& stage, uint64_t workers, Instant load) {
   stage.Advance(load);
   for (uint64_t w = 1; w <= workers; ++w) {
-    for (const SceneOrder& order : std::exchange(stage.told[w].scenes, {})) {
+    for (const SceneRequest& order : std::exchange(stage.told[w].scenes, {})) {
       stage.Worker(w).scenes.push_back({order.key, true});
     }
     stage.Send(w);
@@ -72,7 +72,7 @@ TEST(SchedulerFrames, FramesThatLoadLongerThanTheyRenderAreDividedAmongTheWorker
   for (int round = 0; round < 60; ++round) {
     stage.Advance();
     for (uint64_t w = 1; w <= kWorkers; ++w) {
-      for (const SceneOrder& order : stage.told[w].scenes) loaded[FrameOf(stage, job, order.key)].insert(w);
+      for (const SceneRequest& order : stage.told[w].scenes) loaded[FrameOf(stage, job, order.key)].insert(w);
     }
     LoadScenes(stage, kWorkers, std::chrono::seconds(2));
     for (int i = 0; i < 20; ++i) {
