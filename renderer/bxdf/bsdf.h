@@ -17,9 +17,10 @@ class Bsdf {
   Bsdf(Normal3 shading_n, Vec3 dpdu, const Bxdf& bxdf)
       : frame_(Frame::FromXZ(dpdu, shading_n)), bxdf_(bxdf) {}
 
-  BxdfFlags flags() const { return bxdf_.flags(); }
-  bool HasNonSpecular() const {
-    return HasFlag(flags(), BxdfFlags::kDiffuse) || HasFlag(flags(), BxdfFlags::kGlossy);
+  [[gnu::always_inline]] BxdfFlags flags() const { return bxdf_.flags(); }
+  [[gnu::always_inline]] bool HasNonSpecular() const {
+    const BxdfFlags lobes = flags();
+    return HasFlag(lobes, BxdfFlags::kDiffuse) || HasFlag(lobes, BxdfFlags::kGlossy);
   }
   // Both zero for specular components.
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const {
@@ -28,7 +29,7 @@ class Bsdf {
     return bxdf_.Evaluate(wo_local, wi_local);
   }
   // uc chooses the component, u the direction. Returns nullopt if the light is absorbed.
-  std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const {
+  [[gnu::always_inline]] std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const {
     const Vec3 wo_local = frame_.ToLocal(wo);
     if (wo_local.z == 0) return std::nullopt;
     std::optional<BsdfSample> sample = bxdf_.Sample(wo_local, uc, u);

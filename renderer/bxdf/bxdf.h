@@ -30,7 +30,7 @@ class Bxdf {
   template <AlternativeOf<BxdfKind> Kind>
   Bxdf(const Kind& kind) : kind_(kind) {}
 
-  BxdfFlags flags() const {
+  [[gnu::always_inline]] BxdfFlags flags() const {
     return Dispatch(kind_, [](const auto& kind) { return kind.flags(); });
   }
 

@@ -90,7 +90,8 @@ class MediumTransport {
   int medium_;  // of the current ray
 };
 
-inline FlightEvent MediumTransport::Fly(Ray& ray, Hit* hit, float* t_event, SampledSpectrum* emitted) {
+[[gnu::always_inline]] inline FlightEvent MediumTransport::Fly(Ray& ray, Hit* hit, float* t_event,
+                                                               SampledSpectrum* emitted) {
   const World& world = context_.world;
   float u = 0;
   if (medium_ >= 0) {

@@ -116,11 +116,10 @@ void BilinearMesh::FillInteraction(const Hit& hit, const HitRay&, SurfaceInterac
 void BilinearMesh::FillHitPoint(const Hit& hit, const HitRay&, HitPoint* point) const {
   const Point2 place{hit.u, hit.v};
   point->uv = TextureCoordinates(hit.primitive, place);
-  point->n = Normal(hit.primitive, place);
+  point->n = Normal(hit.primitive, At(hit.primitive), place);
 }
 
-Normal3 BilinearMesh::Normal(uint32_t primitive, Point2 place) const {
-  const PatchPoints patch = At(primitive);
+Normal3 BilinearMesh::Normal(uint32_t primitive, const PatchPoints& patch, Point2 place) const {
   Vec3 cross = PatchCross(patch, place);
   if (LengthSquared(cross) == 0) cross = PatchCross(patch, {0.5f, 0.5f});  // a corner where two vertices meet
   Normal3 n = LengthSquared(cross) > 0 ? Normalize(cross) : Normal3{0, 0, 1};

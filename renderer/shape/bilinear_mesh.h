@@ -54,8 +54,8 @@ struct BilinearMesh {
   NormalCone Normals(uint32_t primitive) const;
 
   // The geometric normal at patch parameters uv: on the side of the interpolated normal if the mesh has
-  // normals, else as flip_normals says.
-  Normal3 Normal(uint32_t primitive, Point2 uv) const;
+  // normals, else as flip_normals says. `patch` is At(primitive).
+  Normal3 Normal(uint32_t primitive, const PatchPoints& patch, Point2 uv) const;
   // From patch parameters to texture coordinates: the mesh's, or the parameters themselves.
   Point2 TextureCoordinates(uint32_t primitive, Point2 uv) const;
 };

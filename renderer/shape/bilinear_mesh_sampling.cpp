@@ -43,7 +43,7 @@ ShapeSample SampleAt(const BilinearMesh& mesh, uint32_t primitive, const PatchPo
   ShapeSample sample;
   sample.p = PatchPoint(patch, uv);
   sample.p_error = PatchPointError(patch);
-  sample.n = mesh.Normal(primitive, uv);
+  sample.n = mesh.Normal(primitive, patch, uv);
   sample.uv = mesh.TextureCoordinates(primitive, uv);
   return sample;
 }
@@ -94,8 +94,9 @@ float BilinearMesh::Pdf(uint32_t primitive, const ReferencePoint& reference, Vec
 }
 
 NormalCone BilinearMesh::Normals(uint32_t primitive) const {
-  const Normal3 corners[4] = {Normal(primitive, {0, 0}), Normal(primitive, {1, 0}), Normal(primitive, {0, 1}),
-                              Normal(primitive, {1, 1})};
+  const PatchPoints patch = At(primitive);
+  const Normal3 corners[4] = {Normal(primitive, patch, {0, 0}), Normal(primitive, patch, {1, 0}),
+                              Normal(primitive, patch, {0, 1}), Normal(primitive, patch, {1, 1})};
   const Vec3 sum = corners[0] + corners[1] + corners[2] + corners[3];
   if (LengthSquared(sum) == 0) return {};
   NormalCone cone{Normalize(sum), 1};

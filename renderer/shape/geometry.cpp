@@ -42,14 +42,4 @@ uint64_t Geometry::PrimitiveCount() const {
   return count;
 }
 
-const Shape& ShapeOf(const Geometry& geometry, uint32_t instance, uint32_t shape) {
-  if (instance == Hit::kNoInstance) return geometry.shapes[shape];
-  return geometry.groups[geometry.instances[instance].group].shapes[shape];
-}
-
-HitRay RayOf(const Geometry& geometry, uint32_t instance, const Ray& ray) {
-  if (instance == Hit::kNoInstance) return {ray};
-  return {ray, &geometry.instances[instance].render_from_group};
-}
-
 }  // namespace tessera

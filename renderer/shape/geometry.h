@@ -58,8 +58,14 @@ struct Geometry {
 };
 
 // The shape that a hit names: one of the instance's group if the hit has an instance.
-const Shape& ShapeOf(const Geometry& geometry, uint32_t instance, uint32_t shape);
+inline const Shape& ShapeOf(const Geometry& geometry, uint32_t instance, uint32_t shape) {
+  if (instance == Hit::kNoInstance) return geometry.shapes[shape];
+  return geometry.groups[geometry.instances[instance].group].shapes[shape];
+}
 // `ray` (rendering space) as the shapes of the instance's group see it.
-HitRay RayOf(const Geometry& geometry, uint32_t instance, const Ray& ray);
+inline HitRay RayOf(const Geometry& geometry, uint32_t instance, const Ray& ray) {
+  if (instance == Hit::kNoInstance) return {ray};
+  return {ray, &geometry.instances[instance].render_from_group};
+}
 
 }  // namespace tessera

@@ -2,10 +2,6 @@
 
 namespace tessera {
 
-DoubleRay RayInShapeSpace(const Geometry& geometry, uint32_t instance, const Ray& ray) {
-  return RayOf(geometry, instance, ray).InShapeSpace();
-}
-
 bool RefineHit(const Geometry& geometry, const Ray& ray, Hit* hit) {
   const Shape& shape = ShapeOf(geometry, hit->instance, hit->shape);
   const HitRay hit_ray = RayOf(geometry, hit->instance, ray);

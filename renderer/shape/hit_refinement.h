@@ -10,7 +10,9 @@
 namespace tessera {
 
 // `ray` in the space of the instance's group; unchanged without an instance.
-DoubleRay RayInShapeSpace(const Geometry& geometry, uint32_t instance, const Ray& ray);
+inline DoubleRay RayInShapeSpace(const Geometry& geometry, uint32_t instance, const Ray& ray) {
+  return RayOf(geometry, instance, ray).InShapeSpace();
+}
 
 // Recomputes t, u and v of a hit on a triangle, or on a patch that is a parallelogram, in double precision;
 // other hits are left as they are. Returns false if the true distance is not positive: then the ray starts

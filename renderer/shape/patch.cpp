@@ -22,11 +22,6 @@ PatchDerivatives DifferentiatePatch(const PatchPoints& patch, Point2 uv) {
           DerivativeByV(uv, patch.p00, patch.p10, patch.p01, patch.p11)};
 }
 
-Vec3 PatchCross(const PatchPoints& patch, Point2 uv) {
-  const PatchDerivatives d = DifferentiatePatch(patch, uv);
-  return Cross(d.dpdu, d.dpdv);
-}
-
 bool IsParallelogram(const PatchPoints& patch) {
   const Vec3 gap = (patch.p00 - patch.p10) + (patch.p11 - patch.p01);
   const Vec3 largest = Max(Max(Abs(patch.p00), Abs(patch.p10)), Max(Abs(patch.p01), Abs(patch.p11)));

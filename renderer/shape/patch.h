@@ -30,7 +30,10 @@ struct PatchDerivatives {
 };
 PatchDerivatives DifferentiatePatch(const PatchPoints& patch, Point2 uv);
 // dp/du x dp/dv, whose length is the area per (u, v) area.
-Vec3 PatchCross(const PatchPoints& patch, Point2 uv);
+inline Vec3 PatchCross(const PatchPoints& patch, Point2 uv) {
+  return Cross(DerivativeByU(uv, patch.p00, patch.p10, patch.p01, patch.p11),
+               DerivativeByV(uv, patch.p00, patch.p10, patch.p01, patch.p11));
+}
 
 // Whether the patch is a plane parallelogram: the fourth corner is where the other three imply it, within
 // kParallelogramTolerance of the largest coordinate. The error of treating it as one is within

@@ -33,7 +33,7 @@ bool SolveRound(const Quadric& quadric, const DoubleRay& ray, double roots[2]) {
   return true;
 }
 
-bool IntersectDisk(const Quadric& disk, const DoubleRay& ray, double t_max, double* t) {
+bool IntersectDisk(const Quadric& disk, const DoubleRay& ray, double t_max, Crossing* crossing) {
   if (ray.d.z == 0) return false;
   const double t_plane = (disk.z_min - ray.o.z) / ray.d.z;
   if (!(t_plane > 0 && t_plane <= t_max)) return false;
@@ -42,7 +42,7 @@ bool IntersectDisk(const Quadric& disk, const DoubleRay& ray, double t_max, doub
   const double radius = disk.radius, inner_radius = disk.inner_radius;
   if (r_squared > radius * radius || r_squared < inner_radius * inner_radius) return false;
   if (!IsPartOf(disk, p)) return false;
-  *t = t_plane;
+  *crossing = {.t = t_plane};
   return true;
 }
 
@@ -50,14 +50,13 @@ bool IntersectDisk(const Quadric& disk, const DoubleRay& ray, double t_max, doub
 
 bool Quadric::Intersect(uint32_t, const DoubleRay& shape_ray, double t_max, Crossing* crossing) const {
   const DoubleRay ray = shape_ray.TransformedBy(render_from_object.inverse_matrix());
-  *crossing = {};
-  if (kind == Kind::kDisk) return IntersectDisk(*this, ray, t_max, &crossing->t);
+  if (kind == Kind::kDisk) return IntersectDisk(*this, ray, t_max, crossing);
   double roots[2];
   if (!SolveRound(*this, ray, roots)) return false;
   for (const double root : roots) {
     if (!(root > 0 && root <= t_max)) continue;
     if (!IsPartOf(*this, ProjectToQuadric(*this, ray.At(root)))) continue;
-    crossing->t = root;
+    *crossing = {.t = root};
     return true;
   }
   return false;

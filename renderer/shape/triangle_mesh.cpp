@@ -158,11 +158,11 @@ void TriangleMesh::FillInteraction(const Hit& hit, const HitRay&, SurfaceInterac
 
 void TriangleMesh::FillHitPoint(const Hit& hit, const HitRay&, HitPoint* point) const {
   point->uv = TextureCoordinates(hit.primitive, hit.u, hit.v);
-  point->n = Normal(hit.primitive, hit.u, hit.v);
+  point->n = Normal(hit.primitive, At(hit.primitive), hit.u, hit.v);
 }
 
-Normal3 TriangleMesh::Normal(uint32_t primitive, float u, float v) const {
-  Normal3 n = TriangleWindingNormal(At(primitive));
+Normal3 TriangleMesh::Normal(uint32_t primitive, const TrianglePoints& triangle, float u, float v) const {
+  Normal3 n = TriangleWindingNormal(triangle);
   if (flip_normals) n = -n;
   if (N.empty()) return n;
   const CornerNormals normals = NormalsAt(*this, primitive);

@@ -56,8 +56,8 @@ struct TriangleMesh {
   NormalCone Normals(uint32_t primitive) const;
 
   // The geometric normal at barycentrics (u, v): on the side of the interpolated normal if the mesh has
-  // normals, else as flip_normals says.
-  Normal3 Normal(uint32_t primitive, float u, float v) const;
+  // normals, else as flip_normals says. `triangle` is At(primitive).
+  Normal3 Normal(uint32_t primitive, const TrianglePoints& triangle, float u, float v) const;
   Point2 TextureCoordinates(uint32_t primitive, float u, float v) const;
 };
 

@@ -19,7 +19,7 @@ ShapeSample SampleAt(const TriangleMesh& mesh, uint32_t primitive, const Triangl
   ShapeSample sample;
   sample.p = TrianglePoint(triangle, u, v);
   sample.p_error = TrianglePointError(triangle, u, v);
-  sample.n = mesh.Normal(primitive, u, v);
+  sample.n = mesh.Normal(primitive, triangle, u, v);
   sample.uv = mesh.TextureCoordinates(primitive, u, v);
   return sample;
 }
@@ -76,7 +76,7 @@ float TriangleMesh::Pdf(uint32_t primitive, const ReferencePoint& reference, Vec
 NormalCone TriangleMesh::Normals(uint32_t primitive) const {
   // If the mesh has normals, the mean of the three decides the side, as in pbrt.
   constexpr float kThird = 1.0f / 3;
-  return {Normal(primitive, kThird, kThird), 1};
+  return {Normal(primitive, At(primitive), kThird, kThird), 1};
 }
 
 }  // namespace tessera

@@ -231,7 +231,7 @@ TEST(ShapeSampling, NormalConesHoldEveryNormal) {
     const NormalCone cone = ShapeNormals(patch, 0);
     const auto& mesh = std::get<BilinearMesh>(patch.form);
     for (int j = 0; j < 20; ++j) {
-      const Normal3 n = mesh.Normal(0, Random2(random));
+      const Normal3 n = mesh.Normal(0, mesh.At(0), Random2(random));
       EXPECT_GE(Dot(n, cone.axis), cone.cos_angle - 1e-3f);
     }
   }
