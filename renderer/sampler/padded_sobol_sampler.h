@@ -36,7 +36,7 @@ class PaddedSobolSampler {
 
  private:
   float Fraction(uint32_t index, int column, uint32_t seed) const {
-    return RandomizedFraction(randomization_, SobolBits(*matrices_, index, column), seed);
+    return RandomizedSobol(*matrices_, randomization_, index, column, seed);
   }
 
   PixelSeed seed_;

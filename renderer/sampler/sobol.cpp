@@ -34,6 +34,10 @@ SobolMatrices MakeMatrices() {
     if (dimension == 1) FillColumns(polynomial, start, SobolMatrices::kColumnsWide, matrices.wide[1]);
     start += std::bit_width(polynomial) - 1;
   }
+  for (int dimension = 0; dimension < kSobolDimensions; ++dimension) {
+    for (int k = 0; k < SobolMatrices::kColumns; ++k)
+      matrices.reversed[dimension][k] = ReverseBits(matrices.narrow[dimension][k]);
+  }
   return matrices;
 }
 

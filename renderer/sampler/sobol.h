@@ -16,15 +16,22 @@ struct SobolMatrices {
   static constexpr int kColumns = 32;
   uint32_t wide[2][kColumnsWide];
   uint32_t narrow[kSobolDimensions][kColumns];
+  // `narrow` with the bits of each column reversed. Points are exclusive-ors of columns, so that those of
+  // this matrix are the points of `narrow` reversed.
+  uint32_t reversed[kSobolDimensions][kColumns];
 };
 // Computed once from sobol_data.h.
 const SobolMatrices& Matrices();
 
+// The exclusive-or of the columns that the bits of `index` name.
+inline uint32_t SobolPoint(const uint32_t* columns, uint32_t index) {
+  uint32_t v = 0;
+  for (; index != 0; index &= index - 1) v ^= columns[std::countr_zero(index)];
+  return v;
+}
 // Point `index` of a dimension below kSobolDimensions, as 32 bits of a fraction.
 inline uint32_t SobolBits(const SobolMatrices& matrices, uint32_t index, int dimension) {
-  uint32_t v = 0;
-  for (; index != 0; index &= index - 1) v ^= matrices.narrow[dimension][std::countr_zero(index)];
-  return v;
+  return SobolPoint(matrices.narrow[dimension], index);
 }
 // The same for dimension 0 or 1 and indices of up to 52 bits.
 inline uint32_t SobolBitsWide(const SobolMatrices& matrices, uint64_t index, int dimension) {
@@ -74,6 +81,17 @@ inline uint32_t Randomize(Randomization randomization, uint32_t v, uint32_t seed
 
 inline float RandomizedFraction(Randomization randomization, uint32_t bits, uint32_t seed) {
   return UniformFloat(Randomize(randomization, bits, seed));
+}
+
+// RandomizedFraction of SobolBits.
+inline float RandomizedSobol(const SobolMatrices& matrices, Randomization randomization, uint32_t index,
+                             int dimension, uint32_t seed) {
+  if (randomization == Randomization::kFastOwen) {
+    // FastOwenScramble without its first reversal, which the columns already have.
+    const uint32_t reversed = SobolPoint(matrices.reversed[dimension], index);
+    return UniformFloat(ReverseBits(PermuteUpwards(reversed, seed)));
+  }
+  return RandomizedFraction(randomization, SobolBits(matrices, index, dimension), seed);
 }
 
 // A nested shuffle of sample indices: aligned blocks of a power of two go to aligned blocks, so that every

@@ -39,8 +39,7 @@ class SobolSampler {
       column = dimension % kSobolDimensions;
       index = ShuffledIndex(index_, seed_.OfDimension(dimension / kSobolDimensions + (1 << 20)));
     }
-    return RandomizedFraction(randomization_, SobolBits(*matrices_, index, column),
-                              static_cast<uint32_t>(seed));
+    return RandomizedSobol(*matrices_, randomization_, index, column, static_cast<uint32_t>(seed));
   }
 
   PixelSeed seed_;

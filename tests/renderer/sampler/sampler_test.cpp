@@ -134,6 +134,19 @@ TEST(Sampler, SobolPrefixesOfPowersOfTwoAreNetsInEveryPixel) {
   }
 }
 
+TEST(Sampler, RandomizedSobolIsTheRandomizationOfTheSobolPoint) {
+  for (Randomization randomization : {Randomization::kNone, Randomization::kPermuteDigits,
+                                      Randomization::kFastOwen, Randomization::kOwen}) {
+    for (int dimension : {0, 1, 2, kSobolDimensions - 1}) {
+      for (uint32_t index : {0u, 1u, 6u, 0x12345678u, 0xffffffffu}) {
+        const uint32_t seed = static_cast<uint32_t>(Hash(index, dimension));
+        EXPECT_EQ(RandomizedSobol(Matrices(), randomization, index, dimension, seed),
+                  RandomizedFraction(randomization, SobolBits(Matrices(), index, dimension), seed));
+      }
+    }
+  }
+}
+
 TEST(Sampler, ZSobolSamplesOfAPixelAreStratifiedInEveryPairOfDimensions) {
   ZSobolSampler sampler(0, kRandomization, 6, 32, 32);
   for (int pixel = 0; pixel < 16; ++pixel) {
