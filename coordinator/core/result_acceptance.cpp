@@ -67,7 +67,7 @@ std::string ResultAcceptance::Mismatch(const Job& job, const ReturnedUnit& retur
     return fmt::format("has samples {}, expected {}", tile.range.Text(), unit.range.Text());
   if (tile.bounds != spec.TileBounds(static_cast<int>(unit.tile)))
     return "does not have the bounds of its tile";
-  const ChannelLayout layout = spec.Layout();
+  const ChannelLayout& layout = state_.scheduler.LayoutOf(unit);
   if (tile.shape != layout.shape())
     return fmt::format("has {} channels, expected {}", tile.shape.stride(), layout.shape().stride());
   if (!spec.IsAdaptive()) return {};

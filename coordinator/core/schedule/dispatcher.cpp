@@ -10,8 +10,7 @@ void Dispatcher::Dispatch(Instant now) {
   for (const int per_slot : {1, kUnitsPerSlotMin, kUnitsPerSlotMax}) {
     for (const WorkerId id : std::vector<WorkerId>(state_.idle.idle().begin(), state_.idle.idle().end())) {
       WorkerRecord& worker = state_.workers.At(id);
-      const size_t enough = static_cast<size_t>(worker.slots) * static_cast<size_t>(per_slot);
-      while (state_.leases.OfWorker(id).size() < enough && leases_.HasRoom(worker)) {
+      while (leases_.HasRoom(worker, per_slot)) {
         if (GrantOne(now, worker)) continue;
         state_.idle.Block(id);
         break;

@@ -35,7 +35,7 @@ void FailureHandling::FailScene(Instant now, WorkerId worker_id, const Digest& s
   state_.idle.Remove(worker_id);
   state_.log.push_back(fmt::format("scene_failed worker={:016x} name=\"{}\" scene={} reason=\"{}\"",
                                    Number(worker_id), worker->name, scene.Hex(), reason));
-  const std::set<LeaseId> leases = state_.leases.OfWorker(worker_id);
+  const std::vector<LeaseId> leases = state_.leases.OfWorker(worker_id);
   for (const LeaseId lease : leases) {
     if (state_.leases.At(lease).lease.scene == scene) leases_.Return(lease);
   }
@@ -75,7 +75,7 @@ void FailureHandling::Quarantine(WorkerRecord& worker, const std::string& reason
   leases_.UpdateRoom(worker);
   state_.log.push_back(fmt::format("worker_quarantined worker={:016x} name=\"{}\" reason=\"{}\"",
                                    Number(worker.id), worker.name, reason));
-  const std::set<LeaseId> leases = state_.leases.OfWorker(worker.id);
+  const std::vector<LeaseId> leases = state_.leases.OfWorker(worker.id);
   for (const LeaseId lease : leases) {
     state_.workers.Drop(worker, lease);
     leases_.Return(lease);

@@ -15,6 +15,7 @@
 #include "coordinator/core/schedule/instant.h"
 #include "coordinator/core/schedule/verification.h"
 #include "proto/terms.h"
+#include "renderer/film/channel_layout.h"
 #include "renderer/film/merger.h"
 #include "renderer/util/hash.h"
 
@@ -26,10 +27,12 @@ struct ActiveFrame {
   ActiveFrame(const JobSpec& submitted, uint32_t index, const FrameSpec& frame, uint32_t samples_done,
               bool has_one_scene)
       : scene(RequestFor(submitted, submitted.frames[index], has_one_scene)),
+        layout(frame.Layout()),
         work(frame, samples_done),
         verification(submitted.verify_share, Hash(submitted.submission, index)) {}
 
   SceneRequest scene;
+  ChannelLayout layout;  // of results
   FrameWork work;
   FailureBook failures;
   Verification verification;

@@ -19,23 +19,22 @@ LeaseRecord& LeaseControl::Grant(Instant now, WorkerRecord& worker, Job& job, Ac
   return record;
 }
 
-void LeaseControl::End(LeaseId id) {
-  const LeaseRecord& record = state_.leases.At(id);
-  const WorkUnit unit = record.lease.unit;
+LeaseRecord LeaseControl::End(LeaseId id) {
+  LeaseRecord record = state_.leases.Remove(id);
+  const WorkUnit& unit = record.lease.unit;
   WorkerRecord& worker = state_.workers.At(record.worker);
   std::erase(worker.pending.leases, id);
-  state_.leases.Remove(id);
   ActiveFrame& frame = state_.jobs.At(unit.job).schedule.active.at(unit.frame);
   frame.verification.Release({unit.tile, unit.range}, worker.id);
   UpdateRoom(worker);
+  return record;
 }
 
 void LeaseControl::Return(LeaseId id) {
-  const LeaseRecord& record = state_.leases.At(id);
-  const WorkUnit unit = record.lease.unit;
+  const LeaseRecord record = End(id);
+  const WorkUnit& unit = record.lease.unit;
   ++state_.counters.leases_retried;
   CountGivenUp(record);
-  End(id);
   state_.idle.UnblockAll();
   ActiveFrame& frame = state_.jobs.At(unit.job).schedule.active.at(unit.frame);
   const TileSamples samples{unit.tile, unit.range};
@@ -57,7 +56,7 @@ void LeaseControl::DropDone(LeaseId id) {
 }
 
 void LeaseControl::ReturnAllOf(WorkerId worker) {
-  const std::set<LeaseId> leases = state_.leases.OfWorker(worker);
+  const std::vector<LeaseId> leases = state_.leases.OfWorker(worker);
   for (const LeaseId lease : leases) Return(lease);
 }
 
@@ -76,23 +75,24 @@ void LeaseControl::Reopen(const WorkUnit& unit, ActiveFrame& frame) {
   frame.work.GiveBack({unit.tile, unit.range}, held);
 }
 
-bool LeaseControl::HasRoom(const WorkerRecord& worker) const {
-  const int held = static_cast<int>(state_.leases.OfWorker(worker.id).size());
-  if (held < worker.slots * kUnitsPerSlotMin) return true;
-  return held < worker.slots * kUnitsPerSlotMax &&
-         state_.leases.QueueSeconds(worker.id, worker.speed) < worker.slots * kPrefetchDuration_s;
+bool LeaseControl::HasRoom(const WorkerRecord& worker, const LeaseTable::Queue& queue, int per_slot_max) {
+  const int held = static_cast<int>(queue.leases.size());
+  if (held >= worker.slots * per_slot_max) return false;
+  return held < worker.slots * kUnitsPerSlotMin ||
+         queue.Seconds(worker.speed) < worker.slots * kPrefetchDuration_s;
 }
 
 void LeaseControl::UpdateRoom(WorkerRecord& worker) {
-  state_.workers.UpdateSlotUse(worker, state_.leases.OfWorker(worker.id).size());
-  if (worker.may_work() && HasRoom(worker)) {
+  const LeaseTable::Queue& queue = state_.leases.QueueOf(worker.id);
+  state_.workers.UpdateSlotUse(worker, queue.leases.size());
+  if (worker.may_work() && HasRoom(worker, queue, kUnitsPerSlotMax)) {
     state_.idle.Add(worker.id);
   } else {
     state_.idle.Remove(worker.id);
   }
 }
 
-// The lease is about to end without a result: what its holder has probably done on it was in vain.
+// The lease ends without a result: what its holder has probably done on it was in vain.
 void LeaseControl::CountGivenUp(const LeaseRecord& record) {
   const double seconds = Seconds(state_.workers.occupancy().at() - record.expected_start);
   if (seconds <= 0) return;

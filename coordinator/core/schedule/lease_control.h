@@ -14,8 +14,8 @@ class LeaseControl {
   // The samples must have been taken out of the open ones, or belong to a unit that is verified.
   LeaseRecord& Grant(Instant now, WorkerRecord& worker, Job& job, ActiveFrame& frame, const WorkUnit& unit,
                      LeaseId id);
-  // The lease ends; its samples stay as they are.
-  void End(LeaseId id);
+  // The lease ends; its samples stay as they are. Returns its last state.
+  LeaseRecord End(LeaseId id);
   // The lease ends and its samples are open again. A unit that is verified stays whole as long as another
   // worker has rendered it or holds it.
   void Return(LeaseId id);
@@ -29,11 +29,15 @@ class LeaseControl {
   // Opens the samples again, as far as they are neither done nor held.
   void Reopen(const WorkUnit& unit, ActiveFrame& frame);
 
-  bool HasRoom(const WorkerRecord& worker) const;
+  // Whether the worker should get one more lease, as long as it has fewer than `per_slot_max` for each slot.
+  bool HasRoom(const WorkerRecord& worker, int per_slot_max) const {
+    return HasRoom(worker, state_.leases.QueueOf(worker.id), per_slot_max);
+  }
   // Call after every change of what the worker holds or may do.
   void UpdateRoom(WorkerRecord& worker);
 
  private:
+  static bool HasRoom(const WorkerRecord& worker, const LeaseTable::Queue& queue, int per_slot_max);
   void CountGivenUp(const LeaseRecord& record);
 
   ScheduleState& state_;

@@ -20,8 +20,8 @@ bool LeaseTable::MayHaveGiven(LeaseId id) const {
   return !is_ours || (Number(id) & 0xffffffff) < next_;
 }
 
-double LeaseTable::SecondsOf(const Queue& queue, double speed) {
-  return queue.cost / speed + queue.unknown * kUnknownUnitDuration_s;
+double LeaseTable::Queue::Seconds(double speed) const {
+  return cost / speed + unknown * kUnknownUnitDuration_s;
 }
 
 LeaseRecord& LeaseTable::Add(Instant now, const Holder& holder, Lease lease, std::optional<double> cost) {
@@ -30,48 +30,65 @@ LeaseRecord& LeaseTable::Add(Instant now, const Holder& holder, Lease lease, std
   const bool starts_now = queue.leases.size() < static_cast<size_t>(holder.slots);
   if (starts_now) queue.started = std::max(queue.started, id);
   LeaseRecord& record = records_[id];
+  record.lease = std::move(lease);
   record.worker = holder.worker;
   record.cost = cost;
   record.deadline = now + kLeaseUnlistedMax;
-  record.expected_start = starts_now ? now : now + FromSeconds(SecondsOf(queue, holder.speed) / holder.slots);
+  record.expected_start = starts_now ? now : now + FromSeconds(queue.Seconds(holder.speed) / holder.slots);
   record.duration_s = cost ? *cost / holder.speed : kUnknownUnitDuration_s;
   record.expected_end = record.expected_start + FromSeconds(record.duration_s);
-  if (cost) {
-    queue.cost += *cost;
-  } else {
-    ++queue.unknown;
-  }
-  queue.leases.insert(id);
-  tiles_[KeyOf(lease.unit)][id] = lease.unit.range;
-  JobShare& share = shares_[lease.unit.job];
-  ++share.leases;
-  ++share.holders[holder.worker];
-  share.seconds += record.duration_s;
-  record.lease = std::move(lease);
+  AddToQueue(queue, record);
+  AddToJob(jobs_[record.lease.unit.job], record);
   return record;
 }
 
-void LeaseTable::Remove(LeaseId id) {
+LeaseRecord LeaseTable::Remove(LeaseId id) {
   const auto found = records_.find(id);
   TESSERA_CHECK(found != records_.end());
-  const LeaseRecord& record = found->second;
-  Queue& queue = queues_.at(record.worker);
-  queue.leases.erase(id);
+  LeaseRecord record = std::move(found->second);
+  records_.erase(found);
+  RemoveFromQueue(queues_.at(record.worker), record);
+  RemoveFromJob(jobs_.at(record.lease.unit.job), record);
+  return record;
+}
+
+// Ids grow, except those of leases that were taken over.
+void LeaseTable::AddToQueue(Queue& queue, const LeaseRecord& record) {
+  std::vector<LeaseId>& leases = queue.leases;
+  leases.insert(std::ranges::upper_bound(leases, record.lease.id), record.lease.id);
+  if (record.cost) {
+    queue.cost += *record.cost;
+  } else {
+    ++queue.unknown;
+  }
+}
+
+void LeaseTable::RemoveFromQueue(Queue& queue, const LeaseRecord& record) {
+  std::erase(queue.leases, record.lease.id);
   queue.cost = queue.leases.empty() ? 0 : std::max(0.0, queue.cost - record.cost.value_or(0));
   if (!record.cost) --queue.unknown;
+}
+
+void LeaseTable::AddToJob(JobLeases& job, const LeaseRecord& record) {
+  const Lease& lease = record.lease;
+  ++job.share.leases;
+  ++job.share.holders[record.worker];
+  job.share.seconds += record.duration_s;
+  std::vector<std::vector<LeasedRange>>& tiles = job.frames[lease.unit.frame];
+  if (tiles.size() <= lease.unit.tile) tiles.resize(lease.unit.tile + size_t{1});
+  std::vector<LeasedRange>& ranges = tiles[lease.unit.tile];
+  ranges.insert(std::ranges::upper_bound(ranges, lease.id, {}, &LeasedRange::lease),
+                {lease.id, lease.unit.range});
+}
+
+void LeaseTable::RemoveFromJob(JobLeases& job, const LeaseRecord& record) {
   const WorkUnit& unit = record.lease.unit;
-  const auto share = shares_.find(unit.job);
-  if (--share->second.leases == 0) {
-    shares_.erase(share);
-  } else {
-    const auto holder = share->second.holders.find(record.worker);
-    if (--holder->second == 0) share->second.holders.erase(holder);
-    share->second.seconds = std::max(0.0, share->second.seconds - record.duration_s);
-  }
-  const auto tile = tiles_.find(KeyOf(unit));
-  tile->second.erase(id);
-  if (tile->second.empty()) tiles_.erase(tile);
-  records_.erase(found);
+  JobShare& share = job.share;
+  share.seconds = --share.leases == 0 ? 0 : std::max(0.0, share.seconds - record.duration_s);
+  const auto holder = share.holders.find(record.worker);
+  if (--holder->second == 0) share.holders.erase(holder);
+  std::erase_if(job.frames.at(unit.frame)[unit.tile],
+                [&](const LeasedRange& each) { return each.lease == record.lease.id; });
 }
 
 void LeaseTable::Renew(Instant now, LeaseRecord& record, const HeldLease& held) {
@@ -94,22 +111,18 @@ bool LeaseTable::IsHeldBy(LeaseId id, WorkerId worker) const {
   return found != records_.end() && found->second.worker == worker;
 }
 
-const std::set<LeaseId>& LeaseTable::OfWorker(WorkerId worker) const {
-  static const std::set<LeaseId> kNone;
+const LeaseTable::Queue& LeaseTable::QueueOf(WorkerId worker) const {
+  static const Queue kNone;
   const auto found = queues_.find(worker);
-  return found == queues_.end() ? kNone : found->second.leases;
-}
-
-double LeaseTable::QueueSeconds(WorkerId worker, double speed) const {
-  const auto found = queues_.find(worker);
-  return found == queues_.end() ? 0 : SecondsOf(found->second, speed);
+  return found == queues_.end() ? kNone : found->second;
 }
 
 void LeaseTable::StartNext(Instant now, WorkerId worker) {
   const auto found = queues_.find(worker);
   if (found == queues_.end()) return;
   Queue& queue = found->second;
-  for (auto next = queue.leases.upper_bound(queue.started); next != queue.leases.end(); ++next) {
+  for (auto next = std::ranges::upper_bound(queue.leases, queue.started); next != queue.leases.end();
+       ++next) {
     LeaseRecord& record = records_.at(*next);
     queue.started = *next;
     if (record.has_started || record.expected_start <= now) continue;
@@ -119,25 +132,36 @@ void LeaseTable::StartNext(Instant now, WorkerId worker) {
   }
 }
 
-const std::map<LeaseId, SampleRange>& LeaseTable::OfTile(const WorkUnit& unit) const {
-  static const std::map<LeaseId, SampleRange> kNone;
-  const auto found = tiles_.find(KeyOf(unit));
-  return found == tiles_.end() ? kNone : found->second;
+const std::vector<LeaseTable::LeasedRange>& LeaseTable::OfTile(const WorkUnit& unit) const {
+  static const std::vector<LeasedRange> kNone;
+  const auto job = jobs_.find(unit.job);
+  if (job == jobs_.end()) return kNone;
+  const auto tiles = job->second.frames.find(unit.frame);
+  const bool has_tile = tiles != job->second.frames.end() && unit.tile < tiles->second.size();
+  return has_tile ? tiles->second[unit.tile] : kNone;
 }
 
-std::vector<LeaseId> LeaseTable::OfJob(JobId job) const {
+std::vector<LeaseId> LeaseTable::OfJob(JobId id) const {
   std::vector<LeaseId> all;
-  for (auto tile = tiles_.lower_bound({job, 0, 0}); tile != tiles_.end() && std::get<0>(tile->first) == job;
-       ++tile) {
-    for (const auto& [lease, range] : tile->second) all.push_back(lease);
+  const auto job = jobs_.find(id);
+  if (job == jobs_.end()) return all;
+  for (const auto& [frame, tiles] : job->second.frames) {
+    for (const std::vector<LeasedRange>& ranges : tiles) {
+      for (const LeasedRange& each : ranges) all.push_back(each.lease);
+    }
   }
   return all;
 }
 
-const LeaseTable::JobShare& LeaseTable::ShareOf(JobId job) const {
+const LeaseTable::JobShare& LeaseTable::ShareOf(JobId id) const {
   static const JobShare kNone;
-  const auto found = shares_.find(job);
-  return found == shares_.end() ? kNone : found->second;
+  const auto job = jobs_.find(id);
+  return job == jobs_.end() ? kNone : job->second.share;
+}
+
+void LeaseTable::ForgetFrame(JobId id, uint32_t frame) {
+  const auto job = jobs_.find(id);
+  if (job != jobs_.end()) job->second.frames.erase(frame);
 }
 
 std::vector<LeaseId> LeaseTable::Expired(Instant now) const {
@@ -145,9 +169,11 @@ std::vector<LeaseId> LeaseTable::Expired(Instant now) const {
   for (const auto& [id, record] : records_) {
     if (now > record.deadline) expired.push_back(id);
   }
+  std::ranges::sort(expired);
   return expired;
 }
 
+// By end and id, so the order in which records are looked at does not matter.
 std::vector<LeaseId> LeaseTable::LastToEnd(Instant now, size_t count_max) const {
   std::vector<std::pair<Instant, LeaseId>> ends;
   ends.reserve(records_.size());

@@ -1,11 +1,11 @@
 // All leases that are held: who holds what until when, and when it is expected to end. Pure bookkeeping with
-// an index by worker, by tile and by job; it decides nothing. Owned by the scheduler.
+// an index by worker, by tile and by job; it decides nothing. Owned by the scheduler. Every result looks up
+// several leases, so lookups are hashed; all lists are ordered.
 #pragma once
 
 #include <map>
 #include <optional>
-#include <set>
-#include <tuple>
+#include <unordered_map>
 #include <vector>
 
 #include "coordinator/core/schedule/instant.h"
@@ -42,11 +42,25 @@ class LeaseTable {
     int slots = 1;
     double speed = 1;
   };
+  // What a worker holds.
+  struct Queue {
+    std::vector<LeaseId> leases;  // in the order granted
+    LeaseId started{};            // those up to here have started or are next, by estimate
+    double cost = 0;              // of those whose cost is known
+    int unknown = 0;              // leases whose cost is not known
+    // How long a worker of this speed takes for all of them on one slot.
+    double Seconds(double speed) const;
+  };
+  // Samples of a tile that a lease is for.
+  struct LeasedRange {
+    LeaseId lease{};
+    SampleRange range;
+  };
   // What a job has of the farm.
   struct JobShare {
     size_t leases = 0;
-    double seconds = 0;                    // expected durations together
-    std::map<WorkerId, uint32_t> holders;  // and how many leases each holds
+    double seconds = 0;                              // expected durations together
+    std::unordered_map<WorkerId, uint32_t> holders;  // and how many leases each holds
   };
 
   // `epoch` differs for every process that works on a data directory, so lease ids never meet again.
@@ -58,8 +72,8 @@ class LeaseTable {
 
   // A new lease, the last in its holder's queue.
   LeaseRecord& Add(Instant now, const Holder& holder, Lease lease, std::optional<double> cost);
-  // The lease must be there.
-  void Remove(LeaseId id);
+  // The lease must be there. Returns its last state.
+  LeaseRecord Remove(LeaseId id);
   // The worker's state lists the lease.
   static void Renew(Instant now, LeaseRecord& record, const HeldLease& held);
 
@@ -73,19 +87,22 @@ class LeaseTable {
   bool empty() const { return records_.empty(); }
 
   // ---- Of a worker ----
+  const Queue& QueueOf(WorkerId worker) const;
   // In the order granted.
-  const std::set<LeaseId>& OfWorker(WorkerId worker) const;
-  // How long a worker of this speed takes for all of them on one slot.
-  double QueueSeconds(WorkerId worker, double speed) const;
+  const std::vector<LeaseId>& OfWorker(WorkerId worker) const { return QueueOf(worker).leases; }
   // One of the worker's slots became free: the first lease that waits starts now.
   void StartNext(Instant now, WorkerId worker);
   void ForgetWorker(WorkerId worker) { queues_.erase(worker); }
 
   // ---- Of a tile and a job ----
-  const std::map<LeaseId, SampleRange>& OfTile(const WorkUnit& unit) const;
+  // The oldest first.
+  const std::vector<LeasedRange>& OfTile(const WorkUnit& unit) const;
   // By frame, tile and age.
   std::vector<LeaseId> OfJob(JobId job) const;
   const JobShare& ShareOf(JobId job) const;
+  // There are no leases of the frame and there will be none. The same of a job.
+  void ForgetFrame(JobId job, uint32_t frame);
+  void ForgetJob(JobId job) { jobs_.erase(job); }
 
   // ---- Of all ----
   std::vector<LeaseId> Expired(Instant now) const;
@@ -93,22 +110,20 @@ class LeaseTable {
   std::vector<LeaseId> LastToEnd(Instant now, size_t count_max) const;
 
  private:
-  using TileKey = std::tuple<JobId, uint32_t, uint32_t>;
-  struct Queue {
-    std::set<LeaseId> leases;
-    LeaseId started{};  // those up to here have started or are next, by estimate
-    double cost = 0;    // of those whose cost is known
-    int unknown = 0;    // leases whose cost is not known
+  struct JobLeases {
+    JobShare share;
+    std::map<uint32_t, std::vector<std::vector<LeasedRange>>> frames;  // by frame and tile
   };
-  static double SecondsOf(const Queue& queue, double speed);
-  static TileKey KeyOf(const WorkUnit& unit) { return {unit.job, unit.frame, unit.tile}; }
+  static void AddToQueue(Queue& queue, const LeaseRecord& record);
+  static void RemoveFromQueue(Queue& queue, const LeaseRecord& record);
+  static void AddToJob(JobLeases& job, const LeaseRecord& record);
+  static void RemoveFromJob(JobLeases& job, const LeaseRecord& record);
 
   uint32_t epoch_;
   uint64_t next_ = 1;
-  std::map<LeaseId, LeaseRecord> records_;
-  std::map<WorkerId, Queue> queues_;
-  std::map<TileKey, std::map<LeaseId, SampleRange>> tiles_;
-  std::map<JobId, JobShare> shares_;
+  std::unordered_map<LeaseId, LeaseRecord> records_;
+  std::unordered_map<WorkerId, Queue> queues_;
+  std::map<JobId, JobLeases> jobs_;
 };
 
 }  // namespace tessera

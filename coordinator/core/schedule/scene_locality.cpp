@@ -115,10 +115,10 @@ void SceneLocality::Prefetch(Instant now) {
   const std::vector<Digest> ahead = state_.jobs.PackagesAhead();
   if (ahead.empty()) return;
   for (auto& [id, worker] : state_.workers.all()) {
-    const std::set<LeaseId>& leases = state_.leases.OfWorker(id);
+    const std::vector<LeaseId>& leases = state_.leases.OfWorker(id);
     if (!worker.may_work() || leases.empty()) continue;  // workers without leases are told to load scenes
     std::vector<Digest> packages = ahead;
-    std::erase(packages, state_.jobs.At(state_.leases.At(*leases.begin()).lease.unit.job).spec->package);
+    std::erase(packages, state_.jobs.At(state_.leases.At(leases.front()).lease.unit.job).spec->package);
     packages.resize(std::min(packages.size(), kScenesAheadMax));
     if (packages != worker.prefetch) state_.workers.RequestPrefetch(worker, std::move(packages));
   }

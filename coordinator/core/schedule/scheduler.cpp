@@ -69,6 +69,7 @@ void Scheduler::ExtendJob(Job& job, std::shared_ptr<const JobSpec> spec) {
 void Scheduler::RemoveJob(Job& job) {
   if (state_.jobs.Find(job.id) == nullptr) return;
   leases_.RevokeAllOf(job);
+  state_.leases.ForgetJob(job.id);
   scenes_.StopRequests(job);
   state_.jobs.Remove(job);
   job.schedule = {};

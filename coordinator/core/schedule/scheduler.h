@@ -74,6 +74,8 @@ class Scheduler {
   bool IsKnown(const WorkUnit& unit) const { return state_.jobs.IsKnown(unit); }
   // What of the frame of a known unit is done and wanted.
   const FrameWork& WorkOf(const WorkUnit& unit) { return state_.jobs.FindFrame(unit)->work; }
+  // Where the values of a known unit's result are.
+  const ChannelLayout& LayoutOf(const WorkUnit& unit) { return state_.jobs.FindFrame(unit)->layout; }
   // Whether all samples of the frame are done.
   bool IsComplete(const Job& job, uint32_t frame) const;
   bool Finish(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, double render_seconds) {

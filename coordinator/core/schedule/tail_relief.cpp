@@ -98,7 +98,7 @@ std::optional<SampleRange> TailRelief::PieceFor(const WorkUnit& unit, const Acti
     if (frame.work.HasDone({unit.tile, piece})) return false;
     if (!is_verifying && frame.verification.IsChosen({unit.tile, piece})) return false;
     const auto copies = std::count_if(leases.begin(), leases.end(),
-                                      [&](const auto& each) { return each.second.Overlaps(piece); });
+                                      [&](const auto& each) { return each.range.Overlaps(piece); });
     return copies < kCopiesMax;
   };
   const double shortest_s = std::min(whole_s, kUnitDurationMin_s);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "renderer/util/check.h"
 
 namespace tessera {
@@ -21,7 +23,8 @@ bool UnitCompletion::Finish(Instant now, WorkerId worker, LeaseId lease, const W
 
 // The worker has done what the lease asked for.
 void UnitCompletion::EndLease(Instant now, WorkerId id, LeaseId lease, const WorkUnit& unit) {
-  if (state_.leases.IsHeldBy(lease, id) && state_.leases.At(lease).lease.unit == unit) leases_.End(lease);
+  const LeaseRecord* const held = state_.leases.Find(lease);
+  if (held != nullptr && held->worker == id && held->lease.unit == unit) leases_.End(lease);
   WorkerRecord* const worker = state_.workers.Find(id);
   if (worker == nullptr) return;
   worker->last_contact = now;
@@ -43,10 +46,11 @@ void UnitCompletion::Credit(WorkerId id, ActiveFrame& frame, const WorkUnit& uni
   schedule.measured_samples += static_cast<double>(frame.work.PixelCount(unit.tile)) * unit.range.size;
 }
 
-void UnitCompletion::DropDoneLeases(const ActiveFrame& frame, const WorkUnit& tile) {
+// Drops the leases of samples that are all done. Only leases that overlap the unit can have become so.
+void UnitCompletion::DropDoneLeases(const ActiveFrame& frame, const WorkUnit& unit) {
   std::vector<LeaseId> done;
-  for (const auto& [lease, range] : state_.leases.OfTile(tile)) {
-    if (frame.work.IsDone({tile.tile, range})) done.push_back(lease);
+  for (const auto& [lease, range] : state_.leases.OfTile(unit)) {
+    if (range.Overlaps(unit.range) && frame.work.IsDone({unit.tile, range})) done.push_back(lease);
   }
   for (const LeaseId lease : done) leases_.DropDone(lease);
 }
@@ -54,6 +58,7 @@ void UnitCompletion::DropDoneLeases(const ActiveFrame& frame, const WorkUnit& ti
 void UnitCompletion::Retire(Job& job, uint32_t frame) {
   if (!job.schedule.active.at(frame).work.Complete()) return;
   job.schedule.active.erase(frame);
+  state_.leases.ForgetFrame(job.id, frame);
   if (!job.schedule.ahead.empty()) state_.idle.UnblockAll();  // there is room for another frame
 }
 
@@ -62,7 +67,8 @@ void UnitCompletion::SetGoal(Job& job, uint32_t index, uint32_t tile, const Tile
   if (active == job.schedule.active.end()) return;
   if (active->second.work.SetGoal(tile, goal)) state_.idle.UnblockAll();
   if (!goal.is_final) return;
-  DropDoneLeases(active->second, {job.id, index, tile, {}});
+  constexpr SampleRange kAll{0, std::numeric_limits<uint32_t>::max()};
+  DropDoneLeases(active->second, {job.id, index, tile, kAll});
   Retire(job, index);
 }
 

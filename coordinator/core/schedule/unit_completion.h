@@ -26,7 +26,7 @@ class UnitCompletion {
  private:
   void EndLease(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit);
   void Credit(WorkerId worker, ActiveFrame& frame, const WorkUnit& unit, double render_seconds);
-  void DropDoneLeases(const ActiveFrame& frame, const WorkUnit& tile);
+  void DropDoneLeases(const ActiveFrame& frame, const WorkUnit& unit);
   void Retire(Job& job, uint32_t frame);
 
   ScheduleState& state_;

@@ -8,24 +8,30 @@
 namespace tessera {
 
 WorkerRecord* WorkerRoster::Find(WorkerId id) {
-  const auto found = workers_.find(id);
-  return found == workers_.end() ? nullptr : &found->second;
+  const auto found = by_id_.find(id);
+  return found == by_id_.end() ? nullptr : found->second;
 }
 
 const WorkerRecord* WorkerRoster::Find(WorkerId id) const {
-  const auto found = workers_.find(id);
-  return found == workers_.end() ? nullptr : &found->second;
+  const auto found = by_id_.find(id);
+  return found == by_id_.end() ? nullptr : found->second;
+}
+
+WorkerRecord& WorkerRoster::FindOrAdd(WorkerId id) {
+  WorkerRecord*& known = by_id_[id];
+  if (known == nullptr) known = &workers_[id];
+  known->id = id;
+  return *known;
 }
 
 std::pair<WorkerRecord*, bool> WorkerRoster::Admit(Instant now, const WorkerState& state) {
-  WorkerRecord& worker = workers_[state.worker];
+  WorkerRecord& worker = FindOrAdd(state.worker);
   const bool is_new = !worker.is_live;
   if (is_new) {
     worker.is_live = true;
     worker.pending.has_notice = worker.is_blocked();
     if (worker.is_blocked()) news_.insert(state.worker);
   }
-  worker.id = state.worker;
   worker.name = state.name;
   worker.software_version = state.software_version;
   worker.tags = state.tags;
@@ -61,6 +67,7 @@ std::vector<WorkerId> WorkerRoster::ForgetGone(Instant now) {
   }
   for (const WorkerId id : gone) {
     news_.erase(id);
+    by_id_.erase(id);
     workers_.erase(id);
   }
   return gone;
@@ -141,9 +148,8 @@ void WorkerRoster::NoteBlock(WorkerRecord& worker) {
 }
 
 void WorkerRoster::RestoreBlock(Instant now, const WorkerBlock& block) {
-  if (is_full() && !workers_.contains(block.worker)) return;
-  WorkerRecord& worker = workers_[block.worker];
-  worker.id = block.worker;
+  if (is_full() && Find(block.worker) == nullptr) return;
+  WorkerRecord& worker = FindOrAdd(block.worker);
   worker.name = block.name;
   worker.is_drained = block.is_drained;
   worker.quarantine = block.quarantine;
@@ -225,8 +231,8 @@ void WorkerRoster::RequestPrefetch(WorkerRecord& worker, std::vector<Digest> pac
 }
 
 bool WorkerRoster::HasNews(WorkerId id) const {
-  const auto found = workers_.find(id);
-  return found != workers_.end() && !found->second.pending.empty();
+  const WorkerRecord* const worker = Find(id);
+  return worker != nullptr && !worker->pending.empty();
 }
 
 void WorkerRoster::UpdateNews(const WorkerRecord& worker) {

@@ -1,11 +1,13 @@
 // The workers that the farm knows: who they are, how fast they are, whether they may work, and what they are
-// to be told. Owned by the scheduler. Ordered containers only: order reaches decisions.
+// to be told. Owned by the scheduler. All lists are ordered, because order reaches decisions; lookups are
+// hashed.
 #pragma once
 
 #include <algorithm>
 #include <map>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -99,7 +101,7 @@ class WorkerRoster {
   // Return nullptr if there is no such worker.
   WorkerRecord* Find(WorkerId id);
   const WorkerRecord* Find(WorkerId id) const;
-  WorkerRecord& At(WorkerId id) { return workers_.at(id); }
+  WorkerRecord& At(WorkerId id) { return *by_id_.at(id); }
   std::map<WorkerId, WorkerRecord>& all() { return workers_; }
   const std::map<WorkerId, WorkerRecord>& all() const { return workers_; }
   size_t size() const { return workers_.size(); }
@@ -164,7 +166,12 @@ class WorkerRoster {
   void NoteBlock(WorkerRecord& worker);
   std::string WhyIdle(const std::set<std::string>& tags) const;
 
+  // The worker's record; a new one if there is none.
+  WorkerRecord& FindOrAdd(WorkerId id);
+
   std::map<WorkerId, WorkerRecord> workers_;
+  std::unordered_map<WorkerId, WorkerRecord*>
+      by_id_;  // of all; every result looks up its worker several times
   std::set<WorkerId> news_;
   double total_speed_ = 0;
   int total_slots_ = 0;

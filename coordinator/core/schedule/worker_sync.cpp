@@ -57,7 +57,7 @@ void WorkerSync::ReconcileLeases(Instant now, WorkerRecord& worker, const Worker
 
 // Leases that were announced and that the state does not list were lost on the way.
 void WorkerSync::AnnounceAgain(Instant now, WorkerRecord& worker) {
-  const std::set<LeaseId> leases = state_.leases.OfWorker(worker.id);
+  const std::vector<LeaseId> leases = state_.leases.OfWorker(worker.id);
   for (const LeaseId lease : leases) {
     LeaseRecord& record = state_.leases.At(lease);
     if (record.is_listed || !record.is_announced || now - record.announced_at < kAnnounceAgain) continue;

@@ -29,19 +29,51 @@ TEST(LeaseTable, FindsLeasesByWorkerTileAndJob) {
   const LeaseId first = stage.Add(kAnn, 5, {0, 4});
   const LeaseId second = stage.Add(kAnn, 2, {4, 4});
   const LeaseId third = stage.Add(kBob, 5, {4, 4});
-  EXPECT_EQ(stage.table.OfWorker(kAnn), (std::set{first, second}));
+  EXPECT_EQ(stage.table.OfWorker(kAnn), (std::vector{first, second}));
   EXPECT_EQ(stage.table.OfTile({kJob, 0, 5, {}}).size(), 2u);
   EXPECT_EQ(stage.table.OfJob(kJob), (std::vector{second, first, third})) << "by tile, then age";
-  EXPECT_EQ(stage.table.ShareOf(kJob).holders, (std::map<WorkerId, uint32_t>{{kAnn, 2}, {kBob, 1}}));
+  EXPECT_EQ(stage.table.ShareOf(kJob).holders,
+            (std::unordered_map<WorkerId, uint32_t>{{kAnn, 2}, {kBob, 1}}));
   EXPECT_DOUBLE_EQ(stage.table.ShareOf(kJob).seconds, 6);
   stage.table.Remove(first);
   EXPECT_FALSE(stage.table.Has(first));
-  EXPECT_EQ(stage.table.OfWorker(kAnn), std::set{second});
+  EXPECT_EQ(stage.table.OfWorker(kAnn), std::vector{second});
   stage.table.Remove(second);
   stage.table.Remove(third);
   EXPECT_TRUE(stage.table.empty());
   EXPECT_EQ(stage.table.ShareOf(kJob).leases, 0u);
   EXPECT_TRUE(stage.table.OfTile({kJob, 0, 5, {}}).empty());
+}
+
+TEST(LeaseTable, ListsLeasesByIdThoughAnOlderOneWasTakenOver) {
+  TableStage stage;
+  const LeaseId second = stage.table.NextId(), third = stage.table.NextId();
+  const LeaseId former{uint64_t{2} << 32 | 99};
+  for (const LeaseId id : {third, former, second}) {
+    Lease lease;
+    lease.id = id;
+    lease.unit = {kJob, 0, 5, {0, 4}};
+    stage.table.Add(stage.now, {kAnn, 1, 1}, lease, 2.0);
+  }
+  const std::vector by_id{former, second, third};
+  EXPECT_EQ(stage.table.OfWorker(kAnn), by_id);
+  EXPECT_EQ(stage.table.OfJob(kJob), by_id);
+  EXPECT_EQ(stage.table.Expired(stage.now + seconds(60)), by_id);
+}
+
+TEST(LeaseTable, LeasesOfOtherFramesStayWhenAFrameIsForgotten) {
+  TableStage stage;
+  const LeaseId ended = stage.Add(kAnn, 5, {0, 4});
+  Lease other;
+  other.id = stage.table.NextId();
+  other.unit = {kJob, 1, 5, {0, 4}};
+  stage.table.Add(stage.now, {kBob, 1, 1}, other, 2.0);
+  EXPECT_EQ(stage.table.Remove(ended).worker, kAnn);
+  stage.table.ForgetFrame(kJob, 0);
+  EXPECT_TRUE(stage.table.OfTile({kJob, 0, 5, {}}).empty());
+  EXPECT_EQ(stage.table.OfTile(other.unit).size(), 1u);
+  EXPECT_EQ(stage.table.OfJob(kJob), std::vector{other.id});
+  EXPECT_EQ(stage.table.ShareOf(kJob).leases, 1u);
 }
 
 TEST(LeaseTable, ExpectsALeaseToStartWhenThoseBeforeItEnd) {
@@ -50,7 +82,7 @@ TEST(LeaseTable, ExpectsALeaseToStartWhenThoseBeforeItEnd) {
   const LeaseId second = stage.Add(kAnn, 1, {0, 4}, 1.0, 0.5);
   EXPECT_EQ(stage.table.At(first).expected_end, stage.now + seconds(4));
   EXPECT_EQ(stage.table.At(second).expected_start, stage.now + seconds(4));
-  EXPECT_DOUBLE_EQ(stage.table.QueueSeconds(kAnn, 0.5), 6);
+  EXPECT_DOUBLE_EQ(stage.table.QueueOf(kAnn).Seconds(0.5), 6);
   stage.table.At(second).is_announced = true;
   EXPECT_TRUE(stage.table.At(second).IsWaiting(stage.now));
   stage.table.Remove(first);
@@ -63,9 +95,9 @@ TEST(LeaseTable, ExpectsALeaseToStartWhenThoseBeforeItEnd) {
 TEST(LeaseTable, ALeaseOfUnknownCostTakesTheDefaultDuration) {
   TableStage stage;
   const LeaseId id = stage.Add(kAnn, 0, {0, 1}, std::nullopt);
-  EXPECT_DOUBLE_EQ(stage.table.QueueSeconds(kAnn, 1), kUnknownUnitDuration_s);
+  EXPECT_DOUBLE_EQ(stage.table.QueueOf(kAnn).Seconds(1), kUnknownUnitDuration_s);
   stage.table.Remove(id);
-  EXPECT_DOUBLE_EQ(stage.table.QueueSeconds(kAnn, 1), 0);
+  EXPECT_DOUBLE_EQ(stage.table.QueueOf(kAnn).Seconds(1), 0);
 }
 
 TEST(LeaseTable, ALeaseExpiresUnlessAStateListsIt) {
