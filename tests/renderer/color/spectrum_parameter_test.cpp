@@ -89,8 +89,8 @@ TEST(MakeSpectrum, RefusesBrokenFilesWithTheReason) {
   EXPECT_THAT(error("empty"), HasSubstr("no samples"));
   EXPECT_THAT(error("infinite"), HasSubstr("not finite"));
   EXPECT_THAT(error("negative"), HasSubstr("negative"));
-  EXPECT_THAT(error("glued"), HasSubstr("no number"));
-  EXPECT_THAT(error("overflow"), HasSubstr("no number"));
+  EXPECT_THAT(error("glued"), HasSubstr("not a number"));
+  EXPECT_THAT(error("overflow"), HasSubstr("not a number"));
   EXPECT_THAT(error("large"), HasSubstr("allowed"));
   EXPECT_THAT(error("metal-Cu-etha"), HasSubstr("metal-Cu-eta"));
   EXPECT_THAT(error("absent.spd"), HasSubstr("No such file"));
