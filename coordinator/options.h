@@ -23,8 +23,8 @@ struct CoordinatorOptions {
   std::optional<Address> http;  // of the status page and the metrics
   std::string data_dir;
   uint64_t blob_bytes = kBlobBytesDefault;  // limit of the scene files kept
-  uint64_t keep_sums_bytes =
-      kKeptBytesMaxDefault;                // limit of the sums kept of finished frames, for tessera extend
+  // Limit of the sums kept of finished frames, for tessera extend.
+  uint64_t keep_sums_bytes = kKeptBytesMaxDefault;
   bool insecure = false;                   // allow addresses that other machines can reach, without a login
   bool exit_with_parent = false;           // end when the parent process ends
   int attempts_max = kAttemptsMaxDefault;  // workers that may fail a unit before its job fails

@@ -23,12 +23,12 @@ constexpr const char* kSoftwareVersion = "0.1.0";  // one per farm: pictures are
 
 constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message
 constexpr int64_t kResultBytesMax = int64_t{16} << 20;  // of one unit's radiance tile
-constexpr int64_t kMessageBytesMax = int64_t{24}
-                                     << 20;  // of any message: one result of the largest size fits
+// Of any message: one result of the largest size fits.
+constexpr int64_t kMessageBytesMax = int64_t{24} << 20;
 constexpr int64_t kResultsBatchBytes = int64_t{2} << 20;  // results returned in one call, beyond the first
 constexpr int kResultsPerCallMax = 256;
-constexpr int64_t kChunkBytesMax = int64_t{1}
-                                   << 20;  // of blobs and pictures: streams share a connection fairly
+// Of blobs and pictures: streams share a connection fairly.
+constexpr int64_t kChunkBytesMax = int64_t{1} << 20;
 constexpr int kDigestsPerCallMax = 10'000;
 constexpr uint64_t kBlobBytesMax = uint64_t{16} << 30;  // beyond any mesh or texture seen
 constexpr int kSlotsMax = 1024;  // of one worker process: more than any machine has threads
@@ -42,8 +42,8 @@ constexpr size_t kAttributesBytesMax = 1 << 20;      // of a frame's EXR header 
 constexpr int kPriorityMax = 1'000'000;              // and its negative
 constexpr size_t kTagBytesMax = 64;                  // of one word
 constexpr size_t kTagsMax = 32;                      // of a worker, or required by a job
-constexpr std::chrono::milliseconds kSynchronizeWaitMax{
-    10'000};  // that an answer waits: below any proxy's idle limit
+// That an answer waits: below any proxy's idle limit.
+constexpr std::chrono::milliseconds kSynchronizeWaitMax{10'000};
 
 // A tag names something that not every worker has. It is one word of letters, digits and ". _ - + :".
 bool IsTag(std::string_view word);

@@ -115,8 +115,8 @@ struct Cell {
   double observed = 0;
 };
 
-constexpr double kExpectedMin =
-    5;  // counts below are pooled: the statistic is not chi-square distributed there
+// Counts below are pooled: the statistic is not chi-square distributed there.
+constexpr double kExpectedMin = 5;
 
 // Pools the cells of low expected count, then sums the statistic. Returns 0 if all mass is in one pool.
 inline double PooledPValue(std::vector<Cell> cells, std::string& text) {

@@ -68,8 +68,8 @@ nlohmann::ordered_json ToJson(const JobStatus& status) {
 
 nlohmann::ordered_json ToJson(const WorkerStatus& status) {
   nlohmann::ordered_json json;
-  json["worker"] =
-      fmt::format("{:016x}", Number(status.worker));  // too large for the numbers of some JSON readers
+  // Too large for the numbers of some JSON readers.
+  json["worker"] = fmt::format("{:016x}", Number(status.worker));
   json["name"] = status.name;
   json["slots"] = status.slots;
   json["software_version"] = status.software_version;

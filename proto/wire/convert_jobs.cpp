@@ -16,8 +16,8 @@ Result<FrameRequest> ReadFrameRequest(const proto::FrameRequest& message) {
 }
 
 std::chrono::milliseconds ReadDuration(uint64_t ms) {
-  constexpr uint64_t kLongest_ms = uint64_t{1}
-                                   << 52;  // beyond the age of anything; keeps arithmetic in range
+  // Beyond the age of anything; keeps arithmetic in range.
+  constexpr uint64_t kLongest_ms = uint64_t{1} << 52;
   return std::chrono::milliseconds(static_cast<int64_t>(std::min(ms, kLongest_ms)));
 }
 

@@ -19,8 +19,8 @@ namespace tessera {
 namespace {
 
 constexpr float kHalfMax = 65504.0f;  // the largest finite half
-constexpr int64_t kLoadedValuesMax = int64_t{1}
-                                     << 30;  // 4 GB of floats: a 16k x 16k picture of four channels
+// 4 GB of floats: a 16k x 16k picture of four channels.
+constexpr int64_t kLoadedValuesMax = int64_t{1} << 30;
 
 // Collects what OpenEXR writes.
 class MemoryOutput : public Imf::OStream {

@@ -170,8 +170,8 @@ class WorkerRoster {
   WorkerRecord& FindOrAdd(WorkerId id);
 
   std::map<WorkerId, WorkerRecord> workers_;
-  std::unordered_map<WorkerId, WorkerRecord*>
-      by_id_;  // of all; every result looks up its worker several times
+  // Of all; every result looks up its worker several times.
+  std::unordered_map<WorkerId, WorkerRecord*> by_id_;
   std::set<WorkerId> news_;
   double total_speed_ = 0;
   int total_slots_ = 0;

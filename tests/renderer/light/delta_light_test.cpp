@@ -106,8 +106,8 @@ TEST(DistantLight, HasItsIlluminanceFromItsDirection) {
 
 TEST(ProjectionLight, ImageIsUprightSeenFromTheLight) {
   LightScene lights;
-  lights.files.files["slide.pfm"] =
-      Pfm({{1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, 2);  // top left is bright
+  // Top left is bright.
+  lights.files.files["slide.pfm"] = Pfm({{1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, 2);
   lights.Build(R"(LightSource "projection" "string filename" [ "slide.pfm" ] "float fov" [ 90 ])");
   ASSERT_EQ(lights.error, "");
   EXPECT_GT(SampleLuminance(lights.table, 0, At({-0.5f, 0.5f, 1}), {}), 0);

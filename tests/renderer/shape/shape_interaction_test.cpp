@@ -108,8 +108,8 @@ TEST(ShapeInteraction, AHitAtThePoleOfASphereIsFinite) {
 }
 
 TEST(ShapeInteraction, TrianglesWithoutTextureCoordinatesHaveTheDefaultOnes) {
-  const Shape shape =
-      TriangleShape({0, 0, 0}, {1, 0, 0}, {1, 1, 0});  // positions equal to the default (u, v)
+  // Positions equal to the default (u, v).
+  const Shape shape = TriangleShape({0, 0, 0}, {1, 0, 0}, {1, 1, 0});
   const SurfaceInteraction at = InteractionOf(shape, {{0.75f, 0.25f, 1}, {0, 0, -1}});
   EXPECT_NEAR(at.uv.x, 0.75f, 1e-6);
   EXPECT_NEAR(at.uv.y, 0.25f, 1e-6);

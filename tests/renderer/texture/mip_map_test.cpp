@@ -126,8 +126,8 @@ TEST(MipMap, TrilinearLookupsBlendTheTwoLevelsNextToTheFootprint) {
   for (int i = 0; i < 200; ++i) {
     const Point2 st{static_cast<float>(random() % 1000) / 1000, static_cast<float>(random() % 1000) / 1000};
     const float level = 1 + static_cast<float>(random() % 1000) / 1000 * (top - 1.01f);
-    const float width =
-        std::exp2(level - top);  // of the footprint: two texels of that level's next finer one
+    // Of the footprint: two texels of that level's next finer one.
+    const float width = std::exp2(level - top);
     const int fine = static_cast<int>(level);
     const float t = level - fine;
     const float expected = (1 - t) * BilinearOf(map, fine, st) + t * BilinearOf(map, fine + 1, st);
