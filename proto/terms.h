@@ -18,7 +18,7 @@
 
 namespace tessera {
 
-constexpr uint32_t kProtocolVersion = 3;           // counts changes that older programs would misread
+constexpr uint32_t kProtocolVersion = 4;           // counts changes that older programs would misread
 constexpr const char* kSoftwareVersion = "0.1.0";  // one per farm: pictures are exact per release
 
 constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message
