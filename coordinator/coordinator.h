@@ -18,7 +18,7 @@ class ResultsIntake;
 // Serves from Start to Stop. Thread safe.
 class Coordinator {
  public:
-  // Opens the data directory, recovers what a former process left and listens. An error that says what is
+  // Opens the data directory, recovers what a former process left and listens. The error states what is
   // wrong with the directory or which address cannot be listened on.
   static Result<std::unique_ptr<Coordinator>> Start(const CoordinatorOptions& options,
                                                     AccessPolicy policy = AdmitEveryone);

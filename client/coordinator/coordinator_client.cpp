@@ -8,7 +8,8 @@
 namespace tessera {
 namespace {
 
-constexpr std::chrono::seconds kSlowConnection{1};  // after which the user is told
+// How long a connection attempt may take before the user is informed.
+constexpr std::chrono::seconds kSlowConnection{1};
 // How long a stop may go unnoticed while connecting.
 constexpr std::chrono::milliseconds kConnectSlice{100};
 // For a coordinator that is away while a job is watched: its machine may be restarting.

@@ -19,9 +19,9 @@ class LeaseControl {
   // The lease ends and its samples are open again. A unit that is verified stays whole as long as another
   // worker has rendered it or holds it.
   void Return(LeaseId id);
-  // The same, and the holder is told to drop it.
+  // Returns the lease and lists it in the next directive to its holder as one to drop.
   void Revoke(LeaseId id);
-  // The lease ends because its samples came in from elsewhere; the holder is told to drop it.
+  // Ends a lease whose samples were merged from other results, and lists it as one to drop.
   void DropDone(LeaseId id);
   void ReturnAllOf(WorkerId worker);
   // All leases of a job that ends.

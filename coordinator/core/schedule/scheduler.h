@@ -46,7 +46,7 @@ class Scheduler {
   void RestoreDone(JobId job, uint32_t frame, TileSamples samples) {
     units_.RestoreDone(job, frame, samples);
   }
-  // The leases of the job are void and their holders are told to stop. Does nothing if it is not open.
+  // Ends the leases of the job and directs their holders to drop them. Does nothing if the job is not open.
   void RemoveJob(Job& job);
   // While a job is paused nothing of it is leased; leases that wait are taken back, those that run may
   // finish.

@@ -26,7 +26,7 @@ struct Vote {
 class Verification {
  public:
   // `share` of the units, 0 to 1, is chosen. Which ones follows from the unit and the key alone; without the
-  // key they cannot be told from others.
+  // key they cannot be distinguished from others.
   Verification(double share, uint64_t key) : share_(share), key_(key) {}
 
   bool IsChosen(TileSamples unit) const;

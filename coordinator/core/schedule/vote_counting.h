@@ -33,7 +33,7 @@ class VoteCounting {
   VoteOutcome RecordVote(const WorkUnit& unit, const Vote& vote);
   // A vote that was recorded by a former process.
   void RestoreVote(const WorkUnit& unit, const Vote& vote);
-  // Whether the unit is being verified by now: starts that if the unit is chosen and open as a whole.
+  // Begins the verification of a unit that is chosen and open as a whole. Whether the unit is being verified.
   bool JoinVerification(ActiveFrame& frame, TileSamples samples);
   // Workers that were alone with a result, since the last call.
   std::vector<WorkerId> TakeDistrusted() { return std::exchange(distrusted_, {}); }

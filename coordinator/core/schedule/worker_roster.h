@@ -51,7 +51,7 @@ struct WorkerRecord {
   std::map<Digest, bool> scenes;            // listed by the last state; whether each is ready
   bool is_fetching = false;                 // files of one that is not ready
   std::vector<SceneRequest> wanted;         // to be loaded
-  std::map<Digest, Instant> loading_since;  // when it was first told to load it
+  std::map<Digest, Instant> loading_since;  // when it was first directed to load it
   std::vector<Digest> prefetch;             // packages whose files are to be fetched meanwhile
 
   PendingDirective pending;
@@ -109,11 +109,11 @@ class WorkerRoster {
   bool is_full() const { return workers_.size() >= kWorkersMax; }
 
   // ---- Coming and going ----
-  // Takes over what the state says of the worker itself. True if the worker was not connected before.
+  // Updates the worker from the state that it sent. True if it was not connected before.
   std::pair<WorkerRecord*, bool> Admit(Instant now, const WorkerState& state);
   // The worker is not connected any more.
   void Disconnect(Instant now, WorkerRecord& worker);
-  // Connected workers that have not been heard from for too long.
+  // Connected workers whose last state is too old.
   std::vector<WorkerId> Silent(Instant now) const;
   // Removes those that have been away for too long and returns their ids.
   std::vector<WorkerId> ForgetGone(Instant now);
@@ -130,10 +130,10 @@ class WorkerRoster {
   const Occupancy& occupancy() const { return occupancy_; }
 
   // ---- Blocks ----
-  // The worker did what counts against it; true if it should be put into quarantine.
+  // Counts a failure of the worker. True if it should be quarantined.
   static bool AddStrike(WorkerRecord& worker);
   static void CreditUnit(WorkerRecord& worker);
-  // Each returns false and does nothing if that is so already.
+  // Each returns false if it changes nothing.
   bool Quarantine(WorkerRecord& worker, const std::string& reason);
   bool Drain(WorkerRecord& worker);
   bool Release(WorkerRecord& worker);  // from both; forgives its strikes
@@ -146,7 +146,7 @@ class WorkerRoster {
   // Why none may, for people; call it only if that is so.
   std::string WhyNoneFor(const std::set<std::string>& tags) const;
 
-  // ---- What workers are to be told ----
+  // ---- The next directives ----
   void Announce(WorkerRecord& worker, LeaseId lease);
   void Drop(WorkerRecord& worker, LeaseId lease);
   // A drop of what was taken away on purpose, even if a state on its way still lists it.
