@@ -21,11 +21,11 @@ constexpr std::chrono::seconds kAnswerPatience{20};
 constexpr size_t kOpenCallsMax = 3;
 constexpr std::chrono::milliseconds kCallAgainMax{10'000};
 
-// Whether the coordinator will never admit this worker as it is.
+// Whether the coordinator will never admit this worker as it is. Everything else may pass: a farm that is
+// full, a proxy without its coordinator.
 bool IsRefusal(const grpc::Status& status) {
   const auto code = status.error_code();
-  return code == grpc::StatusCode::FAILED_PRECONDITION || code == grpc::StatusCode::INVALID_ARGUMENT ||
-         code == grpc::StatusCode::UNIMPLEMENTED;
+  return code == grpc::StatusCode::FAILED_PRECONDITION || code == grpc::StatusCode::INVALID_ARGUMENT;
 }
 
 }  // namespace
@@ -42,8 +42,8 @@ struct Synchronizer::Call {
   grpc::Status status;
 };
 
-Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState self, SharedWorkload& workload,
-                           ActivityMeter& meter, Prefetcher& prefetcher,
+Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, const Address& address, WorkerState self,
+                           SharedWorkload& workload, ActivityMeter& meter, Prefetcher& prefetcher,
                            std::function<void(Error)> on_refusal)
     : channel_(std::move(channel)),
       self_(std::move(self)),
@@ -53,7 +53,8 @@ Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState s
       on_refusal_(std::move(on_refusal)),
       backoff_(Number(self_.worker)),
       next_call_(Clock::now()),
-      next_retry_(next_call_) {}
+      next_retry_(next_call_),
+      outage_(address) {}
 
 // gRPC calls back once for every call, so wait for that.
 Synchronizer::~Synchronizer() {
@@ -76,6 +77,8 @@ void Synchronizer::Start() {
   WorkerState state = self_;
   state.sequence = call->sequence = ++self_.sequence;
   workload_.FillState(state);
+  // The first answer comes immediately: it shows that the coordinator is there and admits this worker.
+  if (!connected_) state.wait = {};
   meter_.Fill(state, Clock::now());
   call->returned = state.returned_leases;
   Write(state, call->request);
@@ -125,6 +128,7 @@ void Synchronizer::Handle(const Call& call) {
   if (IsRefusal(call.status)) return on_refusal_(ToError(call.status, "join the farm"));
   if (connected_) spdlog::warn("disconnected reason=\"{}\"", call.status.error_message());
   connected_ = false;
+  outage_.Failed(call.status, Clock::now());
   next_retry_ = Clock::now() + backoff_.Next();
 }
 
@@ -133,6 +137,7 @@ void Synchronizer::HandleDirective(const Call& call) {
   if (!directive) return on_refusal_(Failed(directive.error().message));
   if (!connected_) spdlog::info("connected worker={:016x}", Number(self_.worker));
   connected_ = true;
+  outage_.Ended();
   backoff_.Reset();
   workload_.Change()->ReturnsAcknowledged(call.returned);
   // The answer to a call that a later one has overtaken may hold leases, but its orders are out of date.

@@ -15,6 +15,7 @@
 #include "proto/terms.h"
 #include "renderer/util/result.h"
 #include "worker/activity_meter.h"
+#include "worker/outage_report.h"
 #include "worker/prefetcher.h"
 #include "worker/shared_workload.h"
 
@@ -28,10 +29,11 @@ namespace tessera {
 // the connection breaks. NotifyNews is thread safe; everything else belongs to the thread that calls Run.
 class Synchronizer {
  public:
-  // `self` holds what never changes: worker, name, slots, versions. `on_refusal` is called if the coordinator
-  // does not admit this worker, so that it is of no use to go on.
-  Synchronizer(std::shared_ptr<grpc::Channel> channel, WorkerState self, SharedWorkload& workload,
-               ActivityMeter& meter, Prefetcher& prefetcher, std::function<void(Error)> on_refusal);
+  // `channel` leads to `address`, which messages name. `self` holds what never changes: worker, name, slots,
+  // versions. `on_refusal` is called if the coordinator will never admit this worker.
+  Synchronizer(std::shared_ptr<grpc::Channel> channel, const Address& address, WorkerState self,
+               SharedWorkload& workload, ActivityMeter& meter, Prefetcher& prefetcher,
+               std::function<void(Error)> on_refusal);
   ~Synchronizer();
   Synchronizer(const Synchronizer&) = delete;
   Synchronizer& operator=(const Synchronizer&) = delete;
@@ -63,6 +65,7 @@ class Synchronizer {
   std::vector<std::unique_ptr<Call>> open_;
   std::string notice_;
   bool connected_ = false;
+  OutageReport outage_;
 
   std::mutex mutex_;  // of the members below
   std::condition_variable_any changed_;

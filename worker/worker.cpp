@@ -101,7 +101,7 @@ Worker::Worker(const WorkerOptions& options, BlobStore cache)
       assets_(std::make_shared<SharedCache>(kAssetBytesMax)),
       prefetcher_(fetcher_),
       workload_([this] { synchronizer_.NotifyNews(); }),
-      synchronizer_(states_channel_, self_, workload_, meter_, prefetcher_,
+      synchronizer_(states_channel_, options.coordinator, self_, workload_, meter_, prefetcher_,
                     [this](Error why) { OnRefusal(std::move(why)); }),
       sender_(bulk_channel_, self_.worker, workload_, [this](Error why) { OnRefusal(std::move(why)); }) {}
 

@@ -6,9 +6,9 @@ namespace tessera {
 
 Result<std::unique_ptr<CoordinatorClient>> Connect(const ConnectionOptions& options,
                                                    Cancellation& cancellation) {
-  const auto print_waiting = [&] {
-    fmt::print(stderr, "tessera: the coordinator at {} does not answer; waiting for it up to {:.0f} s\n",
-               options.coordinator, std::chrono::duration<double>(options.patience).count());
+  const auto print_waiting = [&](const std::string& reason) {
+    fmt::print(stderr, "tessera: the coordinator at {} does not answer: {}; waiting for it up to {:.0f} s\n",
+               options.coordinator, reason, std::chrono::duration<double>(options.patience).count());
   };
   return CoordinatorClient::Connect(options.coordinator, options.patience, cancellation.token(),
                                     print_waiting);

@@ -96,15 +96,17 @@ using Missing = std::map<std::string, uint64_t>;
 
 // Sends blobs over several streams in parallel, so that small files do not wait for each other's answers and
 // no file waits for a large one.
+template <typename Connection>
 class Uploader {
  public:
-  Uploader(proto::Blobs::Stub& stub, std::stop_token stop) : stub_(stub), stop_(std::move(stop)) {}
+  explicit Uploader(const Connection& connection)
+      : connection_(connection), stub_(*connection.blobs), stop_(connection.stop) {}
 
   Result<Missing> FindMissing(const std::vector<std::string>& digests) {
     proto::FindMissingRequest request;
     for (const std::string& digest : digests) request.add_digests(digest);
     proto::FindMissingAnswer answer;
-    auto asked = WithRetries(stop_, "ask for missing files", [&] {
+    auto asked = WithRetries(connection_, "ask for missing files", [&] {
       CallContext context(stop_, kCallPatience);
       return stub_.FindMissing(context.get(), request, &answer);
     });
@@ -152,7 +154,7 @@ class Uploader {
       if (status.ok()) return {};
       const bool too_late = std::chrono::steady_clock::now() > deadline;
       if (!IsTransient(status) || too_late || !Pause(broken_.get_token(), waits.Next()))
-        return ToError(status, what);
+        return connection_.ErrorOf(status, what);
       const auto missing = FindMissing({WriteDigest(source.digest)});
       if (!missing) return missing.error();
       if (missing->empty()) return {};
@@ -164,6 +166,7 @@ class Uploader {
     }
   }
 
+  const Connection& connection_;
   proto::Blobs::Stub& stub_;
   std::stop_token stop_;
   std::stop_source broken_;  // ends the other streams when one fails
@@ -184,7 +187,7 @@ Result<UploadReport> CoordinatorClient::Upload(const PackedScene& scene) {
   UploadReport report;
   report.files_total = sources.size();
   sources[WriteDigest(scene.digest)] = {scene.digest, scene.manifest.size(), {}, scene.manifest};
-  Uploader uploader(*connection_->blobs, connection_->stop);
+  Uploader uploader(*connection_);
   std::vector<std::pair<const Source*, uint64_t>> queue;
   for (auto it = sources.begin(); it != sources.end();) {
     std::vector<std::string> digests;

@@ -4,6 +4,7 @@
 
 #include "client/coordinator/coordinator_connection.h"
 #include "proto/wire/convert.h"
+#include "proto/wire/reachability.h"
 
 namespace tessera {
 namespace {
@@ -17,13 +18,13 @@ constexpr std::chrono::minutes kWatchPatience{30};
 constexpr uint64_t kPictureSizeMax = uint64_t{8} << 30;  // bytes: the largest frame in floats
 
 // Makes one call with one answer.
-template <typename Stub, typename Request, typename Answer>
-Result<void> Call(std::stop_token stop, Stub& stub,
-                  grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Answer*),
+template <typename Connection, typename Request, typename Answer>
+Result<void> Call(const Connection& connection,
+                  grpc::Status (proto::Jobs::Stub::*method)(grpc::ClientContext*, const Request&, Answer*),
                   const Request& request, Answer& answer, const std::string& what) {
-  return WithRetries(stop, what, [&] {
-    CallContext context(stop, kCallPatience);
-    return (stub.*method)(context.get(), request, &answer);
+  return WithRetries(connection, what, [&] {
+    CallContext context(connection.stop, kCallPatience);
+    return ((*connection.jobs).*method)(context.get(), request, &answer);
   });
 }
 
@@ -40,8 +41,7 @@ Result<JobStatus> AskAboutJob(Connection& connection,
                                                                         proto::JobStatus*),
                               const Request& request, const char* verb) {
   proto::JobStatus answer;
-  auto asked = Call(connection.stop, *connection.jobs, method, request, answer,
-                    fmt::format("{} job {}", verb, request.job()));
+  auto asked = Call(connection, method, request, answer, fmt::format("{} job {}", verb, request.job()));
   if (!asked) return asked.error();
   return ReadJobStatus(answer);
 }
@@ -56,7 +56,7 @@ Result<std::vector<WorkerStatus>> AskAboutWorkers(
   proto::WorkersRequest request;
   request.set_which(which);
   proto::WorkersAnswer answer;
-  auto asked = Call(connection.stop, *connection.jobs, method, request, answer, what);
+  auto asked = Call(connection, method, request, answer, what);
   if (!asked) return asked.error();
   std::vector<WorkerStatus> workers;
   for (const proto::WorkerStatus& message : answer.workers()) {
@@ -94,21 +94,28 @@ grpc::Status ReceivePicture(proto::Jobs::Stub& stub, grpc::ClientContext* contex
   return status;
 }
 
-Result<void> WaitForCoordinator(grpc::Channel& channel, const std::string& address,
+std::string WhyNotConnected(const Reachability& found) {
+  return found.speaks_http2 ? "it accepts connections only now and then" : found.reason;
+}
+
+Result<void> WaitForCoordinator(grpc::Channel& channel, const Address& address,
                                 std::chrono::milliseconds patience, std::stop_token stop,
-                                const std::function<void()>& on_slow) {
+                                const CoordinatorClient::OnSlow& on_slow) {
   const auto start = std::chrono::steady_clock::now();
+  std::optional<ReachabilityCheck> check;
   bool reported = on_slow == nullptr;
   while (!WaitForConnection(channel, kConnectSlice)) {
     if (stop.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
     const auto waited = std::chrono::steady_clock::now() - start;
     if (waited > patience) {
-      return Failed(
-          fmt::format("{}: no coordinator answered within {:.0f} s; check the address and that it is running",
-                      address, std::chrono::duration<double>(patience).count()));
+      // What holds now, and not what a check found out earlier.
+      return Failed(fmt::format("{}: no coordinator answered within {:.0f} s: {}", address.Text(),
+                                std::chrono::duration<double>(patience).count(),
+                                WhyNotConnected(CheckReachability(address, stop))));
     }
-    if (!reported && waited > kSlowConnection) {
-      on_slow();
+    if (!reported && waited > kSlowConnection && !check) check.emplace(address);
+    if (const auto found = !reported && check ? check->Await({}) : std::nullopt) {
+      on_slow(WhyNotConnected(*found));
       reported = true;
     }
   }
@@ -117,6 +124,14 @@ Result<void> WaitForCoordinator(grpc::Channel& channel, const std::string& addre
 
 }  // namespace
 
+Error CoordinatorClient::Connection::ErrorOf(const grpc::Status& status, const std::string& what) const {
+  const bool is_unanswered = status.error_code() == grpc::StatusCode::UNAVAILABLE ||
+                             status.error_code() == grpc::StatusCode::UNIMPLEMENTED;
+  if (!is_unanswered || stop.stop_requested()) return ToError(status, what);
+  return Failed(fmt::format("{}: cannot {}: {}", address.Text(), what,
+                            DescribeOutage(CheckReachability(address, stop), status)));
+}
+
 CoordinatorClient::CoordinatorClient(std::unique_ptr<Connection> connection)
     : connection_(std::move(connection)) {}
 CoordinatorClient::~CoordinatorClient() = default;
@@ -124,19 +139,19 @@ CoordinatorClient::~CoordinatorClient() = default;
 Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const std::string& address,
                                                                       std::chrono::milliseconds patience,
                                                                       std::stop_token stop,
-                                                                      const std::function<void()>& on_slow) {
+                                                                      const OnSlow& on_slow) {
   const auto parsed = ParseAddress(address, "--coordinator");
   if (!parsed) return parsed.error();
   auto connection = std::make_unique<Connection>();
-  connection->address = address;
+  connection->address = *parsed;
   connection->stop = stop;
   connection->channel = OpenChannel(*parsed);
   connection->jobs = proto::Jobs::NewStub(connection->channel);
   connection->blobs = proto::Blobs::NewStub(connection->channel);
-  auto reached = WaitForCoordinator(*connection->channel, address, patience, stop, on_slow);
+  auto reached = WaitForCoordinator(*connection->channel, *parsed, patience, stop, on_slow);
   if (!reached) return reached.error();
   proto::HealthAnswer health;
-  auto asked = Call(stop, *connection->jobs, &proto::Jobs::Stub::Health, proto::HealthRequest(), health,
+  auto asked = Call(*connection, &proto::Jobs::Stub::Health, proto::HealthRequest(), health,
                     "ask the coordinator for its version");
   if (!asked) return asked.error();
   if (health.protocol() != kProtocolVersion || health.software_version() != kSoftwareVersion) {
@@ -161,8 +176,7 @@ Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const SubmitOp
   proto::JobSpec request;
   Write(spec, request);
   proto::SubmitAnswer answer;
-  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Submit, request, answer,
-                    "submit the job");
+  auto asked = Call(*connection_, &proto::Jobs::Stub::Submit, request, answer, "submit the job");
   if (!asked) return asked.error();
   return JobId{answer.job()};
 }
@@ -195,7 +209,7 @@ Result<JobStatus> CoordinatorClient::Extend(JobId job, uint32_t samples_per_pixe
   request.set_job(Number(job));
   request.set_samples_per_pixel(samples_per_pixel);
   proto::JobStatus answer;
-  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Extend, request, answer,
+  auto asked = Call(*connection_, &proto::Jobs::Stub::Extend, request, answer,
                     fmt::format("extend job {}", Number(job)));
   if (!asked) return asked.error();
   return ReadJobStatus(answer);
@@ -221,14 +235,14 @@ Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(c
     if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "the coordinator closed the stream"};
     const bool too_late = std::chrono::steady_clock::now() - last_report > kWatchPatience;
     if (!IsTransient(status) || too_late || !tessera::Pause(connection_->stop, waits.Next()))
-      return ToError(status, what);
+      return connection_->ErrorOf(status, what);
   }
 }
 
 Result<std::vector<FrameStatus>> CoordinatorClient::Frames(JobId job) {
   proto::FramesAnswer answer;
-  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::Frames, RequestFor(job),
-                    answer, fmt::format("list the frames of job {}", Number(job)));
+  auto asked = Call(*connection_, &proto::Jobs::Stub::Frames, RequestFor(job), answer,
+                    fmt::format("list the frames of job {}", Number(job)));
   if (!asked) return asked.error();
   return ReadFrameStatuses(answer);
 }
@@ -239,7 +253,7 @@ Result<std::string> CoordinatorClient::FetchPicture(JobId job, uint32_t frame, b
   request.set_frame(frame);
   request.set_preview(preview);
   std::string bytes;
-  auto fetched = WithRetries(connection_->stop, fmt::format("fetch the picture of job {}", Number(job)), [&] {
+  auto fetched = WithRetries(*connection_, fmt::format("fetch the picture of job {}", Number(job)), [&] {
     CallContext context(connection_->stop);
     return ReceivePicture(*connection_->jobs, context.get(), request, bytes);
   });
@@ -249,8 +263,7 @@ Result<std::string> CoordinatorClient::FetchPicture(JobId job, uint32_t frame, b
 
 Result<std::vector<JobStatus>> CoordinatorClient::Jobs() {
   proto::ListAnswer answer;
-  auto asked = Call(connection_->stop, *connection_->jobs, &proto::Jobs::Stub::List, proto::ListRequest(),
-                    answer, "list the jobs");
+  auto asked = Call(*connection_, &proto::Jobs::Stub::List, proto::ListRequest(), answer, "list the jobs");
   if (!asked) return asked.error();
   std::vector<JobStatus> jobs;
   for (const proto::JobStatus& message : answer.jobs()) {

@@ -28,12 +28,14 @@ struct UploadReport {
 // to stop ends each of them with kInterrupted. Used by one thread at a time.
 class CoordinatorClient {
  public:
+  using OnSlow = std::function<void(const std::string& reason)>;
   // `address` is HOST:PORT or unix:PATH. Fails if no coordinator answers there within `patience` or if its
-  // version differs. Calls `on_slow`, if given, once if the answer takes longer than a moment.
+  // version differs. If the answer takes longer than a moment, calls `on_slow`, if given, once with the
+  // reason.
   static Result<std::unique_ptr<CoordinatorClient>> Connect(const std::string& address,
                                                             std::chrono::milliseconds patience,
                                                             std::stop_token stop,
-                                                            const std::function<void()>& on_slow = nullptr);
+                                                            const OnSlow& on_slow = nullptr);
   ~CoordinatorClient();
   CoordinatorClient(const CoordinatorClient&) = delete;
   CoordinatorClient& operator=(const CoordinatorClient&) = delete;

@@ -30,11 +30,14 @@ inline Backoff RetryWaits() {
 }
 
 struct CoordinatorClient::Connection {
-  std::string address;  // as the user wrote it
+  Address address;
   std::stop_token stop;
   std::shared_ptr<grpc::Channel> channel;
   std::unique_ptr<proto::Jobs::Stub> jobs;
   std::unique_ptr<proto::Blobs::Stub> blobs;
+
+  // The error of a call, `what`, that failed for good. If the coordinator does not answer, finds out why.
+  Error ErrorOf(const grpc::Status& status, const std::string& what) const;
 };
 
 // The context of one call, which is cancelled when a stop is requested.
@@ -61,8 +64,8 @@ class CallContext {
 // Calls `attempt`, which makes one call and returns its status, until it succeeds, fails with an error that
 // does not pass, a stop is requested, or kRetryPatience is over. Errors name the call as `what`. Every call
 // of the protocol may be repeated.
-template <typename Attempt>
-Result<void> WithRetries(std::stop_token stop, const std::string& what, Attempt attempt) {
+template <typename Connection, typename Attempt>
+Result<void> WithRetries(const Connection& connection, const std::string& what, Attempt attempt) {
   const auto deadline = std::chrono::steady_clock::now() + kRetryPatience;
   Backoff waits = RetryWaits();
   while (true) {
@@ -71,7 +74,7 @@ Result<void> WithRetries(std::stop_token stop, const std::string& what, Attempt 
     const auto wait = waits.Next();
     const bool retry = status.error_code() == grpc::StatusCode::UNAVAILABLE &&
                        std::chrono::steady_clock::now() + wait < deadline;
-    if (!retry || !Pause(stop, wait)) return ToError(status, what);
+    if (!retry || !Pause(connection.stop, wait)) return connection.ErrorOf(status, what);
   }
 }
 

@@ -29,9 +29,10 @@ class SilentCoordinator final : public proto::Work::CallbackService {
   }
   ~SilentCoordinator() override { server_->Shutdown(); }
 
-  grpc::ServerUnaryReactor* Synchronize(grpc::CallbackServerContext*, const proto::WorkerState*,
+  grpc::ServerUnaryReactor* Synchronize(grpc::CallbackServerContext*, const proto::WorkerState* state,
                                         proto::WorkerDirective*) override {
     const std::lock_guard lock(mutex_);
+    wait_ms_ = state->wait_ms();
     ++calls_;
     called_.notify_all();
     return new Waiting;
@@ -39,6 +40,12 @@ class SilentCoordinator final : public proto::Work::CallbackService {
   bool AwaitCalls(int count) {
     std::unique_lock lock(mutex_);
     return called_.wait_for(lock, kPatience, [&] { return calls_ >= count; });
+  }
+
+  // How long the last call asked to be kept waiting for news.
+  int64_t wait_ms() {
+    const std::lock_guard lock(mutex_);
+    return wait_ms_;
   }
 
  private:
@@ -49,8 +56,27 @@ class SilentCoordinator final : public proto::Work::CallbackService {
   std::mutex mutex_;
   std::condition_variable called_;
   int calls_ = 0;
+  int64_t wait_ms_ = 0;
   std::unique_ptr<grpc::Server> server_;
 };
+
+TEST(Synchronizer, AsksForAnImmediateAnswerUntilItIsConnected) {
+  const TemporaryDir folder;
+  const Address address = *ParseAddress("unix:" + (folder / "socket"), "test");
+  SilentCoordinator coordinator(address);
+  const auto cache = BlobStore::Open(folder / "cache", BlobStoreOptions::Cache(1 << 20));
+  const std::shared_ptr<grpc::Channel> channel = OpenChannel(address);
+  BlobFetcher fetcher(channel, *cache, {}, 1, [](uint64_t) {});
+  Prefetcher prefetcher(fetcher);
+  ActivityMeter meter(1, std::chrono::steady_clock::now());
+  SharedWorkload workload([] {});
+  WorkerState self;
+  self.worker = WorkerId{1};
+  Synchronizer synchronizer(channel, address, self, workload, meter, prefetcher, [](const Error&) {});
+  std::jthread exchange([&](std::stop_token stop) { synchronizer.Run(std::move(stop)); });
+  ASSERT_TRUE(coordinator.AwaitCalls(1));
+  EXPECT_EQ(coordinator.wait_ms(), 0);
+}
 
 // The last owner of a channel waits for gRPC's threads to end; one of those threads would wait for itself.
 TEST(Synchronizer, NeverLeavesItsChannelToAThreadOfGrpc) {
@@ -67,8 +93,7 @@ TEST(Synchronizer, NeverLeavesItsChannelToAThreadOfGrpc) {
       SharedWorkload workload([] {});
       WorkerState self;
       self.worker = WorkerId{static_cast<uint64_t>(round)};
-      self.wait = std::chrono::seconds(5);
-      Synchronizer synchronizer(channel, self, workload, meter, prefetcher, [](const Error&) {});
+      Synchronizer synchronizer(channel, address, self, workload, meter, prefetcher, [](const Error&) {});
       std::jthread exchange([&](std::stop_token stop) { synchronizer.Run(std::move(stop)); });
       ASSERT_TRUE(coordinator.AwaitCalls(round));
     }

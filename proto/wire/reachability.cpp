@@ -1,0 +1,201 @@
+#include "proto/wire/reachability.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <grpcpp/support/status.h>
+#include <netdb.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <condition_variable>
+#include <cstring>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+namespace tessera {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// For all addresses of a host together, and for the first bytes after that.
+constexpr std::chrono::milliseconds kConnectPatience{3000};
+constexpr std::chrono::milliseconds kGreetingPatience{2000};
+// For name servers in addition, before the check is given up.
+constexpr std::chrono::milliseconds kResolvePatience{5000};
+
+// What a client sends first (RFC 9113, 3.4): the preface and a SETTINGS frame without settings.
+constexpr char kGreeting[] = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0";
+constexpr size_t kGreetingBytes = sizeof kGreeting;
+constexpr size_t kFrameHeaderBytes = 9;
+constexpr size_t kFrameTypeAt = 3;
+constexpr char kSettingsFrame = 4;
+
+constexpr const char* kNotCoordinator = "the program that answers there is not a Tessera coordinator";
+
+class Socket {
+ public:
+  explicit Socket(int family) : fd_(::socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {}
+  ~Socket() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+  int fd() const { return fd_; }
+  // Waits for `events`. Returns false at the deadline.
+  bool Await(short events, Clock::time_point deadline) const {
+    pollfd event{fd_, events, 0};
+    while (true) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
+      const int count = ::poll(&event, 1, left > 0 ? static_cast<int>(left) : 0);
+      if (count > 0) return true;
+      if (count == 0 || errno != EINTR) return false;
+    }
+  }
+
+ private:
+  int fd_;
+};
+
+// Returns 0 or an error number.
+int Connect(const Socket& socket, const sockaddr* address, socklen_t size, Clock::time_point deadline) {
+  if (socket.fd() < 0) return errno;
+  if (::connect(socket.fd(), address, size) == 0) return 0;
+  // EAGAIN: the queue of a Unix socket is full.
+  if (errno == EAGAIN) return ETIMEDOUT;
+  if (errno != EINPROGRESS) return errno;
+  if (!socket.Await(POLLOUT, deadline)) return ETIMEDOUT;
+  int error = 0;
+  socklen_t error_size = sizeof error;
+  return ::getsockopt(socket.fd(), SOL_SOCKET, SO_ERROR, &error, &error_size) == 0 ? error : errno;
+}
+
+// A connection is there: finds out who answers.
+Reachability Greet(const Socket& socket) {
+  const auto deadline = Clock::now() + kGreetingPatience;
+  if (::send(socket.fd(), kGreeting, kGreetingBytes, MSG_NOSIGNAL) != static_cast<ssize_t>(kGreetingBytes))
+    return {false, "the program that listens there closes connections"};
+  char header[kFrameHeaderBytes];
+  size_t received = 0;
+  while (received < sizeof header) {
+    if (!socket.Await(POLLIN, deadline)) {
+      return {false, received > 0 ? kNotCoordinator
+                                  : "timed out: the program that listens there does not answer; is it a "
+                                    "Tessera coordinator, and is it running?"};
+    }
+    const ssize_t count = ::recv(socket.fd(), header + received, sizeof header - received, 0);
+    if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (count <= 0) {
+      return {false, received > 0 ? kNotCoordinator
+                                  : "the program that listens there closes connections without an answer; it "
+                                    "is not a Tessera coordinator or has too many connections"};
+    }
+    received += static_cast<size_t>(count);
+  }
+  if (header[kFrameTypeAt] != kSettingsFrame) return {false, kNotCoordinator};
+  return {true, {}};
+}
+
+std::string ConnectError(int error, const Address& address) {
+  const bool is_unix = address.kind == Address::Kind::kUnix;
+  switch (error) {
+    case ECONNREFUSED: return "connection refused: no program listens there";
+    case ETIMEDOUT:
+      return is_unix ? "timed out: the program that listens there accepts no connections"
+                     : "timed out: the machine does not answer";
+    case EHOSTUNREACH:
+    case ENETUNREACH: return "no route to the machine";
+    case ENOENT: return "the socket does not exist";
+    case EACCES:
+    case EPERM: return is_unix ? "no permission to use the socket" : "the connection is not permitted";
+    default: return fmt::format("no connection: {}", std::generic_category().message(error));
+  }
+}
+
+Reachability CheckUnix(const Address& address) {
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  if (address.path.size() >= sizeof name.sun_path) return {false, "the path of the socket is too long"};
+  std::memcpy(name.sun_path, address.path.data(), address.path.size());
+  const Socket socket(AF_UNIX);
+  const int error =
+      Connect(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name, Clock::now() + kConnectPatience);
+  return error == 0 ? Greet(socket) : Reachability{false, ConnectError(error, address)};
+}
+
+std::string ResolveError(int error, const std::string& host) {
+  switch (error) {
+    case EAI_NONAME:
+    case EAI_NODATA:
+    case EAI_ADDRFAMILY: return fmt::format("the host name \"{}\" is unknown", host);
+    case EAI_AGAIN: return fmt::format("the host name \"{}\" cannot be resolved at present", host);
+    default: return fmt::format("the host name \"{}\" cannot be resolved: {}", host, ::gai_strerror(error));
+  }
+}
+
+Reachability CheckTcp(const Address& address) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  const int failed =
+      ::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &found);
+  if (failed != 0) return {false, ResolveError(failed, address.host)};
+  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> list(found, &::freeaddrinfo);
+  const auto deadline = Clock::now() + kConnectPatience;
+  int error = ETIMEDOUT;
+  for (const addrinfo* each = found; each != nullptr && Clock::now() < deadline; each = each->ai_next) {
+    const Socket socket(each->ai_family);
+    error = Connect(socket, each->ai_addr, each->ai_addrlen, deadline);
+    if (error == 0) return Greet(socket);
+  }
+  return {false, ConnectError(error, address)};
+}
+
+}  // namespace
+
+struct ReachabilityCheck::Shared {
+  std::mutex mutex;
+  std::condition_variable_any ended;
+  std::optional<Reachability> result;
+};
+
+ReachabilityCheck::ReachabilityCheck(const Address& address) : shared_(std::make_shared<Shared>()) {
+  try {
+    std::thread([address, shared = shared_] {
+      Reachability result = address.kind == Address::Kind::kUnix ? CheckUnix(address) : CheckTcp(address);
+      const std::lock_guard lock(shared->mutex);
+      shared->result = std::move(result);
+      shared->ended.notify_all();
+    }).detach();
+  } catch (const std::system_error&) {  // no thread
+    shared_->result = Reachability{false, "it is not reached"};
+  }
+}
+
+std::optional<Reachability> ReachabilityCheck::Await(std::chrono::milliseconds patience,
+                                                     std::stop_token stop) {
+  std::unique_lock lock(shared_->mutex);
+  shared_->ended.wait_for(lock, std::move(stop), patience, [this] { return shared_->result.has_value(); });
+  return shared_->result;
+}
+
+Reachability CheckReachability(const Address& address, std::stop_token stop) {
+  constexpr auto kPatience = kResolvePatience + kConnectPatience + kGreetingPatience;
+  const auto result = ReachabilityCheck(address).Await(kPatience, std::move(stop));
+  return result.value_or(Reachability{false, "timed out: no name server answers"});
+}
+
+std::string DescribeOutage(const Reachability& found, const grpc::Status& status) {
+  if (!found.speaks_http2) return found.reason;
+  switch (status.error_code()) {
+    case grpc::StatusCode::UNIMPLEMENTED: return kNotCoordinator;
+    case grpc::StatusCode::DEADLINE_EXCEEDED:
+      return "the coordinator is connected but does not answer in time";
+    default: return status.error_message();
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,104 @@
+// Programs that reach no coordinator give the reason.
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <thread>
+
+#include "tests/end_to_end/farm_fixture.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+// Answers every connection as an old web server does.
+class WebServer {
+ public:
+  WebServer() : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in name{};
+    name.sin_family = AF_INET;
+    name.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof name;
+    auto* const address = reinterpret_cast<sockaddr*>(&name);
+    EXPECT_EQ(::bind(fd_, address, size), 0);
+    EXPECT_EQ(::getsockname(fd_, address, &size), 0);
+    EXPECT_EQ(::listen(fd_, 16), 0);
+    port_ = ntohs(name.sin_port);
+    thread_ = std::thread([this] { Serve(); });
+  }
+  ~WebServer() {
+    ::shutdown(fd_, SHUT_RDWR);
+    thread_.join();
+    ::close(fd_);
+  }
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
+  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+
+ private:
+  void Serve() const {
+    constexpr std::string_view kAnswer = "HTTP/1.1 400 Bad Request\r\n\r\n";
+    while (true) {
+      const int peer = ::accept(fd_, nullptr, nullptr);
+      if (peer < 0) return;
+      char request[256];
+      if (::recv(peer, request, sizeof request, 0) > 0) {
+        const ssize_t sent = ::send(peer, kAnswer.data(), kAnswer.size(), MSG_NOSIGNAL);
+        EXPECT_GT(sent, 0);
+      }
+      ::close(peer);
+    }
+  }
+
+  int fd_;
+  int port_ = 0;
+  std::thread thread_;
+};
+
+class Unreachable : public EndToEnd {
+ protected:
+  // A worker and a command at this address both give this reason within some seconds.
+  void ExpectReason(const std::string& where, const std::string& reason) {
+    Process worker(folder(), "tessera-worker",
+                   {"--coordinator", where, "--threads", "1", "--cache-dir", Path("cache")});
+    const auto has_reason = [&] { return worker.Errors().find(reason) != std::string::npos; };
+    EXPECT_TRUE(Eventually(has_reason, std::chrono::seconds(15))) << where << ":\n" << worker.Errors();
+    EXPECT_THAT(worker.Errors(), HasSubstr("coordinator_unreachable address=" + where));
+    const Outcome outcome = Tessera({"jobs", "--coordinator", where, "--patience", "2"});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.errors, HasSubstr(reason)) << where;
+    worker.Signal(SIGTERM);
+    EXPECT_EQ(worker.Wait(), 0);
+  }
+};
+
+TEST_F(Unreachable, AnUnknownHostIsNamed) {
+  ExpectReason("no-such-host.invalid:7700", "the host name \"no-such-host.invalid\"");
+}
+
+TEST_F(Unreachable, ARefusedConnectionIsNamed) {
+  StartCoordinator();
+  coordinator().Signal(SIGKILL);
+  coordinator().Wait();
+  ExpectReason(address(), "connection refused");
+}
+
+TEST_F(Unreachable, AProgramThatIsNoCoordinatorIsNamed) {
+  const WebServer server;
+  ExpectReason(server.address(), "not a Tessera coordinator");
+}
+
+TEST_F(Unreachable, AWorkerThatIsRefusedAtFirstJoinsLater) {
+  StartCoordinator();
+  coordinator().Signal(SIGKILL);
+  coordinator().Wait();
+  Process& worker = StartWorker("patient");
+  ASSERT_TRUE(worker.AwaitErrors("coordinator_unreachable"));
+  StartCoordinator();
+  EXPECT_TRUE(worker.AwaitErrors("connected worker="));
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,38 @@
+// Logs that the coordinator is not reached: first after a moment, then less and less often.
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+#include "proto/wire/address.h"
+#include "proto/wire/reachability.h"
+
+namespace tessera {
+
+// A coordinator that restarts is often back sooner.
+constexpr std::chrono::seconds kOutageReportFirst{1};
+// Each interval between reports is this many times the last one, up to the maximum.
+constexpr int kOutageReportGrowth = 4;
+constexpr std::chrono::seconds kOutageReportIntervalMax{600};
+
+// Not thread safe. Never waits: what a check finds out is logged after a later failure.
+class OutageReport {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+  explicit OutageReport(Address address) : address_(std::move(address)) {}
+  // A call has failed with `status`.
+  void Failed(const grpc::Status& status, TimePoint now);
+  // A call has succeeded.
+  void Ended();
+
+ private:
+  void Log(const Reachability& found, const grpc::Status& status, TimePoint now);
+
+  const Address address_;
+  std::optional<TimePoint> since_;  // the first failure of this outage
+  TimePoint next_;                  // when the next check is due
+  std::chrono::seconds interval_{};
+  std::optional<ReachabilityCheck> check_;
+};
+
+}  // namespace tessera
