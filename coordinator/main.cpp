@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "coordinator/coordinator.h"
+#include "coordinator/descriptors.h"
 #include "coordinator/options.h"
 #include "proto/shell/log.h"
 #include "proto/shell/pause.h"
@@ -31,6 +32,7 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
   const CoordinatorOptions& options = parsed->options;
   StartLog(options.log_level);
   if (options.exit_with_parent && !FollowParent(parent)) return 0;
+  RaiseDescriptorLimit();
   spdlog::info("coordinator_started {}", options.Text());
   const auto coordinator = Coordinator::Start(options);
   if (!coordinator) return coordinator.error();

@@ -10,12 +10,16 @@
 
 namespace grpc {
 class Server;
+namespace experimental {
+class ExternalConnectionAcceptor;
 }
+}  // namespace grpc
 
 namespace tessera {
 
 class BlobService;
 class JobsService;
+class Listener;
 class WorkService;
 
 class CoordinatorServer {
@@ -26,14 +30,15 @@ class CoordinatorServer {
                                                           JobsService& jobs);
   ~CoordinatorServer();
   // Where it listens, with the ports that were chosen for port 0.
-  const std::vector<Address>& addresses() const { return addresses_; }
+  const std::vector<Address>& addresses() const;
   // Accepts no new calls, waits a moment for running calls, then cancels them.
   void Shutdown();
 
  private:
   CoordinatorServer();
-  std::vector<Address> addresses_;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor_;
   std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<Listener> listener_;
 };
 
 }  // namespace tessera

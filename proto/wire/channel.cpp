@@ -19,6 +19,13 @@ constexpr int kKeepaliveTime_ms = 10'000;
 constexpr int kKeepaliveTimeout_ms = 10'000;
 // The server's tolerance. It must be less than the clients' interval, or the server answers GOAWAY.
 constexpr int kPingIntervalMin_ms = 5'000;
+// A connection that does not complete the handshake of HTTP/2 in this time is closed. So is one that makes
+// no call for a while: those of workers and clients are opened again when they are needed.
+constexpr int kHandshakeTimeout_ms = 10'000;
+constexpr int kIdleTimeout_ms = 120'000;
+// Calls that one connection may have open: a worker has less than a dozen, a client that uploads no more.
+// Further calls wait at the other end.
+constexpr int kCallsPerConnectionMax = 128;
 // Back-off between attempts to connect. Short enough for a restarted coordinator to have its farm back within
 // seconds.
 constexpr int kReconnectFirst_ms = 100;
@@ -48,8 +55,9 @@ void ConfigureServer(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kPingIntervalMin_ms);
-  // Two coordinators must not share a port: the second one fails.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeTimeout_ms);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleTimeout_ms);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kCallsPerConnectionMax);
 }
 
 bool WaitForConnection(grpc::Channel& channel, std::chrono::milliseconds patience) {

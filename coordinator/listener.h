@@ -1,0 +1,51 @@
+// Listens on the addresses of the coordinator and accepts connections on a thread of its own. gRPC's own
+// listener stops accepting for good after the process has once run out of descriptors, so it never gets that
+// far: this one refuses connections that would use the reserve (descriptors.h), and waits if there is no
+// descriptor at all.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "proto/shell/rare_log.h"
+#include "proto/wire/address.h"
+#include "renderer/util/result.h"
+
+namespace tessera {
+
+class Listener {
+ public:
+  // Takes over an open connection. Called on the thread of the listener.
+  using OnConnection = std::function<void(int connection)>;
+
+  // Binds all addresses. An error that names the address if one cannot be listened on.
+  static Result<std::unique_ptr<Listener>> Open(const std::vector<Address>& addresses);
+  ~Listener();  // Stop
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  // Where it listens, with the ports that were chosen for port 0.
+  const std::vector<Address>& addresses() const { return addresses_; }
+  // Accepts connections until Stop. Call it once.
+  void Start(OnConnection on_connection);
+  // Accepts no more connections and removes the Unix sockets. The last call of `on_connection` has returned.
+  void Stop();
+
+ private:
+  static constexpr std::chrono::seconds kLogInterval{10};
+
+  Listener() = default;
+  Result<void> Bind(Address address);
+  void Run(const OnConnection& on_connection);
+  void AcceptAll(int socket, const OnConnection& on_connection);
+
+  std::vector<Address> addresses_;
+  std::vector<int> sockets_;
+  int stop_event_ = -1;
+  RareLog refused_{kLogInterval}, failed_{kLogInterval};
+  std::thread thread_;
+};
+
+}  // namespace tessera
