@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "proto/terms.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -27,16 +28,32 @@ enum class Permission {
   kWork,            // do the work of a worker
 };
 
+// What a request may take, checked before it is parsed (message_guard.h).
+struct MessageLimits {
+  size_t bytes_max = 64 << 10;
+  // Strings, messages, repeated and unknown numbers, each of which takes up to some 200 bytes of memory.
+  size_t elements_max = 1000;
+};
+// Of the bytes of a chunk and what comes with them.
+constexpr MessageLimits kChunkLimits{(kChunkBytesMax) + (64 << 10), 16};
+// 10,000 frames, each with its channels and attributes.
+constexpr MessageLimits kJobLimits{kMessageBytesMax, 1'000'000};
+constexpr MessageLimits kDigestsLimits{kDigestsPerCallMax * 64, kDigestsPerCallMax};
+// Each lease is a few messages of less than 128 bytes.
+constexpr MessageLimits kStateLimits{kLeasesPerWorkerMax * 128, kLeasesPerWorkerMax * 8};
+constexpr MessageLimits kResultsLimits{kMessageBytesMax, kResultsPerCallMax * 16};
+
 struct CallRule {
   std::string_view method;  // "SERVICE.METHOD", without the package
   Permission permission;
+  MessageLimits limits = {};
 };
 
 constexpr CallRule kCallRules[] = {
-    {"Blobs.FindMissing", Permission::kSubmit},
-    {"Blobs.Upload", Permission::kSubmit},
+    {"Blobs.FindMissing", Permission::kSubmit, kDigestsLimits},
+    {"Blobs.Upload", Permission::kSubmit, kChunkLimits},
     {"Blobs.Download", Permission::kWork},
-    {"Jobs.Submit", Permission::kSubmit},
+    {"Jobs.Submit", Permission::kSubmit, kJobLimits},
     {"Jobs.List", Permission::kView},
     {"Jobs.Status", Permission::kView},
     {"Jobs.Watch", Permission::kView},
@@ -51,8 +68,8 @@ constexpr CallRule kCallRules[] = {
     {"Jobs.ReleaseWorkers", Permission::kControlWorkers},
     {"Jobs.FetchPicture", Permission::kView},
     {"Jobs.Health", Permission::kProbe},
-    {"Work.Synchronize", Permission::kWork},
-    {"Work.ReturnResults", Permission::kWork},
+    {"Work.Synchronize", Permission::kWork, kStateLimits},
+    {"Work.ReturnResults", Permission::kWork, kResultsLimits},
     {"Work.ReturnFailure", Permission::kWork},
 };
 

@@ -16,14 +16,14 @@ namespace {
 constexpr int kTransfersMax = 1024;  // running at the same time, each with an open file
 
 // Deletes itself when the call is over.
-class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
+class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
   UploadCall(const BlobStore& blobs, TransferLoad& load) : blobs_(blobs), load_(load) {
     if (++load_.transfers > kTransfersMax) {
       Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers are running; try again"});
       return;
     }
-    StartRead(&chunk_);
+    StartRead(&bytes_);
   }
   ~UploadCall() override { --load_.transfers; }
 
@@ -33,13 +33,15 @@ class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
     if (status) {
       Finish(*status);
     } else {
-      StartRead(&chunk_);
+      StartRead(&bytes_);
     }
   }
   void OnDone() override { delete this; }
 
   // Stores a chunk. Returns the answer once it is known.
   std::optional<grpc::Status> Take() {
+    const auto parsed = ParseMessage(bytes_, RuleFor("Blobs.Upload").limits, chunk_);
+    if (!parsed.ok()) return parsed;
     if (upload_ == nullptr) {
       const auto digest = ReadDigest(chunk_.digest(), "digest");
       if (!digest) return ToStatus(digest.error());
@@ -75,6 +77,7 @@ class UploadCall final : public grpc::ServerReadReactor<proto::UploadChunk> {
 
   const BlobStore& blobs_;
   TransferLoad& load_;
+  grpc::ByteBuffer bytes_;
   proto::UploadChunk chunk_;
   std::unique_ptr<BlobStore::Partial> upload_;
 };
@@ -144,6 +147,15 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
 
 }  // namespace
 
+BlobService::BlobService(const CallGate& gate, const BlobStore& blobs) : gate_(gate), blobs_(blobs) {
+  const auto serve = [this](auto method, const CallRule& rule) {
+    MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
+  };
+  serve(&BlobService::FindMissing, RuleFor("Blobs.FindMissing"));
+  serve(&BlobService::Upload, RuleFor("Blobs.Upload"));
+  serve(&BlobService::Download, RuleFor("Blobs.Download"));
+}
+
 grpc::ServerUnaryReactor* BlobService::FindMissing(grpc::CallbackServerContext* context,
                                                    const proto::FindMissingRequest* request,
                                                    proto::FindMissingAnswer* answer) {
@@ -163,9 +175,9 @@ grpc::ServerUnaryReactor* BlobService::FindMissing(grpc::CallbackServerContext* 
   });
 }
 
-grpc::ServerReadReactor<proto::UploadChunk>* BlobService::Upload(grpc::CallbackServerContext* context,
-                                                                 proto::UploadAnswer*) {
-  using Reactor = grpc::ServerReadReactor<proto::UploadChunk>;
+grpc::ServerReadReactor<grpc::ByteBuffer>* BlobService::Upload(grpc::CallbackServerContext* context,
+                                                               proto::UploadAnswer*) {
+  using Reactor = grpc::ServerReadReactor<grpc::ByteBuffer>;
   return gate_.Serve<Reactor>(context, RuleFor("Blobs.Upload"),
                               [this](const Principal&) { return new UploadCall(blobs_, load_); });
 }

@@ -15,20 +15,20 @@ struct TransferLoad {
   std::atomic<uint64_t> bytes_in{0}, bytes_out{0};
 };
 
-class BlobService final : public proto::Blobs::CallbackService {
+class BlobService final : public proto::Blobs::Service {
  public:
-  BlobService(const CallGate& gate, const BlobStore& blobs) : gate_(gate), blobs_(blobs) {}
+  BlobService(const CallGate& gate, const BlobStore& blobs);
   // Bytes of blobs transferred since the start.
   uint64_t bytes_in() const { return load_.bytes_in; }
   uint64_t bytes_out() const { return load_.bytes_out; }
 
   grpc::ServerUnaryReactor* FindMissing(grpc::CallbackServerContext* context,
                                         const proto::FindMissingRequest* request,
-                                        proto::FindMissingAnswer* answer) override;
-  grpc::ServerReadReactor<proto::UploadChunk>* Upload(grpc::CallbackServerContext* context,
-                                                      proto::UploadAnswer* answer) override;
+                                        proto::FindMissingAnswer* answer);
+  grpc::ServerReadReactor<grpc::ByteBuffer>* Upload(grpc::CallbackServerContext* context,
+                                                    proto::UploadAnswer* answer);
   grpc::ServerWriteReactor<proto::DownloadChunk>* Download(grpc::CallbackServerContext* context,
-                                                           const proto::DownloadRequest* request) override;
+                                                           const proto::DownloadRequest* request);
 
  private:
   const CallGate& gate_;

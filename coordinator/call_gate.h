@@ -9,6 +9,7 @@
 
 #include "coordinator/access.h"
 #include "coordinator/core_thread.h"
+#include "coordinator/message_guard.h"
 #include "proto/wire/channel.h"
 
 namespace tessera {
@@ -79,14 +80,6 @@ class CallGate {
   }
 
  private:
-  template <typename Reactor>
-  class RefusedCall final : public Reactor {
-   public:
-    explicit RefusedCall(const grpc::Status& status) { this->Finish(status); }
-
-   private:
-    void OnDone() override { delete this; }
-  };
   static Principal CallerOf(const grpc::CallbackServerContext& context);
   grpc::Status Check(const Principal& caller, const CallRule& rule) const;
 

@@ -59,6 +59,28 @@ grpc::Status NotFinished(const JobStatus& status, uint32_t frame) {
 
 }  // namespace
 
+JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures)
+    : gate_(gate), blobs_(blobs), pictures_(pictures) {
+  const auto serve = [this](auto method, const CallRule& rule) {
+    MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
+  };
+  serve(&JobsService::Submit, RuleFor("Jobs.Submit"));
+  serve(&JobsService::List, RuleFor("Jobs.List"));
+  serve(&JobsService::Status, RuleFor("Jobs.Status"));
+  serve(&JobsService::Watch, RuleFor("Jobs.Watch"));
+  serve(&JobsService::Cancel, RuleFor("Jobs.Cancel"));
+  serve(&JobsService::Extend, RuleFor("Jobs.Extend"));
+  serve(&JobsService::Pause, RuleFor("Jobs.Pause"));
+  serve(&JobsService::Resume, RuleFor("Jobs.Resume"));
+  serve(&JobsService::SetPriority, RuleFor("Jobs.SetPriority"));
+  serve(&JobsService::Workers, RuleFor("Jobs.Workers"));
+  serve(&JobsService::Frames, RuleFor("Jobs.Frames"));
+  serve(&JobsService::DrainWorkers, RuleFor("Jobs.DrainWorkers"));
+  serve(&JobsService::ReleaseWorkers, RuleFor("Jobs.ReleaseWorkers"));
+  serve(&JobsService::FetchPicture, RuleFor("Jobs.FetchPicture"));
+  serve(&JobsService::Health, RuleFor("Jobs.Health"));
+}
+
 grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* context,
                                               const proto::JobSpec* request, proto::SubmitAnswer* answer) {
   return gate_.Unary(context, RuleFor("Jobs.Submit"), [=, this](const UnaryCall& call) {

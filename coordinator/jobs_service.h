@@ -12,48 +12,44 @@ namespace tessera {
 
 class CallGate;
 
-class JobsService final : public proto::Jobs::CallbackService {
+class JobsService final : public proto::Jobs::Service {
  public:
-  JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures)
-      : gate_(gate), blobs_(blobs), pictures_(pictures) {}
+  JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures);
   // Finishes what runs in the background. Call it before the server is destroyed, so that every call is
   // answered.
   void Stop() { background_.Stop(); }
 
   grpc::ServerUnaryReactor* Submit(grpc::CallbackServerContext* context, const proto::JobSpec* request,
-                                   proto::SubmitAnswer* answer) override;
+                                   proto::SubmitAnswer* answer);
   grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context, const proto::ListRequest* request,
-                                 proto::ListAnswer* answer) override;
+                                 proto::ListAnswer* answer);
   grpc::ServerUnaryReactor* Status(grpc::CallbackServerContext* context, const proto::JobRequest* request,
-                                   proto::JobStatus* answer) override;
+                                   proto::JobStatus* answer);
   grpc::ServerWriteReactor<proto::JobStatus>* Watch(grpc::CallbackServerContext* context,
-                                                    const proto::JobRequest* request) override;
+                                                    const proto::JobRequest* request);
   grpc::ServerUnaryReactor* Cancel(grpc::CallbackServerContext* context, const proto::JobRequest* request,
-                                   proto::JobStatus* answer) override;
+                                   proto::JobStatus* answer);
   grpc::ServerUnaryReactor* Extend(grpc::CallbackServerContext* context, const proto::ExtendRequest* request,
-                                   proto::JobStatus* answer) override;
+                                   proto::JobStatus* answer);
   grpc::ServerUnaryReactor* Pause(grpc::CallbackServerContext* context, const proto::JobRequest* request,
-                                  proto::JobStatus* answer) override;
+                                  proto::JobStatus* answer);
   grpc::ServerUnaryReactor* Resume(grpc::CallbackServerContext* context, const proto::JobRequest* request,
-                                   proto::JobStatus* answer) override;
+                                   proto::JobStatus* answer);
   grpc::ServerUnaryReactor* SetPriority(grpc::CallbackServerContext* context,
-                                        const proto::PriorityRequest* request,
-                                        proto::JobStatus* answer) override;
+                                        const proto::PriorityRequest* request, proto::JobStatus* answer);
   grpc::ServerUnaryReactor* Workers(grpc::CallbackServerContext* context,
-                                    const proto::WorkersRequest* request,
-                                    proto::WorkersAnswer* answer) override;
+                                    const proto::WorkersRequest* request, proto::WorkersAnswer* answer);
   grpc::ServerUnaryReactor* Frames(grpc::CallbackServerContext* context, const proto::JobRequest* request,
-                                   proto::FramesAnswer* answer) override;
+                                   proto::FramesAnswer* answer);
   grpc::ServerUnaryReactor* DrainWorkers(grpc::CallbackServerContext* context,
-                                         const proto::WorkersRequest* request,
-                                         proto::WorkersAnswer* answer) override;
+                                         const proto::WorkersRequest* request, proto::WorkersAnswer* answer);
   grpc::ServerUnaryReactor* ReleaseWorkers(grpc::CallbackServerContext* context,
                                            const proto::WorkersRequest* request,
-                                           proto::WorkersAnswer* answer) override;
+                                           proto::WorkersAnswer* answer);
   grpc::ServerWriteReactor<proto::PictureChunk>* FetchPicture(grpc::CallbackServerContext* context,
-                                                              const proto::FetchRequest* request) override;
+                                                              const proto::FetchRequest* request);
   grpc::ServerUnaryReactor* Health(grpc::CallbackServerContext* context, const proto::HealthRequest* request,
-                                   proto::HealthAnswer* answer) override;
+                                   proto::HealthAnswer* answer);
 
  private:
   const CallGate& gate_;

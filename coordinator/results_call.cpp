@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "coordinator/core_thread.h"
+#include "coordinator/message_guard.h"
 #include "coordinator/results_intake.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
@@ -55,43 +56,47 @@ void WriteResults(const FarmOutput::Results& results, proto::ResultsAnswer& answ
 
 ResultsCall::ResultsCall(CoreThread& core, ResultsIntake& intake, CallId id, proto::ResultsAnswer& answer,
                          std::atomic<uint64_t>& bytes_in)
-    : core_(core), intake_(intake), id_(id), answer_(answer), bytes_in_(bytes_in), request_(std::in_place) {
-  StartRead(&*request_);
+    : core_(core), intake_(intake), id_(id), answer_(answer), bytes_in_(bytes_in) {
+  StartRead(&received_);
 }
 
 void ResultsCall::OnReadDone(bool ok) {
   if (!ok) {
-    Finish(Refusal(bytes_ == 0 ? "the announcement is missing" : "the announced results are missing"));
-  } else if (bytes_ == 0) {
-    Announced();
+    return Finish(Refusal(bytes_ == 0 ? "the announcement is missing" : "the announced results are missing"));
+  }
+  bytes_in_ += received_.Length();
+  if (bytes_ > 0 && received_.Length() > bytes_)
+    return Finish(Refusal("the results are larger than announced"));
+  proto::ResultsRequest request;
+  const auto parsed = ParseMessage(received_, RuleFor("Work.ReturnResults").limits, request);
+  if (!parsed.ok()) return Finish(parsed);
+  if (bytes_ == 0) {
+    Announced(request);
   } else {
-    Received();
+    Received(request);
   }
 }
 
-void ResultsCall::Announced() {
-  if (request_->worker() == 0) return Finish(Refusal("worker is missing"));
-  if (request_->bytes() == 0) return Finish(Refusal("bytes is missing"));
-  if (request_->bytes() > static_cast<uint64_t>(kMessageBytesMax))
+void ResultsCall::Announced(const proto::ResultsRequest& announcement) {
+  if (announcement.worker() == 0) return Finish(Refusal("worker is missing"));
+  if (announcement.bytes() == 0) return Finish(Refusal("bytes is missing"));
+  if (announcement.bytes() > static_cast<uint64_t>(kMessageBytesMax))
     return Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "the results are larger than the message limit"});
-  worker_ = WorkerId{request_->worker()};
-  bytes_ = request_->bytes();
+  worker_ = WorkerId{announcement.worker()};
+  bytes_ = announcement.bytes();
   intake_.Enter(id_, bytes_, [this] {
     admitted_ = true;
-    StartRead(&*request_);
+    StartRead(&received_);
   });
 }
 
 // Decodes here rather than on the core thread, so that checking and copying pixels uses many threads.
-void ResultsCall::Received() {
-  bytes_in_ += request_->ByteSizeLong();
-  if (request_->ByteSizeLong() > bytes_) return Finish(Refusal("the results are larger than announced"));
-  auto units = ReadResults(*request_);
-  request_.reset();
+void ResultsCall::Received(const proto::ResultsRequest& results) {
+  auto units = ReadResults(results);
   if (!units) return Finish(ToStatus(units.error()));
   const auto shared = std::make_shared<std::vector<ReturnedUnit>>(std::move(*units));
   core_.Post([this, shared](CoreContext& core) {
-    core.answers.AwaitResults(id_, [this](const FarmOutput::Results* results) { Answer(results); });
+    core.answers.AwaitResults(id_, [this](const FarmOutput::Results* answer) { Answer(answer); });
     core.farm.ReturnResults(core.now, id_, worker_, std::move(*shared));
   });
 }

@@ -1,10 +1,10 @@
 // One ReturnResults call of proto/work.proto.
 #pragma once
 
+#include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include <atomic>
-#include <optional>
 
 #include "coordinator/core/farm.h"
 #include "proto/work.pb.h"
@@ -16,7 +16,7 @@ class ResultsIntake;
 
 // Reads the announcement, waits until the results are admitted, reads them, passes them to the core and sends
 // its answer. Deletes itself when the call is over.
-class ResultsCall final : public grpc::ServerReadReactor<proto::ResultsRequest> {
+class ResultsCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
   // Adds the bytes read to `bytes_in`.
   ResultsCall(CoreThread& core, ResultsIntake& intake, CallId id, proto::ResultsAnswer& answer,
@@ -27,8 +27,8 @@ class ResultsCall final : public grpc::ServerReadReactor<proto::ResultsRequest> 
   void OnCancel() override;
   void OnDone() override;
 
-  void Announced();
-  void Received();
+  void Announced(const proto::ResultsRequest& announcement);
+  void Received(const proto::ResultsRequest& results);
   void Answer(const FarmOutput::Results* results);
 
   CoreThread& core_;
@@ -36,7 +36,7 @@ class ResultsCall final : public grpc::ServerReadReactor<proto::ResultsRequest> 
   const CallId id_;
   proto::ResultsAnswer& answer_;
   std::atomic<uint64_t>& bytes_in_;
-  std::optional<proto::ResultsRequest> request_;  // released as soon as its results are decoded
+  grpc::ByteBuffer received_;
   WorkerId worker_{};
   uint64_t bytes_ = 0;  // announced; 0 before
   bool admitted_ = false;

@@ -30,6 +30,15 @@ class SynchronizeCall final : public grpc::ServerUnaryReactor {
 
 }  // namespace
 
+WorkService::WorkService(const CallGate& gate) : gate_(gate) {
+  const auto serve = [this](auto method, const CallRule& rule) {
+    MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
+  };
+  serve(&WorkService::Synchronize, RuleFor("Work.Synchronize"));
+  serve(&WorkService::ReturnResults, RuleFor("Work.ReturnResults"));
+  serve(&WorkService::ReturnFailure, RuleFor("Work.ReturnFailure"));
+}
+
 grpc::ServerUnaryReactor* WorkService::Synchronize(grpc::CallbackServerContext* context,
                                                    const proto::WorkerState* request,
                                                    proto::WorkerDirective* answer) {
@@ -56,9 +65,9 @@ grpc::ServerUnaryReactor* WorkService::Synchronize(grpc::CallbackServerContext* 
   });
 }
 
-grpc::ServerReadReactor<proto::ResultsRequest>* WorkService::ReturnResults(
-    grpc::CallbackServerContext* context, proto::ResultsAnswer* answer) {
-  using Reactor = grpc::ServerReadReactor<proto::ResultsRequest>;
+grpc::ServerReadReactor<grpc::ByteBuffer>* WorkService::ReturnResults(grpc::CallbackServerContext* context,
+                                                                      proto::ResultsAnswer* answer) {
+  using Reactor = grpc::ServerReadReactor<grpc::ByteBuffer>;
   return gate_.Serve<Reactor>(context, RuleFor("Work.ReturnResults"), [=, this](const Principal&) {
     return new ResultsCall(gate_.core(), intake_, CallId{call_next_++}, *answer, bytes_in_);
   });

@@ -10,21 +10,19 @@ namespace tessera {
 
 class CallGate;
 
-class WorkService final : public proto::Work::CallbackService {
+class WorkService final : public proto::Work::Service {
  public:
-  explicit WorkService(const CallGate& gate) : gate_(gate) {}
+  explicit WorkService(const CallGate& gate);
   // Bytes of results received since the start.
   uint64_t bytes_in() const { return bytes_in_; }
   const ResultsIntake& intake() const { return intake_; }
 
   grpc::ServerUnaryReactor* Synchronize(grpc::CallbackServerContext* context,
-                                        const proto::WorkerState* request,
-                                        proto::WorkerDirective* answer) override;
-  grpc::ServerReadReactor<proto::ResultsRequest>* ReturnResults(grpc::CallbackServerContext* context,
-                                                                proto::ResultsAnswer* answer) override;
+                                        const proto::WorkerState* request, proto::WorkerDirective* answer);
+  grpc::ServerReadReactor<grpc::ByteBuffer>* ReturnResults(grpc::CallbackServerContext* context,
+                                                           proto::ResultsAnswer* answer);
   grpc::ServerUnaryReactor* ReturnFailure(grpc::CallbackServerContext* context,
-                                          const proto::FailureRequest* request,
-                                          proto::FailureAnswer* answer) override;
+                                          const proto::FailureRequest* request, proto::FailureAnswer* answer);
 
  private:
   const CallGate& gate_;

@@ -4,6 +4,7 @@
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
 #include <grpcpp/create_channel.h>
+#include <grpcpp/resource_quota.h>
 #include <grpcpp/security/credentials.h>
 #include <grpcpp/server_builder.h>
 #include <grpcpp/support/channel_arguments.h>
@@ -26,6 +27,9 @@ constexpr int kIdleTimeout_ms = 120'000;
 // Calls that one connection may have open: a worker has less than a dozen, a client that uploads no more.
 // Further calls wait at the other end.
 constexpr int kCallsPerConnectionMax = 128;
+// What gRPC may hold of messages that are being received or sent, over all connections. Calls are cancelled
+// when more arrives, those of workers to be repeated.
+constexpr size_t kServerMemoryBytes = size_t{192} << 20;
 // Back-off between attempts to connect. Short enough for a restarted coordinator to have its farm back within
 // seconds.
 constexpr int kReconnectFirst_ms = 100;
@@ -55,6 +59,13 @@ void ConfigureServer(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kPingIntervalMin_ms);
+  // Our data is compressed where that helps, and a small compressed message can be a huge one.
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
+  grpc::ResourceQuota quota("coordinator");
+  quota.Resize(kServerMemoryBytes);
+  builder.SetResourceQuota(quota);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeTimeout_ms);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleTimeout_ms);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kCallsPerConnectionMax);

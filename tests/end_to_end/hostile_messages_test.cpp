@@ -1,0 +1,70 @@
+// Messages that would take a multiple of their size, or much more than a message may take.
+#include <gmock/gmock.h>
+
+#include <thread>
+
+#include "tests/end_to_end/farm_fixture.h"
+#include "tests/end_to_end/hostile_client.h"
+
+namespace tessera {
+namespace {
+
+class HostileMessages : public EndToEnd {
+ protected:
+  HostileMessages() { StartCoordinator(); }
+  ~HostileMessages() override {
+    EXPECT_LT(PeakBytes(coordinator().pid()), kPeakBytesMax);
+    std::cout << "peak: " << (PeakBytes(coordinator().pid()) >> 20) << " MB\n";
+    EXPECT_EQ(Ask({"jobs"}).code, 0) << "honest clients are served";
+  }
+  static constexpr size_t kGigabyte = size_t{1} << 30;
+  static constexpr size_t kPiece = size_t{1} << 20;
+};
+
+TEST_F(HostileMessages, AMessageOfAGigabyteIsNeverHeldWhole) {
+  HostileClient client(address());
+  EXPECT_FALSE(client.Send("Jobs/Submit", HostileClient::Repeated(std::string(kPiece, 'x'), 1024)).ok());
+}
+
+TEST_F(HostileMessages, ManyLargeMessagesShareTheMemoryOfOne) {
+  std::vector<std::jthread> clients;
+  for (int i = 0; i < 8; ++i) {
+    clients.emplace_back([address = address()] {
+      HostileClient client(address);
+      EXPECT_FALSE(client.Send("Jobs/Status", HostileClient::Repeated(std::string(kPiece, 'x'), 256)).ok());
+    });
+  }
+}
+
+TEST_F(HostileMessages, ACompressedMessageIsRefusedBeforeItIsUnpacked) {
+  HostileClient client(address());
+  for (const auto algorithm : {GRPC_COMPRESS_GZIP, GRPC_COMPRESS_DEFLATE}) {
+    const auto status =
+        client.Send("Jobs/Submit", HostileClient::Repeated(std::string(kPiece, '\0'), 200), algorithm);
+    EXPECT_FALSE(status.ok()) << status.error_message();
+  }
+  EXPECT_LT(PeakBytes(coordinator().pid()), size_t{100} << 20);
+}
+
+// Two bytes on the wire are an element of some hundred bytes in memory.
+TEST_F(HostileMessages, MillionsOfEmptyElementsAreRefusedInLittleMemory) {
+  HostileClient client(address());
+  const struct {
+    const char* method;
+    int field;
+  } cases[] = {{"Jobs/Submit", 5},       {"Work/Synchronize", 10}, {"Work/Synchronize", 15},
+               {"Blobs/FindMissing", 1}, {"Jobs/Cancel", 99},      {"Work/ReturnFailure", 100}};
+  for (const auto& [method, field] : cases) {
+    std::string piece;
+    while (piece.size() < kPiece) piece += HostileClient::FieldHead(field % 16, 0);
+    for (const size_t count : {1, 3, 20}) {
+      const auto status = client.Send(method, HostileClient::Repeated(piece, count));
+      const bool is_refused = status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED ||
+                              status.error_code() == grpc::StatusCode::INVALID_ARGUMENT;
+      EXPECT_TRUE(is_refused) << method << ": " << status.error_message();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tessera
