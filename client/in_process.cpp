@@ -4,10 +4,9 @@
 #include <condition_variable>
 #include <mutex>
 #include <optional>
-#include <thread>
-#include <vector>
 
 #include "renderer/film/unit_queue.h"
+#include "renderer/util/threads.h"
 
 namespace tessera {
 namespace {
@@ -20,11 +19,26 @@ constexpr std::chrono::milliseconds kReportInterval{100};
 // Threads that take units one after another and merge the results.
 class ThreadPool {
  public:
-  ThreadPool(const Scene& scene, const FrameSpec& spec, int threads)
-      : scene_(scene), spec_(spec), queue_(spec, kUnitSamplesMax), running_(threads) {
-    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Work(); });
+  ThreadPool(const Scene& scene, const FrameSpec& spec)
+      : scene_(scene),
+        spec_(spec),
+        queue_(spec, kUnitSamplesMax),
+        threads_([this](Error why) { Fail(std::move(why)); }) {}
+  ~ThreadPool() { Stop(); }
+  Result<void> Start(int threads) {
+    for (int i = 0; i < threads; ++i) {
+      {
+        const std::lock_guard lock(mutex_);
+        ++running_;
+      }
+      if (auto started = threads_.Start([this] { Work(); }); !started) {
+        const std::lock_guard lock(mutex_);
+        --running_;
+        return started;
+      }
+    }
+    return {};
   }
-  ~ThreadPool() { Join(); }
   void Stop() {
     const std::lock_guard lock(mutex_);
     stop_ = true;
@@ -39,17 +53,23 @@ class ThreadPool {
     progress.samples_total = queue_.merger().samples_total();
     return running_ == 0;
   }
-  const Merger& TakeMerger() {
-    Join();
-    return queue_.merger();
+  // The error of a thread, if there was one.
+  Result<const Merger*> TakeMerger() {
+    threads_.Join();
+    if (error_) return *error_;
+    return &queue_.merger();
   }
 
  private:
-  void Join() {
-    for (std::thread& thread : threads_) {
-      if (thread.joinable()) thread.join();
-    }
+  void Fail(Error why) {
+    const std::lock_guard lock(mutex_);
+    if (!error_) error_ = std::move(why);
+    stop_ = true;
+    --running_;
+    changed_.notify_all();
+    done_.notify_all();
   }
+  // An exception, such as std::bad_alloc, ends the thread and is reported to Fail.
   void Work() {
     std::unique_lock lock(mutex_);
     while (const auto unit = Take(lock)) {
@@ -73,12 +93,13 @@ class ThreadPool {
 
   const Scene& scene_;
   const FrameSpec& spec_;
-  UnitQueue queue_;  // guarded by mutex_, as is `running_`
+  UnitQueue queue_;  // guarded by mutex_
   std::atomic<bool> stop_ = false;
   std::mutex mutex_;
   std::condition_variable changed_, done_;
-  int running_;
-  std::vector<std::thread> threads_;
+  int running_ = 0;             // guarded by mutex_
+  std::optional<Error> error_;  // guarded by mutex_
+  ThreadGroup threads_;
 };
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
@@ -91,7 +112,8 @@ Result<FramePicture> RenderInProcess(const Scene& scene, const FrameSpec& spec, 
                                      std::stop_token stop,
                                      const std::function<void(const Progress&)>& report) {
   const auto start = std::chrono::steady_clock::now();
-  ThreadPool pool(scene, spec, threads);
+  ThreadPool pool(scene, spec);
+  if (auto started = pool.Start(threads); !started) return started.error();
   const std::stop_callback on_stop(stop, [&pool] { pool.Stop(); });
   Progress progress;
   progress.workers = threads;
@@ -103,9 +125,10 @@ Result<FramePicture> RenderInProcess(const Scene& scene, const FrameSpec& spec, 
     progress.left_s = progress.samples_done > 0 ? left / progress.samples_per_second : -1;
     report(progress);
   }
-  const Merger& merger = pool.TakeMerger();
-  if (!merger.Complete()) return Error{ErrorKind::kInterrupted, "interrupted"};
-  return merger.Picture();
+  const auto merger = pool.TakeMerger();
+  if (!merger) return merger.error();
+  if (!(*merger)->Complete()) return Error{ErrorKind::kInterrupted, "interrupted"};
+  return (*merger)->Picture();
 }
 
 }  // namespace tessera

@@ -12,7 +12,8 @@ namespace tessera {
 
 // Renders every sample of the frame on `threads` threads. `spec` is the scene's, possibly with more
 // attributes. `report` is called on the calling thread, several times a second. The picture is bit-identical
-// to that of any other way to render the frame. Returns kInterrupted if a stop is requested first.
+// to that of any other way to render the frame. Returns kInterrupted if a stop is
+// requested first, and an error if not all threads can be started or memory runs out.
 Result<FramePicture> RenderInProcess(const Scene& scene, const FrameSpec& spec, int threads,
                                      std::stop_token stop,
                                      const std::function<void(const Progress&)>& report);

@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "proto/shell/system.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {
@@ -47,16 +48,14 @@ LocalFarm::LocalFarm(TemporaryFolder folder, std::string socket, ChildProcess co
       address_("unix:" + socket_),
       coordinator_(std::move(coordinator)),
       cancellation_(cancellation),
-      closing_fd_(::eventfd(0, EFD_CLOEXEC)) {
-  TESSERA_CHECK(closing_fd_ >= 0);
-}
+      monitor_([this](Error why) { cancellation_.Cancel(std::move(why)); }) {}
 
 // The members' destructors kill the processes: everything they hold is in the folder, which is removed too.
 LocalFarm::~LocalFarm() {
   const uint64_t one = 1;
-  TESSERA_CHECK(::write(closing_fd_, &one, sizeof one) == sizeof one);
-  if (monitor_.joinable()) monitor_.join();
-  ::close(closing_fd_);
+  if (closing_fd_ >= 0) TESSERA_CHECK(::write(closing_fd_, &one, sizeof one) == sizeof one);
+  monitor_.Join();
+  if (closing_fd_ >= 0) ::close(closing_fd_);
 }
 
 Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Cancellation& cancellation) {
@@ -73,11 +72,14 @@ Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Ca
   if (!coordinator) return coordinator.error();
   std::unique_ptr<LocalFarm> farm(
       new LocalFarm(std::move(*folder), std::move(socket), std::move(*coordinator), cancellation));
+  farm->closing_fd_ = ::eventfd(0, EFD_CLOEXEC);
+  if (farm->closing_fd_ < 0) return SystemError("eventfd", "cannot be created");
   if (auto ready = farm->AwaitCoordinator(); !ready) return ready.error();
   if (auto started = farm->StartWorkers(*programs + "/tessera-worker", workers, threads); !started) {
     return started.error();
   }
-  farm->monitor_ = std::thread([raw = farm.get()] { raw->Monitor(); });
+  if (auto started = farm->monitor_.Start([raw = farm.get()] { raw->Monitor(); }); !started)
+    return started.error();
   return farm;
 }
 

@@ -3,12 +3,12 @@
 
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "client/cancellation.h"
 #include "client/child_process.h"
 #include "client/temporary_folder.h"
+#include "renderer/util/threads.h"
 
 namespace tessera {
 
@@ -36,8 +36,8 @@ class LocalFarm {
   ChildProcess coordinator_;
   std::vector<ChildProcess> workers_;
   Cancellation& cancellation_;
-  int closing_fd_;  // an event that ends the monitor
-  std::thread monitor_;
+  int closing_fd_ = -1;  // an event that ends the monitor
+  ThreadGroup monitor_;
 };
 
 }  // namespace tessera

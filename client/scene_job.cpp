@@ -8,10 +8,10 @@
 #include <mutex>
 #include <optional>
 #include <set>
-#include <thread>
 
 #include "proto/package_names.h"
 #include "renderer/util/cores.h"
+#include "renderer/util/threads.h"
 
 namespace tessera {
 namespace {
@@ -35,10 +35,12 @@ class FrameReader {
   Result<std::vector<ReadFrame>> Run() {
     const size_t count = job_.frames.front().is_animated ? 1 : job_.frames.size();
     const size_t thread_count = std::min(count, static_cast<size_t>(UsableCores()));
-    std::vector<std::thread> threads;
-    for (size_t i = 1; i < thread_count; ++i) threads.emplace_back([this, count] { Work(count); });
+    ThreadGroup threads([this](Error why) { Fail(0, std::move(why)); });
+    // With fewer threads it takes longer.
+    for (size_t i = 1; i < thread_count && threads.Start([this, count] { Work(count); }); ++i) {
+    }
     Work(count);
-    for (std::thread& thread : threads) thread.join();
+    threads.Join();
     if (error_) return *error_;
     if (stop_.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
     read_.resize(count);

@@ -11,7 +11,6 @@
 #include <mutex>
 #include <optional>
 #include <set>
-#include <thread>
 #include <vector>
 
 #include "proto/blobs.grpc.pb.h"
@@ -20,6 +19,7 @@
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "renderer/description/file_source.h"
+#include "renderer/util/threads.h"
 
 namespace tessera {
 namespace {
@@ -160,10 +160,17 @@ Result<uint64_t> BlobFetcher::FetchPackage(const Digest& digest) {
       taken = queue.size();
     }
   };
-  std::vector<std::jthread> threads;
-  for (size_t i = 1; i < std::min(kParallelDownloads, queue.size()); ++i) threads.emplace_back(fetch_next);
+  ThreadGroup threads([&](Error why) {
+    const std::lock_guard lock(mutex);
+    error = std::move(why);
+    taken = queue.size();
+  });
+  const size_t count = std::min(kParallelDownloads, queue.size());
+  // With fewer threads it takes longer.
+  for (size_t i = 1; i < count && threads.Start(fetch_next); ++i) {
+  }
   fetch_next();
-  threads.clear();  // waits for all
+  threads.Join();
   if (error) return *error;
   return fetched.load();
 }

@@ -24,11 +24,12 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
   auto cache = BlobStore::Open(options.cache_dir, BlobStoreOptions::Cache(options.cache_bytes));
   if (!cache) return BadInput("--cache-dir: " + cache.error().message);
   StartLog(options.log_level);
-  Worker worker(options, std::move(*cache));
-  const auto ended = worker.Run(termination);
+  const auto worker = Worker::Make(options, std::move(*cache));
+  if (!worker) return worker.error();
+  const auto ended = (*worker)->Run(termination);
   const int code = ended ? 0 : Report(kProgram, ended.error());
   // Building a large scene cannot be interrupted, so the destructor of Worker might take long.
-  if (worker.IsLoading()) ::_exit(code);
+  if ((*worker)->IsLoading()) ::_exit(code);
   return code;
 }
 

@@ -6,12 +6,13 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <exception>
+#include <initializer_list>
 
 #include "proto/shell/system.h"
 #include "proto/wire/channel.h"
 #include "renderer/film/radiance_tile.h"
 #include "renderer/scene/probe.h"
-#include "renderer/util/check.h"
+#include "renderer/util/cores.h"
 #include "worker/build_id.h"
 #include "worker/scene_loader.h"
 
@@ -19,6 +20,9 @@ namespace tessera {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// Besides those that render or build a scene, with those that gRPC and parallel downloads start.
+constexpr int kThreadsOfWorker = 24;
 
 constexpr auto kNews = SharedWorkload::News::kYes;
 
@@ -32,22 +36,24 @@ constexpr std::chrono::milliseconds kReturnPatience{2500};  // for results that 
 constexpr std::chrono::milliseconds kLeavePatience{1000};
 constexpr std::chrono::milliseconds kLoaderPatience{500};
 
-std::string ProbeDigest() {
+Result<std::string> ProbeDigest() {
   const auto start = Clock::now();
   const auto digest = RenderProbe();
-  TESSERA_CHECK(digest);
+  if (!digest) return Failed("this machine cannot render: " + digest.error().message);
   spdlog::debug("probe digest={} render_s={:.3f}", digest->Hex(),
                 std::chrono::duration<double>(Clock::now() - start).count());
-  return {digest->bytes.begin(), digest->bytes.end()};
+  return std::string(digest->bytes.begin(), digest->bytes.end());
 }
 
-WorkerState Introduce(const WorkerOptions& options) {
+Result<WorkerState> Introduce(const WorkerOptions& options) {
   WorkerState self;
   self.worker = WorkerId{RandomId()};
   self.name = options.name;
   self.slots = options.threads;
   self.build_digest = BuildId();
-  self.probe_digest = ProbeDigest();
+  auto probe_digest = ProbeDigest();
+  if (!probe_digest) return probe_digest.error();
+  self.probe_digest = std::move(*probe_digest);
   self.tags = options.tags;
   return self;
 }
@@ -89,10 +95,18 @@ void RenderUnit(const UnitTask& task, SharedWorkload& workload) {
 
 }  // namespace
 
-Worker::Worker(const WorkerOptions& options, BlobStore cache)
+Result<std::unique_ptr<Worker>> Worker::Make(const WorkerOptions& options, BlobStore cache) {
+  if (auto can_start = CheckThreads(options.threads + UsableCores() + kThreadsOfWorker); !can_start)
+    return can_start.error();
+  auto self = Introduce(options);
+  if (!self) return self.error();
+  return std::unique_ptr<Worker>(new Worker(options, std::move(*self), std::move(cache)));
+}
+
+Worker::Worker(const WorkerOptions& options, WorkerState self, BlobStore cache)
     : states_channel_(OpenChannel(options.coordinator)),
       bulk_channel_(OpenChannel(options.coordinator)),
-      self_(Introduce(options)),
+      self_(std::move(self)),
       threads_(options.threads),
       meter_(threads_, Clock::now()),
       cache_(std::move(cache)),
@@ -103,13 +117,15 @@ Worker::Worker(const WorkerOptions& options, BlobStore cache)
       workload_([this] { synchronizer_.NotifyNews(); }),
       synchronizer_(states_channel_, options.coordinator, self_, workload_, meter_, prefetcher_,
                     [this](Error why) { OnRefusal(std::move(why)); }),
-      sender_(bulk_channel_, self_.worker, workload_, [this](Error why) { OnRefusal(std::move(why)); }) {}
+      sender_(bulk_channel_, self_.worker, workload_, [this](Error why) { OnRefusal(std::move(why)); }),
+      pool_([this](Error why) { OnRefusal(std::move(why)); }),
+      loader_([this](Error why) { OnRefusal(std::move(why)); }) {}
 
 Worker::~Worker() {
   closing_.request_stop();
   workload_.Change(kNews)->StopRendering();
-  for (std::thread& thread : pool_) thread.join();
-  if (loader_.joinable()) loader_.join();
+  pool_.Join();
+  loader_.Join();
 }
 
 void Worker::OnRefusal(Error why) {
@@ -123,17 +139,14 @@ void Worker::OnRefusal(Error why) {
 Result<void> Worker::Run(std::stop_token stop) {
   spdlog::info("worker_started worker={:016x} name=\"{}\" slots={}", Number(self_.worker), self_.name,
                threads_);
-  loader_ = std::thread([this] { LoadScenes(); });
-  pool_.emplace_back([this] { synchronizer_.Run(closing_.get_token()); });
-  pool_.emplace_back([this] { sender_.Run(closing_.get_token()); });
-  pool_.emplace_back([this] { prefetcher_.Run(closing_.get_token()); });
-  for (int i = 0; i < threads_; ++i) pool_.emplace_back([this] { Render(); });
+  if (auto started = StartThreads(); !started) {
+    OnRefusal(started.error());
+  }
   AwaitEither(stop, refused_.get_token());
   if (!refused_.stop_requested()) Drain();
   closing_.request_stop();
   workload_.Change(kNews)->StopRendering();
-  for (std::thread& thread : pool_) thread.join();
-  pool_.clear();
+  pool_.Join();
   std::optional<Error> refusal;
   {
     const std::lock_guard lock(mutex_);
@@ -141,6 +154,23 @@ Result<void> Worker::Run(std::stop_token stop) {
   }
   if (refusal) return *refusal;
   synchronizer_.Leave(kLeavePatience);
+  return {};
+}
+
+Result<void> Worker::StartThreads() {
+  if (auto started = loader_.Start([this] { LoadScenes(); }); !started) {
+    loader_is_done_ = true;
+    return started;
+  }
+  for (int i = 0; i < threads_; ++i) {
+    if (auto started = pool_.Start([this] { Render(); }); !started) return started;
+  }
+  // The coordinator learns of this worker when it can work.
+  for (const std::function<void()>& run : std::initializer_list<std::function<void()>>{
+           [this] { prefetcher_.Run(closing_.get_token()); }, [this] { sender_.Run(closing_.get_token()); },
+           [this] { synchronizer_.Run(closing_.get_token()); }}) {
+    if (auto started = pool_.Start(run); !started) return started;
+  }
   return {};
 }
 

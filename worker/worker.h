@@ -6,12 +6,11 @@
 #include <mutex>
 #include <optional>
 #include <stop_token>
-#include <thread>
-#include <vector>
 
 #include "proto/blobs/blob_store.h"
 #include "renderer/util/result.h"
 #include "renderer/util/shared_cache.h"
+#include "renderer/util/threads.h"
 #include "worker/activity_meter.h"
 #include "worker/blob_fetcher.h"
 #include "worker/options.h"
@@ -26,8 +25,8 @@ namespace tessera {
 // results.
 class Worker {
  public:
-  // `cache` holds scene files.
-  Worker(const WorkerOptions& options, BlobStore cache);
+  // `cache` holds scene files. An error if this machine cannot render or cannot start the threads.
+  static Result<std::unique_ptr<Worker>> Make(const WorkerOptions& options, BlobStore cache);
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -39,6 +38,8 @@ class Worker {
   bool IsLoading();
 
  private:
+  Worker(const WorkerOptions& options, WorkerState self, BlobStore cache);
+  Result<void> StartThreads();
   void Render();
   void LoadScenes();
   void FetchFiles(const SceneRequest& order);
@@ -63,8 +64,7 @@ class Worker {
   bool loader_is_done_ = false;
 
   std::stop_source refused_;
-  std::vector<std::thread> pool_;
-  std::thread loader_;
+  ThreadGroup pool_, loader_;
 };
 
 }  // namespace tessera

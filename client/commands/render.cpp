@@ -20,6 +20,7 @@
 #include "client/scene_job.h"
 #include "renderer/film/picture_file.h"
 #include "renderer/util/cores.h"
+#include "renderer/util/threads.h"
 
 namespace tessera {
 namespace {
@@ -77,9 +78,12 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
                                              Cancellation& cancellation) {
   const std::stop_token stop = cancellation.token();
   const bool is_sequence = options.scene.frames.has_value();
+  const FarmSize size = ChooseSize(options);
+  // Known before a large scene is loaded. Embree loads it with a thread for each core.
+  if (auto can_start = CheckThreads(size.workers * size.threads + UsableCores()); !can_start)
+    return can_start.error();
   auto job = LoadSceneJob(options.scene, is_sequence ? Scene::Depth::kCheck : Scene::Depth::kRender, stop);
   if (!job) return job.error();
-  const FarmSize size = ChooseSize(options);
   ProgressLine line("thread");
   FrameCount count{0, static_cast<uint32_t>(job->frames.size())};
   std::vector<SavedPicture> saved;

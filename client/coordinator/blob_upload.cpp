@@ -7,11 +7,11 @@
 #include <atomic>
 #include <cerrno>
 #include <map>
-#include <thread>
 #include <vector>
 
 #include "client/coordinator/coordinator_connection.h"
 #include "proto/wire/convert.h"
+#include "renderer/util/threads.h"
 
 namespace tessera {
 namespace {
@@ -120,10 +120,13 @@ class Uploader {
   Result<void> Send(std::vector<std::pair<const Source*, uint64_t>> queue) {
     queue_ = std::move(queue);
     const std::stop_callback on_stop(stop_, [this] { broken_.request_stop(); });
-    std::vector<std::thread> threads;
-    for (size_t i = 0; i < std::min(kParallelUploads, queue_.size()); ++i)
-      threads.emplace_back([this] { SendNext(); });
-    for (std::thread& thread : threads) thread.join();
+    ThreadGroup threads([this](Error why) { Fail(std::move(why)); });
+    const size_t count = std::min(kParallelUploads, queue_.size());
+    // With fewer threads it takes longer.
+    for (size_t i = 1; i < count && threads.Start([this] { SendNext(); }); ++i) {
+    }
+    SendNext();
+    threads.Join();
     if (error_) return *error_;
     return {};
   }
@@ -135,11 +138,13 @@ class Uploader {
   void SendNext() {
     for (size_t next = taken_++; next < queue_.size() && !broken_.stop_requested(); next = taken_++) {
       const auto sent = SendOne(*queue_[next].first, queue_[next].second);
-      if (sent) continue;
-      const std::lock_guard lock(mutex_);
-      if (!error_) error_ = sent.error();
-      broken_.request_stop();
+      if (!sent) Fail(sent.error());
     }
+  }
+  void Fail(Error why) {
+    const std::lock_guard lock(mutex_);
+    if (!error_) error_ = std::move(why);
+    broken_.request_stop();
   }
   // An interrupted upload continues where it stopped, as long as some bytes get through within
   // kRetryPatience.

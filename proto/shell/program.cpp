@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,9 +11,31 @@
 #include <exception>
 
 #include "proto/shell/termination_signals.h"
+#include "renderer/util/cores.h"
 #include "renderer/util/processor.h"
+#include "renderer/util/threads.h"
 
 namespace tessera {
+namespace {
+
+// Besides one for each core: the threads that gRPC starts when it is first used, and those of a command. gRPC
+// ends the process if it cannot start one.
+constexpr int kThreadsMin = 16;
+
+// gRPC ends the process if it finds no descriptor when it starts.
+constexpr rlim_t kDescriptorsMin = 64;
+
+// Whether the system grants what libraries take for granted.
+Result<void> CheckSystemLimits() {
+  rlimit descriptors{};
+  if (::getrlimit(RLIMIT_NOFILE, &descriptors) == 0 && descriptors.rlim_cur < kDescriptorsMin) {
+    return Failed(fmt::format("at most {} files can be open at a time; at least {} are needed (ulimit -n)",
+                              descriptors.rlim_cur, kDescriptorsMin));
+  }
+  return CheckThreads(kThreadsMin + UsableCores());
+}
+
+}  // namespace
 
 int Report(const std::string& name, const Error& error) {
   std::string message = error.message;
@@ -26,11 +49,12 @@ int RunProgram(const std::string& name, int argc, char** argv, const ProgramBody
   // A reader of our output that goes away is a write error and does not end the program.
   ::signal(SIGPIPE, SIG_IGN);
   std::stop_source termination;
-  const TerminationSignals signals([&termination](int count) {
-    if (count > 1) ::_exit(static_cast<int>(ErrorKind::kInterrupted));
-    termination.request_stop();
-  });
   try {
+    if (const auto sufficient = CheckSystemLimits(); !sufficient) return Report(name, sufficient.error());
+    const TerminationSignals signals([&termination](int count) {
+      if (count > 1) ::_exit(static_cast<int>(ErrorKind::kInterrupted));
+      termination.request_stop();
+    });
     const auto code = body({argv + 1, argv + argc}, termination.get_token());
     return code ? *code : Report(name, code.error());
   } catch (const std::exception& e) {

@@ -17,8 +17,9 @@ using ProgramBody =
     std::function<Result<int>(const std::vector<std::string>& arguments, std::stop_token termination)>;
 
 // Runs `body` and returns the exit code. The first SIGINT or SIGTERM requests a stop of the token; the second
-// ends the process immediately, with exit code 130. An error, or an exception such as std::bad_alloc, is
-// reported with the program's name on stderr. Call it from main before any thread is started.
+// ends the process immediately, with exit code 130. An error, an exception such as std::bad_alloc, or
+// a system that grants too few threads or descriptors is reported with the program's name on stderr. Call it
+// from main before any thread is started.
 int RunProgram(const std::string& name, int argc, char** argv, const ProgramBody& body);
 
 // Prints "NAME: MESSAGE" on one line of stderr. Returns the exit code of the error.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <exception>
+#include <system_error>
 #include <thread>
 
 namespace tessera {
@@ -85,15 +87,35 @@ class TreeBuilder {
                      int depth) {
     const bool is_large = std::min(middle - begin, end - middle) >= kPrimitivesPerThreadMin;
     if (is_large && idle_threads_.fetch_sub(1) > 0) {
-      std::thread helper([=, this] { Build(left, begin, middle, depth); });
-      Build(right, middle, end, depth);
-      helper.join();
+      BuildInParallel(left, right, begin, middle, end, depth);
       idle_threads_.fetch_add(1);
       return;
     }
     if (is_large) idle_threads_.fetch_add(1);
     Build(left, begin, middle, depth);
     Build(right, middle, end, depth);
+  }
+
+  // Builds the left child on another thread or, if none can be started, on this one.
+  void BuildInParallel(uint32_t left, uint32_t right, uint32_t begin, uint32_t middle, uint32_t end,
+                       int depth) {
+    std::exception_ptr failure;
+    std::jthread helper;
+    const auto build_left = [=, this] { Build(left, begin, middle, depth); };
+    try {
+      helper = std::jthread([&failure, build_left] {
+        try {
+          build_left();
+        } catch (...) {
+          failure = std::current_exception();
+        }
+      });
+    } catch (const std::system_error&) {
+      build_left();
+    }
+    Build(right, middle, end, depth);
+    if (helper.joinable()) helper.join();
+    if (failure) std::rethrow_exception(failure);
   }
 
   Split BestSplit(uint32_t begin, uint32_t end, const Bin& all, const Bounds3& centers) const {

@@ -1,0 +1,84 @@
+// Programs that cannot start end with an error, whatever the system refuses.
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include "tests/end_to_end/farm_fixture.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+// A soft limit of this process and of those that it starts, as long as it lives.
+class SoftLimit {
+ public:
+  SoftLimit(__rlimit_resource resource, rlim_t value) : resource_(resource) {
+    EXPECT_EQ(::getrlimit(resource, &before_), 0);
+    const rlimit changed{value, before_.rlim_max};
+    EXPECT_EQ(::setrlimit(resource, &changed), 0);
+  }
+  ~SoftLimit() { ::setrlimit(resource_, &before_); }
+  SoftLimit(const SoftLimit&) = delete;
+  SoftLimit& operator=(const SoftLimit&) = delete;
+
+ private:
+  __rlimit_resource resource_;
+  rlimit before_{};
+};
+
+constexpr rlim_t kGigabyte = rlim_t{1} << 30;
+
+class StartFailure : public EndToEnd {
+ protected:
+  // The ways in which programs start.
+  std::vector<std::pair<std::string, std::vector<std::string>>> Commands() const {
+    return {{"tessera", {"render", BoxScene(), "--in-process", "--spp", "1", "-o", "out.exr"}},
+            {"tessera", {"render", BoxScene(), "--spp", "1", "-o", "out.exr"}},
+            {"tessera", {"jobs", "--coordinator", "127.0.0.1:1", "--patience", "1"}},
+            {"tessera-worker", {"--coordinator", "127.0.0.1:1", "--cache-dir", Path("cache")}},
+            {"tessera-coordinator",
+             {"--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--data-dir", Path("data")}}};
+  }
+  void ExpectErrors(const std::string& message) {
+    for (const auto& [program, words] : Commands()) {
+      const Outcome outcome = RunProgram(folder(), program, words);
+      EXPECT_EQ(outcome.code, 1) << program << " " << words[0] << "\n" << outcome.errors;
+      EXPECT_THAT(outcome.errors, HasSubstr(program + ": ")) << words[0];
+      EXPECT_THAT(outcome.errors, HasSubstr(message)) << program << " " << words[0];
+    }
+  }
+};
+
+TEST_F(StartFailure, RenderThreadsThatCannotStartAreAnError) {
+  const SoftLimit limit(RLIMIT_AS, 6 * kGigabyte);
+  const Outcome render =
+      Tessera({"render", BoxScene(), "--in-process", "--threads", "1024", "--spp", "1", "-o", "out.exr"});
+  EXPECT_EQ(render.code, 1) << render.errors;
+  EXPECT_THAT(render.errors, HasSubstr("cannot start a thread"));
+  EXPECT_FALSE(Exists("out.exr"));
+  const Outcome worker =
+      RunProgram(folder(), "tessera-worker",
+                 {"--coordinator", "127.0.0.1:1", "--threads", "1024", "--cache-dir", Path("cache")});
+  EXPECT_EQ(worker.code, 1) << worker.errors;
+  EXPECT_THAT(worker.errors, HasSubstr("cannot start a thread"));
+}
+
+TEST_F(StartFailure, NoThreadAtAllIsAnErrorOfTheCoordinator) {
+  // Stacks that do not fit into the address space.
+  const SoftLimit stack(RLIMIT_STACK, 8 * kGigabyte);
+  const SoftLimit limit(RLIMIT_AS, 6 * kGigabyte);
+  const auto& [program, words] = Commands().back();
+  const Outcome outcome = RunProgram(folder(), program, words);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.errors, HasSubstr("cannot start a thread"));
+}
+
+TEST_F(StartFailure, TooFewDescriptorsAreAnErrorOfEveryProgram) {
+  for (const rlim_t descriptors : {6, 10, 32}) {
+    const SoftLimit limit(RLIMIT_NOFILE, descriptors);
+    ExpectErrors("ulimit -n");
+  }
+}
+
+}  // namespace
+}  // namespace tessera
