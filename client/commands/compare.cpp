@@ -18,7 +18,7 @@ struct CompareOptions {
   bool json = false;
 };
 
-void AddFlags(CLI::App& app, CompareOptions& options) {
+void AddCompareFlags(CLI::App& app, CompareOptions& options) {
   AddText(app, "A", "", "EXR file", options.a, Presence::kRequired);
   AddText(app, "B", "", "EXR file of the reference", options.b, Presence::kRequired);
   AddValue(app, "--tolerance", "E", WithDefault("Exit with code 0 if no value differs by more than E", "0"),
@@ -47,7 +47,7 @@ void Print(const CompareOptions& options, const PictureDifference& difference) {
   fmt::print("{}\n", json.dump());
 }
 
-Result<int> Run(const CompareOptions& options, Cancellation&) {
+Result<int> RunCompare(const CompareOptions& options, Cancellation&) {
   const auto a = LoadExr(options.a);
   if (!a) return a.error();
   const auto b = LoadExr(options.b);
@@ -64,8 +64,8 @@ Command CompareCommand() {
   return MakeCommand<CompareOptions>({
       .name = "compare",
       .summary = "Compare two pictures",
-      .add_flags = AddFlags,
-      .run = Run,
+      .add_flags = AddCompareFlags,
+      .run = RunCompare,
   });
 }
 

@@ -9,12 +9,12 @@ struct ExtendOptions : JobOptions {
   uint32_t samples_per_pixel = 0;
 };
 
-void AddFlags(CLI::App& app, ExtendOptions& options) {
+void AddExtendFlags(CLI::App& app, ExtendOptions& options) {
   AddJobFlags(app, options);
   AddRequiredSamples(app, options.samples_per_pixel);
 }
 
-Result<int> Run(const ExtendOptions& options, Cancellation& cancellation) {
+Result<int> RunExtend(const ExtendOptions& options, Cancellation& cancellation) {
   return RunJobCall(options, cancellation, [&](CoordinatorClient& client, JobId job) {
     return client.Extend(job, options.samples_per_pixel);
   });
@@ -26,8 +26,8 @@ Command ExtendCommand() {
   return MakeCommand<ExtendOptions>({
       .name = "extend",
       .summary = "Add samples to a job that is running or finished",
-      .add_flags = AddFlags,
-      .run = Run,
+      .add_flags = AddExtendFlags,
+      .run = RunExtend,
   });
 }
 

@@ -21,7 +21,7 @@ struct FetchOptions {
   bool json = false;
 };
 
-void AddFlags(CLI::App& app, FetchOptions& options) {
+void AddFetchFlags(CLI::App& app, FetchOptions& options) {
   AddJobArgument(app, options.job);
   AddConnectionFlags(app, options.connection);
   AddOutputFlags(app, options.output, "job-JOB.exr");
@@ -60,7 +60,7 @@ Error NotFinished(JobId job, const std::vector<int>& missing) {
       more == 0 ? "" : fmt::format(" and {} more", more), Number(job), more == 0 ? "is" : "are"));
 }
 
-Result<int> Run(const FetchOptions& options, Cancellation& cancellation) {
+Result<int> RunFetch(const FetchOptions& options, Cancellation& cancellation) {
   const auto start = std::chrono::steady_clock::now();
   const auto client = Connect(options.connection, cancellation);
   if (!client) return client.error();
@@ -98,8 +98,8 @@ Command FetchCommand() {
   return MakeCommand<FetchOptions>({
       .name = "fetch",
       .summary = "Fetch the picture of a job, or the pictures of a sequence",
-      .add_flags = AddFlags,
-      .run = Run,
+      .add_flags = AddFetchFlags,
+      .run = RunFetch,
   });
 }
 

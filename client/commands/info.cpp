@@ -15,7 +15,7 @@ struct InfoOptions {
   bool json = false;
 };
 
-void AddFlags(CLI::App& app, InfoOptions& options) {
+void AddInfoFlags(CLI::App& app, InfoOptions& options) {
   AddSceneFlags(app, options.scene);
   AddJsonFlag(app, options.json);
 }
@@ -126,7 +126,7 @@ void PrintJson(const SceneJob& job) {
   fmt::print("{}\n", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
-Result<int> Run(const InfoOptions& options, Cancellation& cancellation) {
+Result<int> RunInfo(const InfoOptions& options, Cancellation& cancellation) {
   const auto job = LoadSceneJob(options.scene, Scene::Depth::kSurvey, cancellation.token());
   if (!job) return job.error();
   if (options.json) {
@@ -143,8 +143,8 @@ Command InfoCommand() {
   return MakeCommand<InfoOptions>({
       .name = "info",
       .summary = "Describe a scene and list what differs from what it asks for",
-      .add_flags = AddFlags,
-      .run = Run,
+      .add_flags = AddInfoFlags,
+      .run = RunInfo,
   });
 }
 

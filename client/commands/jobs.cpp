@@ -13,12 +13,12 @@ struct JobsOptions {
   bool json = false;
 };
 
-void AddFlags(CLI::App& app, JobsOptions& options) {
+void AddJobsFlags(CLI::App& app, JobsOptions& options) {
   AddConnectionFlags(app, options.connection);
   AddJsonFlag(app, options.json);
 }
 
-Result<int> Run(const JobsOptions& options, Cancellation& cancellation) {
+Result<int> RunJobs(const JobsOptions& options, Cancellation& cancellation) {
   const auto client = Connect(options.connection, cancellation);
   if (!client) return client.error();
   const auto jobs = (*client)->Jobs();
@@ -33,8 +33,8 @@ Command JobsCommand() {
   return MakeCommand<JobsOptions>({
       .name = "jobs",
       .summary = "List the jobs of a farm",
-      .add_flags = AddFlags,
-      .run = Run,
+      .add_flags = AddJobsFlags,
+      .run = RunJobs,
   });
 }
 

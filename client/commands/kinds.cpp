@@ -14,7 +14,7 @@ struct KindsOptions {
   bool json = false;
 };
 
-void AddFlags(CLI::App& app, KindsOptions& options) {
+void AddKindsFlags(CLI::App& app, KindsOptions& options) {
   AddJsonFlag(app, options.json);
 }
 
@@ -51,7 +51,7 @@ nlohmann::ordered_json ToJson(const KindList& list) {
   return kinds;
 }
 
-Result<int> Run(const KindsOptions& options, Cancellation&) {
+Result<int> RunKinds(const KindsOptions& options, Cancellation&) {
   nlohmann::ordered_json json;
   for (const KindList& list : SceneLanguageKinds()) {
     if (options.json) {
@@ -70,8 +70,8 @@ Command KindsCommand() {
   return MakeCommand<KindsOptions>({
       .name = "kinds",
       .summary = "List the kinds of cameras, shapes, lights, ... that scenes may use",
-      .add_flags = AddFlags,
-      .run = Run,
+      .add_flags = AddKindsFlags,
+      .run = RunKinds,
   });
 }
 

@@ -10,13 +10,13 @@ struct PriorityOptions : JobOptions {
   int priority = 0;
 };
 
-void AddFlags(CLI::App& app, PriorityOptions& options) {
+void AddPriorityFlags(CLI::App& app, PriorityOptions& options) {
   AddJobFlags(app, options);
   AddValue(app, "N", "", "New priority; jobs with a higher priority run first", options.priority,
            WholeNumber<int>(-kPriorityMax, kPriorityMax), Presence::kRequired);
 }
 
-Result<int> Run(const PriorityOptions& options, Cancellation& cancellation) {
+Result<int> RunPriority(const PriorityOptions& options, Cancellation& cancellation) {
   return RunJobCall(options, cancellation, [&](CoordinatorClient& client, JobId job) {
     return client.SetPriority(job, options.priority);
   });
@@ -28,8 +28,8 @@ Command PriorityCommand() {
   return MakeCommand<PriorityOptions>({
       .name = "priority",
       .summary = "Change a job's priority",
-      .add_flags = AddFlags,
-      .run = Run,
+      .add_flags = AddPriorityFlags,
+      .run = RunPriority,
   });
 }
 

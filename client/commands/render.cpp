@@ -39,7 +39,7 @@ struct RenderCommandOptions {
   bool json = false;
 };
 
-void AddFlags(CLI::App& app, RenderCommandOptions& options) {
+void AddRenderFlags(CLI::App& app, RenderCommandOptions& options) {
   AddSceneFlags(app, options.scene);
   AddOutputFlags(app, options.output, "SCENE with the extension .exr");
   AddInteger(app, "--workers", WithDefault("Number of worker processes", "1, or 2 with --verify"), 1,
@@ -152,7 +152,7 @@ std::string DefaultOutput(const std::string& scene) {
   return name.replace_extension(".exr").string();
 }
 
-Result<int> Run(const RenderCommandOptions& options, Cancellation& cancellation) {
+Result<int> RunRender(const RenderCommandOptions& options, Cancellation& cancellation) {
   const auto start = Clock::now();
   const bool is_sequence = options.scene.frames.has_value();
   const std::string& output = options.output.exr;
@@ -176,9 +176,9 @@ Command RenderCommand() {
   return MakeCommand<RenderCommandOptions>({
       .name = "render",
       .summary = "Render a scene on this machine",
-      .add_flags = AddFlags,
+      .add_flags = AddRenderFlags,
       .check = Check,
-      .run = Run,
+      .run = RunRender,
   });
 }
 

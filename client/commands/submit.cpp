@@ -25,7 +25,7 @@ struct SubmitOptions {
   bool json = false;
 };
 
-void AddFlags(CLI::App& app, SubmitOptions& options) {
+void AddSubmitFlags(CLI::App& app, SubmitOptions& options) {
   AddSceneFlags(app, options.scene);
   AddConnectionFlags(app, options.connection);
   AddText(app, "--name", "NAME", WithDefault("Name of the job", "SCENE without its extension"), options.name);
@@ -43,7 +43,7 @@ void AddFlags(CLI::App& app, SubmitOptions& options) {
   AddJsonFlag(app, options.json);
 }
 
-Result<int> Run(const SubmitOptions& options, Cancellation& cancellation) {
+Result<int> RunSubmit(const SubmitOptions& options, Cancellation& cancellation) {
   const auto job = LoadSceneJob(options.scene, Scene::Depth::kCheck, cancellation.token());
   if (!job) return job.error();
   const auto client = Connect(options.connection, cancellation);
@@ -76,8 +76,8 @@ Command SubmitCommand() {
   return MakeCommand<SubmitOptions>({
       .name = "submit",
       .summary = "Submit a scene to a farm and print the job id",
-      .add_flags = AddFlags,
-      .run = Run,
+      .add_flags = AddSubmitFlags,
+      .run = RunSubmit,
   });
 }
 

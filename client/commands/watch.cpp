@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-Result<int> Run(const JobOptions& options, Cancellation& cancellation) {
+Result<int> RunWatch(const JobOptions& options, Cancellation& cancellation) {
   const auto client = Connect(options.connection, cancellation);
   if (!client) return client.error();
   const auto status = WatchWithProgress(**client, options.job);
@@ -24,7 +24,7 @@ Command WatchCommand() {
       .name = "watch",
       .summary = "Follow a job's progress until it ends",
       .add_flags = AddJobFlags,
-      .run = Run,
+      .run = RunWatch,
   });
 }
 

@@ -15,9 +15,9 @@
 namespace tessera {
 namespace {
 
-constexpr std::string_view kVersion = "tessera-data 5\n";
+constexpr std::string_view kDataVersion = "tessera-data 5\n";
 // Directories of version 4 are read: their journal and spool have forms that are read but no longer written.
-constexpr std::string_view kOldestVersion = "tessera-data 4\n";
+constexpr std::string_view kOldestDataVersion = "tessera-data 4\n";
 
 Result<void> MakeFolder(const std::string& path) {
   std::error_code error;
@@ -28,15 +28,15 @@ Result<void> MakeFolder(const std::string& path) {
 
 Result<void> CheckVersion(const std::string& path) {
   const std::string file = path + "/version";
-  if (!std::filesystem::exists(file)) return WriteFileAtomically(file, kVersion);
+  if (!std::filesystem::exists(file)) return WriteFileAtomically(file, kDataVersion);
   const auto version = ReadFile(file, 1024);
   if (!version) return version.error();
-  if (*version == kOldestVersion) return WriteFileAtomically(file, kVersion);
-  if (*version != kVersion) {
+  if (*version == kOldestDataVersion) return WriteFileAtomically(file, kDataVersion);
+  if (*version != kDataVersion) {
     return Failed(fmt::format(
         "{}: was created by another version of tessera-coordinator (found \"{}\", expected \"{}\"); "
         "finish its jobs with that version or use another --data-dir",
-        path, version->substr(0, version->find('\n')), kVersion.substr(0, kVersion.size() - 1)));
+        path, version->substr(0, version->find('\n')), kDataVersion.substr(0, kDataVersion.size() - 1)));
   }
   return {};
 }

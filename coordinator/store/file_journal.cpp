@@ -14,8 +14,8 @@
 namespace tessera {
 namespace {
 
-constexpr RecordFormat kFormat{"TSRJ", 2, 2, kFactBytesMax};
-constexpr const char* kRemedy =
+constexpr RecordFormat kJournalFormat{"TSRJ", 2, 2, kFactBytesMax};
+constexpr const char* kJournalRemedy =
     "to keep the records before the damage, truncate the file there; to start without any jobs, move it away";
 
 }  // namespace
@@ -28,8 +28,8 @@ Result<std::unique_ptr<FileJournal>> FileJournal::Open(const std::string& path,
     restore(*fact);
     return {};
   };
-  auto log = std::filesystem::exists(path) ? RecordLog::Open(path, kFormat, visit, kRemedy)
-                                           : RecordLog::Create(path, kFormat);
+  auto log = std::filesystem::exists(path) ? RecordLog::Open(path, kJournalFormat, visit, kJournalRemedy)
+                                           : RecordLog::Create(path, kJournalFormat);
   if (!log) return log.error();
   return std::unique_ptr<FileJournal>(new FileJournal(path, std::move(*log)));
 }
@@ -49,7 +49,7 @@ bool FileJournal::IsLarge() const {
 Result<void> FileJournal::Replace(const std::vector<Fact>& facts) {
   TESSERA_CHECK(!log_->has_pending());
   const std::string beside = path_ + ".new";
-  auto log = RecordLog::Create(beside, kFormat);
+  auto log = RecordLog::Create(beside, kJournalFormat);
   if (!log) return log.error();
   for (const Fact& fact : facts) (*log)->Append(EncodeFact(fact));
   auto replaced = (*log)->Sync();

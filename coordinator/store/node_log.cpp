@@ -13,13 +13,13 @@ namespace {
 
 enum class Kind : uint32_t { kChannels = 1, kNode = 2 };
 
-constexpr uint32_t kVersion = 2;
-constexpr uint32_t kVersionWithoutKinds = 1;
+constexpr uint32_t kSpoolVersion = 2;
+constexpr uint32_t kSpoolVersionWithoutKinds = 1;
 constexpr uint32_t kChannelsVersion = 1;
 constexpr size_t kHeadBytesMax = 16;  // of a node: its kind, its tile and its samples
-constexpr RecordFormat kFormat{"TSRS", kVersion, kVersionWithoutKinds,
+constexpr RecordFormat kSpoolFormat{"TSRS", kSpoolVersion, kSpoolVersionWithoutKinds,
                                static_cast<uint64_t>(kResultBytesMax) + kHeadBytesMax};
-constexpr const char* kRemedy =
+constexpr const char* kSpoolRemedy =
     "move the file away to continue without its results, which are then rendered again";
 
 Result<TileNode> DecodeNode(std::string_view payload) {
@@ -44,7 +44,7 @@ class NodeReader {
   explicit NodeReader(const NodeLog::Visit& visit) : visit_(visit) {}
 
   Result<void> Read(std::string_view payload, uint32_t version) {
-    if (version == kVersionWithoutKinds) return ReadNode(payload);
+    if (version == kSpoolVersionWithoutKinds) return ReadNode(payload);
     ByteReader in(payload);
     const auto kind = static_cast<Kind>(in.Read32());
     if (kind == Kind::kChannels) return ReadChannelList(in);
@@ -83,22 +83,22 @@ RecordLog::Visit VisitorOf(NodeReader& reader) {
 }  // namespace
 
 Result<std::unique_ptr<NodeLog>> NodeLog::Create(const std::string& path) {
-  auto log = RecordLog::Create(path, kFormat);
+  auto log = RecordLog::Create(path, kSpoolFormat);
   if (!log) return log.error();
   return std::unique_ptr<NodeLog>(new NodeLog(std::move(*log), nullptr));
 }
 
 Result<std::unique_ptr<NodeLog>> NodeLog::Open(const std::string& path, const Visit& visit) {
   NodeReader reader(visit);
-  auto log = RecordLog::Open(path, kFormat, VisitorOf(reader), kRemedy);
+  auto log = RecordLog::Open(path, kSpoolFormat, VisitorOf(reader), kSpoolRemedy);
   if (!log) return log.error();
-  if ((*log)->version() != kVersion) return std::unique_ptr<NodeLog>();
+  if ((*log)->version() != kSpoolVersion) return std::unique_ptr<NodeLog>();
   return std::unique_ptr<NodeLog>(new NodeLog(std::move(*log), reader.channels()));
 }
 
 Result<void> NodeLog::Read(const std::string& path, RecordLog::Tail tail, const Visit& visit) {
   NodeReader reader(visit);
-  return RecordLog::Read(path, kFormat, tail, VisitorOf(reader), kRemedy);
+  return RecordLog::Read(path, kSpoolFormat, tail, VisitorOf(reader), kSpoolRemedy);
 }
 
 void NodeLog::Append(TileNode node) {

@@ -93,7 +93,7 @@ constexpr float kSF11Eta[] = {1.87002162f, 1.85162559f, 1.83747077f, 1.82623238f
                               1.76045216f, 1.75952163f};
 static_assert(std::size(kSF11Eta) == 26);
 
-constexpr SpectralSeries kSeries[] = {
+constexpr SpectralSeries kGlassSeries[] = {
     {.name = "glass-BK7", .values = kBK7Eta, .wavelengths = kBK7Wavelengths},
     {.name = "glass-BAF10", .values = kBAF10Eta, .wavelengths = kBAF10Wavelengths},
     {.name = "glass-FK51A", .values = kFK51AEta, .wavelengths = kFK51AWavelengths},
@@ -109,7 +109,7 @@ constexpr SpectralSeries kSeries[] = {
 }  // namespace
 
 std::span<const SpectralSeries> GlassSeries() {
-  return kSeries;
+  return kGlassSeries;
 }
 
 }  // namespace tessera

@@ -180,7 +180,7 @@ constexpr float kF12[] = {
     0.28f,  0.28f,  0.21f,  0.17f, 0.21f,  0.19f,  0.15f,  0.1f,   0.05f};
 static_assert(std::size(kF12) == 81);
 
-constexpr SpectralSeries kSeries[] = {
+constexpr SpectralSeries kIlluminantSeries[] = {
     {.name = "stdillum-A", .values = kA, .first = 360, .step = 5},
     {.name = "stdillum-D50", .values = kD50, .first = 360, .step = 5},
     {.name = "illum-acesD60", .values = kD60, .first = 360, .step = 5},
@@ -202,7 +202,7 @@ constexpr SpectralSeries kSeries[] = {
 }  // namespace
 
 std::span<const SpectralSeries> IlluminantSeries() {
-  return kSeries;
+  return kIlluminantSeries;
 }
 
 }  // namespace tessera

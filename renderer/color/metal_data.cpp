@@ -142,7 +142,7 @@ constexpr float kTiO2K[] = {1.95f, 2.18f, 0.788f, 0.0f, 0.251f, 0.0f, 0.0f, 0.02
                             0.0f,  0.0f,  0.0f,   0.0f, 0.0f,   0.0f, 0.0f, 0.0f,   0.0f, 0.0f};
 static_assert(std::size(kTiO2K) == 34);
 
-constexpr SpectralSeries kSeries[] = {
+constexpr SpectralSeries kMetalSeries[] = {
     {.name = "metal-Ag-eta", .values = kAgEta, .wavelengths = kEnergySteps},
     {.name = "metal-Ag-k", .values = kAgK, .wavelengths = kEnergySteps},
     {.name = "metal-Al-eta", .values = kAlEta, .wavelengths = kEnergySteps},
@@ -162,7 +162,7 @@ constexpr SpectralSeries kSeries[] = {
 }  // namespace
 
 std::span<const SpectralSeries> MetalSeries() {
-  return kSeries;
+  return kMetalSeries;
 }
 
 }  // namespace tessera

@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-constexpr double kRelativeFloor = 0.01;  // added to the square of a mean, as relMSE has it
+constexpr double kSquaredMeanFloor = 0.01;  // added to the square of a mean, as relMSE has it
 constexpr double kTileShare = 0.25;      // of the tile's mean in what a pixel is judged by
 
 double Mean(double sum, double weight) {
@@ -26,7 +26,7 @@ double PixelNoise(const ChannelLayout& layout, const float* left, const float* r
     const double right_sum = right[c];
     const double mean = Mean(left_sum + right_sum, left_weight + right_weight);
     const double error = (Mean(left_sum, left_weight) - Mean(right_sum, right_weight)) / 2;
-    total += error * error / (mean * mean + kRelativeFloor);
+    total += error * error / (mean * mean + kSquaredMeanFloor);
   }
   return total / static_cast<double>(layout.colors().size());
 }

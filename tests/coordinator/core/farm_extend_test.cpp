@@ -12,7 +12,7 @@ using testing::HasSubstr;
 TEST(FarmExtend, AFinishedJobContinuesFromItsSums) {
   Disk disk;
   Process process(disk);
-  const JobId job = *process.farm.Submit(process.now, Job(5));
+  const JobId job = *process.farm.Submit(process.now, ExtendableJob(5));
   process.Step();
   process.Finish(job, 5);
   ASSERT_TRUE(process.farm.Extend(process.now, job, 19));
@@ -25,8 +25,8 @@ TEST(FarmExtend, AFinishedJobContinuesFromItsSums) {
   EXPECT_TRUE(process.pictures.empty()) << "its first samples are still in the spool";
   process.Load();
   ASSERT_EQ(process.pictures.size(), 1u);
-  EXPECT_EQ(process.pictures[0].snapshot.Picture().values, Reference(Job(19)->frames[0].spec, 0).values);
-  EXPECT_EQ(process.pictures[0].spec->frames[0].spec, Job(19)->frames[0].spec) << "header and all";
+  EXPECT_EQ(process.pictures[0].snapshot.Picture().values, Reference(ExtendableJob(19)->frames[0].spec, 0).values);
+  EXPECT_EQ(process.pictures[0].spec->frames[0].spec, ExtendableJob(19)->frames[0].spec) << "header and all";
   process.WritePictures();
   EXPECT_EQ(process.Status(job).state, JobState::kFinished);
   EXPECT_EQ(process.Status(job).samples_done, 16u * 19);
@@ -35,7 +35,7 @@ TEST(FarmExtend, AFinishedJobContinuesFromItsSums) {
 TEST(FarmExtend, ARunningJobKeepsItsMergedSamples) {
   Disk disk;
   Process process(disk);
-  const JobId job = *process.farm.Submit(process.now, Job(8));
+  const JobId job = *process.farm.Submit(process.now, ExtendableJob(8));
   process.Step();
   process.Return(job, 0, 0, {0, 8});
   process.Return(job, 0, 1, {4, 4});
@@ -48,13 +48,13 @@ TEST(FarmExtend, ARunningJobKeepsItsMergedSamples) {
   process.Return(job, 0, 2, {0, 16});
   process.Return(job, 0, 3, {0, 16});
   ASSERT_EQ(process.pictures.size(), 1u);
-  EXPECT_EQ(process.pictures[0].snapshot.Picture().values, Reference(Job(16)->frames[0].spec, 0).values);
+  EXPECT_EQ(process.pictures[0].snapshot.Picture().values, Reference(ExtendableJob(16)->frames[0].spec, 0).values);
 }
 
 TEST(FarmExtend, AnAdaptiveJobIsRefusedAndKeepsNoSums) {
   Disk disk;
   Process process(disk);
-  auto spec = Job(4);
+  auto spec = ExtendableJob(4);
   spec->frames[0].spec.SetNoiseThreshold(0.1);
   const JobId job = *process.farm.Submit(process.now, spec);
   process.Step();
@@ -71,7 +71,7 @@ TEST(FarmExtend, SurvivesARestartAtEveryStep) {
   const auto run = [](int restart_at, bool compact) {
     Disk disk;
     auto process = std::make_unique<Process>(disk);
-    const JobId job = *process->farm.Submit(process->now, Job(4, 2));
+    const JobId job = *process->farm.Submit(process->now, ExtendableJob(4, 2));
     process->Step();
     int step = 0;
     const auto maybe_restart = [&] {
@@ -106,7 +106,7 @@ TEST(FarmExtend, SurvivesARestartAtEveryStep) {
     process->Load();
     maybe_restart();
     for (const FinishedPicture& each : process->pictures) {
-      EXPECT_EQ(each.snapshot.Picture().values, Reference(Job(16)->frames[0].spec, each.frame).values)
+      EXPECT_EQ(each.snapshot.Picture().values, Reference(ExtendableJob(16)->frames[0].spec, each.frame).values)
           << restart_at;
     }
     EXPECT_EQ(process->pictures.size(), 2u) << restart_at;
@@ -123,7 +123,7 @@ TEST(FarmExtend, SurvivesARestartAtEveryStep) {
 TEST(FarmExtend, AnExtensionThatIsNotPossibleIsRefusedWithAReason) {
   Disk disk;
   Process process(disk);
-  const JobId job = *process.farm.Submit(process.now, Job(8));
+  const JobId job = *process.farm.Submit(process.now, ExtendableJob(8));
   process.Step();
   process.Finish(job, 8);
   EXPECT_THAT(process.farm.Extend(process.now, job, 4).error().message,
@@ -138,7 +138,7 @@ TEST(FarmExtend, TheOldestSumsAreDroppedBeyondTheLimitOfBytes) {
   Process process(disk, kOneFrame);
   std::vector<JobId> jobs;
   for (uint64_t submission : {1, 2}) {
-    auto spec = Job(8);
+    auto spec = ExtendableJob(8);
     spec->submission = submission;
     jobs.push_back(*process.farm.Submit(process.now, spec));
     process.Step();
@@ -156,7 +156,7 @@ TEST(FarmExtend, TheOldestSumsAreDroppedBeyondTheLimitOfBytes) {
 TEST(FarmExtend, SumsThatCannotBeReadBackFailTheJobWithThatReason) {
   Disk disk;
   Process process(disk);
-  const JobId job = *process.farm.Submit(process.now, Job(4));
+  const JobId job = *process.farm.Submit(process.now, ExtendableJob(4));
   process.Step();
   process.Finish(job, 4);
   ASSERT_TRUE(process.farm.Extend(process.now, job, 8));

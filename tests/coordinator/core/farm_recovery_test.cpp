@@ -13,7 +13,7 @@ using testing::HasSubstr;
 // rest makes the same picture.
 TEST(FarmRecovery, EveryCrashPointLeadsToTheSamePicture) {
   constexpr uint32_t kSamples = 13;
-  const FramePicture wanted = Reference(Job(kSamples)->frames[0].spec, 0);
+  const FramePicture wanted = Reference(ExtendableJob(kSamples)->frames[0].spec, 0);
   std::vector<std::pair<uint32_t, SampleRange>> units;
   for (uint32_t tile = 0; tile < kTiles; ++tile) {
     for (const SampleRange range : {SampleRange{8, 4}, {0, 2}, {4, 4}, {12, 1}, {2, 2}})
@@ -24,7 +24,7 @@ TEST(FarmRecovery, EveryCrashPointLeadsToTheSamePicture) {
     JobId job{};
     {
       Process before(disk);
-      job = *before.farm.Submit(before.now, Job(kSamples));
+      job = *before.farm.Submit(before.now, ExtendableJob(kSamples));
       before.Step();
       for (size_t u = 0; u < crash; ++u) {
         EXPECT_EQ(before.Return(job, 0, units[u].first, units[u].second), Verdict::kAccepted);
@@ -46,7 +46,7 @@ TEST(FarmRecovery, EveryCrashPointLeadsToTheSamePicture) {
 }
 
 TEST(FarmRecovery, TilesOfAnAdaptiveFrameStopAfterARestartWhereTheyWouldHave) {
-  auto spec = Job(128);
+  auto spec = ExtendableJob(128);
   spec->frames[0].spec.SetNoiseThreshold(0.2);
   Merger wanted(spec->frames[0].spec);
   struct Unit {
@@ -95,7 +95,7 @@ TEST(FarmRecovery, TilesOfAnAdaptiveFrameStopAfterARestartWhereTheyWouldHave) {
 
 // By the journal as it was written, and as it is written anew.
 TEST(FarmRecovery, AFinishedAdaptiveFrameStillHasTheSamplesItWasMadeOf) {
-  auto spec = Job(128);
+  auto spec = ExtendableJob(128);
   spec->frames[0].spec.SetNoiseThreshold(1);
   Disk disk;
   JobId job{};
@@ -128,7 +128,7 @@ TEST(FarmRecovery, NothingAcknowledgedIsLeasedAgain) {
   JobId job{};
   {
     Process before(disk);
-    job = *before.farm.Submit(before.now, Job(8));
+    job = *before.farm.Submit(before.now, ExtendableJob(8));
     before.Step();
     for (const uint32_t tile : {0u, 1u, 2u}) before.Return(job, 0, tile, {0, 8});
   }
@@ -152,14 +152,15 @@ TEST(FarmRecovery, APictureThatWasNotWrittenIsMadeFromTheSpool) {
   JobId job{};
   {
     Process before(disk);
-    job = *before.farm.Submit(before.now, Job(8));
+    job = *before.farm.Submit(before.now, ExtendableJob(8));
     before.Step();
     before.ReturnAll(job, 0, 0, 8);
     ASSERT_EQ(before.pictures.size(), 1u);
   }
   Process after(disk);
   ASSERT_EQ(after.pictures.size(), 1u);
-  EXPECT_EQ(after.pictures[0].snapshot.Picture().values, Reference(Job(8)->frames[0].spec, 0).values);
+  EXPECT_EQ(after.pictures[0].snapshot.Picture().values,
+            Reference(ExtendableJob(8)->frames[0].spec, 0).values);
   after.WritePictures();
   EXPECT_EQ(after.Status(job).state, JobState::kFinished);
 }
@@ -167,7 +168,7 @@ TEST(FarmRecovery, APictureThatWasNotWrittenIsMadeFromTheSpool) {
 TEST(FarmRecovery, SpoolFramesOfEndedAndUnknownJobsAreDropped) {
   Disk disk;
   Process process(disk);
-  const JobId job = *process.farm.Submit(process.now, Job(8, 1, false));
+  const JobId job = *process.farm.Submit(process.now, ExtendableJob(8, 1, false));
   process.Step();
   process.Return(job, 0, 0, {0, 8});
   EXPECT_FALSE(disk.results.empty());
@@ -182,7 +183,7 @@ TEST(FarmRecovery, SpoolFramesOfEndedAndUnknownJobsAreDropped) {
 TEST(FarmRecovery, FramesThatCannotBeExtendedLeaveNothingInTheSpool) {
   Disk disk;
   Process process(disk);
-  const JobId job = *process.farm.Submit(process.now, Job(8, 1, false));
+  const JobId job = *process.farm.Submit(process.now, ExtendableJob(8, 1, false));
   process.Step();
   process.Finish(job, 8);
   EXPECT_TRUE(disk.base.empty());
@@ -196,7 +197,7 @@ TEST(FarmRecovery, FramesThatCannotBeExtendedLeaveNothingInTheSpool) {
 TEST(FarmStorage, ADiskErrorIsShownByEveryOpenJobUntilItPasses) {
   Disk disk;
   Process process(disk);
-  const JobId job = *process.farm.Submit(process.now, Job(4));
+  const JobId job = *process.farm.Submit(process.now, ExtendableJob(4));
   process.farm.StorageDelayed("spool: no space left on device");
   EXPECT_EQ(process.Status(job).state, JobState::kPaused);
   EXPECT_EQ(process.Status(job).reason, "spool: no space left on device");

@@ -16,7 +16,7 @@ using std::chrono::seconds;
 constexpr int kTiles = 4;
 
 // `frames` frames of 4 tiles.
-inline std::shared_ptr<JobSpec> Job(uint32_t samples, int frames = 1, bool extendable = true) {
+inline std::shared_ptr<JobSpec> ExtendableJob(uint32_t samples, int frames = 1, bool extendable = true) {
   auto spec = std::make_shared<JobSpec>();
   spec->submission = 1;
   FrameSpec frame;

@@ -11,13 +11,12 @@
 
 #include "proto/blobs/blob_store.h"
 #include "tests/coordinator/store/temporary_dir.h"
+#include "tests/proto/blobs/origin_store.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr uint64_t kMega = uint64_t{1} << 20;
 
 class BlobCache : public testing::Test {
  protected:

@@ -6,20 +6,14 @@
 #include <filesystem>
 #include <fstream>
 
-#include "proto/blobs/blob_store.h"
 #include "proto/scene_package.h"
 #include "tests/coordinator/store/temporary_dir.h"
+#include "tests/proto/blobs/origin_store.h"
 
 namespace tessera {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr uint64_t kMega = uint64_t{1} << 20;
-
-Result<BlobStore> OpenOrigin(const std::string& path, uint64_t bytes_max = uint64_t{1} << 40) {
-  return BlobStore::Open(path, BlobStoreOptions::Origin(bytes_max));
-}
 
 std::string Bytes(char c, uint64_t size) {
   return std::string(size, c);

@@ -7,15 +7,12 @@
 
 #include "proto/terms.h"
 #include "tests/coordinator/store/temporary_dir.h"
+#include "tests/proto/blobs/origin_store.h"
 
 namespace tessera {
 namespace {
 
 using testing::HasSubstr;
-
-Result<BlobStore> OpenOrigin(const std::string& path, uint64_t bytes_max = uint64_t{1} << 40) {
-  return BlobStore::Open(path, BlobStoreOptions::Origin(bytes_max));
-}
 
 int FilesIn(const std::string& path) {
   int count = 0;

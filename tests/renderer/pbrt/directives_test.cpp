@@ -10,13 +10,6 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-// The parsed text, which must be good.
-SceneDescription Parsed(const std::string& text) {
-  Result<SceneDescription> scene = ParseText(text);
-  EXPECT_TRUE(scene.has_value()) << ErrorOf(scene);
-  return scene ? *std::move(scene) : SceneDescription();
-}
-
 // The place of the origin of the only shape of a world with this text.
 Point3 Origin(const std::string& world) {
   const SceneDescription scene = Parsed("WorldBegin\n" + world + "\nShape \"sphere\"");

@@ -1,6 +1,8 @@
 // Helpers for tests of the scene language.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <map>
 #include <string>
 
@@ -18,6 +20,13 @@ inline Result<SceneDescription> ParseText(const std::string& text) {
 // The message of the error; "no error" if there is none.
 inline std::string ErrorOf(const Result<SceneDescription>& scene) {
   return scene ? "no error" : scene.error().message;
+}
+
+// The parsed text, which must be good.
+inline SceneDescription Parsed(const std::string& text) {
+  Result<SceneDescription> scene = ParseText(text);
+  EXPECT_TRUE(scene.has_value()) << ErrorOf(scene);
+  return scene ? *std::move(scene) : SceneDescription();
 }
 
 }  // namespace tessera

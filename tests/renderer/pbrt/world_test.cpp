@@ -10,12 +10,6 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-SceneDescription Parsed(const std::string& text) {
-  Result<SceneDescription> scene = ParseText(text);
-  EXPECT_TRUE(scene.has_value()) << ErrorOf(scene);
-  return scene ? *std::move(scene) : SceneDescription();
-}
-
 TEST(World, NamedMaterialsMayBeDefinedAfterTheirUse) {
   const SceneDescription scene = Parsed(
       "WorldBegin NamedMaterial \"gold\" Shape \"sphere\" Material \"dielectric\" Shape \"disk\"\n"

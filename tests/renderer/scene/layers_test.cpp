@@ -11,7 +11,7 @@
 namespace tessera {
 namespace {
 
-constexpr uint32_t kSamples = 256;
+constexpr uint32_t kLayerSamples = 256;
 
 // Looks along +z from (1, 2, 3) at a grey ball that covers the view, 4 units away.
 constexpr const char* kBall = R"(
@@ -31,14 +31,14 @@ std::unique_ptr<Scene> LoadWith(const std::string& text, const std::set<std::str
   MemoryFiles files({{"scene.pbrt", text}});
   RenderOptions options;
   options.aovs = layers;
-  options.samples_per_pixel = kSamples;
+  options.samples_per_pixel = kLayerSamples;
   Result<std::unique_ptr<Scene>> scene = Scene::Load(files, "scene.pbrt", options, Scene::Depth::kRender);
   EXPECT_TRUE(scene) << scene.error().message;
   return scene ? std::move(*scene) : nullptr;
 }
 
 RadianceTile Rendered(const Scene& scene) {
-  return *scene.Render({0, 0, 4, 4}, {}, {0, kSamples}, nullptr);
+  return *scene.Render({0, 0, 4, 4}, {}, {0, kLayerSamples}, nullptr);
 }
 
 // A channel of pixel (2, 1) as the tile holds it, next to the middle of the picture.

@@ -34,13 +34,13 @@ struct Pixels {
   }
 };
 
-Result<std::unique_ptr<Scene>> Load(const std::string& text, const RenderOptions& options = {}) {
+Result<std::unique_ptr<Scene>> LoadMedia(const std::string& text, const RenderOptions& options = {}) {
   MemoryFiles files({{"scene.pbrt", text}});
   return Scene::Load(files, "scene.pbrt", options, Scene::Depth::kRender);
 }
 
 std::vector<float> Sums(const std::string& text, uint32_t samples, const RenderOptions& options = {}) {
-  const Result<std::unique_ptr<Scene>> scene = Load(text, options);
+  const Result<std::unique_ptr<Scene>> scene = LoadMedia(text, options);
   EXPECT_TRUE(scene.has_value()) << scene.error().message;
   if (!scene) return std::vector<float>(256);
   RenderStatistics statistics;
@@ -275,7 +275,7 @@ AttributeEnd
 
 TEST(Media, UnitRenderedTwiceHasTheSameBits) {
   const std::string text = Wide(kVolPath) + "WorldBegin\n" + kRoom;
-  const auto first = Load(text), second = Load(text);
+  const auto first = LoadMedia(text), second = LoadMedia(text);
   ASSERT_TRUE(first && second);
   const RadianceTile expected = *(*first)->Render({2, 1, 7, 8}, {}, {8, 8}, nullptr);
   (void)(*second)->Render({0, 0, 8, 8}, {}, {0, 4}, nullptr);
@@ -306,14 +306,14 @@ TEST(Media, PathIgnoresMedia) {
 TEST(Media, UnsupportedKindsAreRefusedByVolpathAlone) {
   const std::string text = Wide(kVolPath) + "WorldBegin\n" + kEvenLight +
                            "MakeNamedMedium \"m\" \"string type\" \"cloud\"\n" + Ball("\"interface\"", "m");
-  const auto refused = Load(text);
+  const auto refused = LoadMedia(text);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().message,
             "scene.pbrt:10:1: medium \"cloud\" is not supported yet (integrator \"path\" renders the scene "
             "without media)");
   RenderOptions path;
   path.integrator = "path";
-  EXPECT_TRUE(Load(text, path));
+  EXPECT_TRUE(LoadMedia(text, path));
 }
 
 }  // namespace

@@ -10,15 +10,15 @@
 namespace tessera {
 namespace {
 
-constexpr int kSize = 40;         // pixels
-constexpr uint32_t kSamples = 4;  // per pixel
+constexpr int kOriginalSize = 40;         // pixels
+constexpr uint32_t kOriginalSamples = 4;  // per pixel
 
-std::unique_ptr<Scene> Load(const std::string& name, const std::string& integrator,
-                            const std::string& accelerator) {
+std::unique_ptr<Scene> LoadOriginal(const std::string& name, const std::string& integrator,
+                                    const std::string& accelerator) {
   DiskFileSource files(SourceDir() + "/tests/scenes/original");
   RenderOptions options;
-  options.samples_per_pixel = kSamples;
-  options.width = options.height = kSize;
+  options.samples_per_pixel = kOriginalSamples;
+  options.width = options.height = kOriginalSize;
   options.integrator = integrator;
   options.accelerator = accelerator;
   Result<std::unique_ptr<Scene>> scene = Scene::Load(files, name + ".pbrt", options, Scene::Depth::kRender);
@@ -28,10 +28,11 @@ std::unique_ptr<Scene> Load(const std::string& name, const std::string& integrat
 
 std::vector<float> Sums(const std::string& name, const std::string& integrator,
                         const std::string& accelerator) {
-  const std::unique_ptr<Scene> scene = Load(name, integrator, accelerator);
+  const std::unique_ptr<Scene> scene = LoadOriginal(name, integrator, accelerator);
   if (!scene) return {};
   RenderStatistics statistics;
-  const auto tile = scene->Render({0, 0, kSize, kSize}, {}, {0, kSamples}, nullptr, &statistics);
+  const auto tile =
+      scene->Render({0, 0, kOriginalSize, kOriginalSize}, {}, {0, kOriginalSamples}, nullptr, &statistics);
   EXPECT_EQ(statistics.discarded_samples, 0u);
   return tile->sums;
 }
@@ -39,7 +40,7 @@ std::vector<float> Sums(const std::string& name, const std::string& integrator,
 class OriginalScene : public testing::TestWithParam<const char*> {};
 
 TEST_P(OriginalScene, IsReadWithoutAWarning) {
-  EXPECT_EQ(Load(GetParam(), "", "embree")->summary().warnings, std::vector<std::string>{});
+  EXPECT_EQ(LoadOriginal(GetParam(), "", "embree")->summary().warnings, std::vector<std::string>{});
 }
 
 TEST_P(OriginalScene, IsTheSameToTheLastBitWithAndWithoutATree) {

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 constexpr const char* kFilm =
     "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 Sampler \"independent\"\n";
 
-std::unique_ptr<Scene> Load(FileSource& files, std::optional<double> time = {}) {
+std::unique_ptr<Scene> LoadFrame(FileSource& files, std::optional<double> time = {}) {
   RenderOptions options;
   options.time = time;
   options.samples_per_pixel = 4;
@@ -38,11 +38,12 @@ TEST(Sequence, WhatMovesIsElsewhereAtAnotherTime) {
                           "Camera \"perspective\" WorldBegin LightSource \"infinite\" Translate 0 0 3\n"
                           "ActiveTransform EndTime Translate 3 0 0 ActiveTransform All\n"
                           "Material \"diffuse\" \"rgb reflectance\" [0 0 0] Shape \"sphere\""}});
-  const auto start = Load(files, 0), middle = Load(files, 0.5), rest = Load(files, 1), after = Load(files, 2);
+  const auto start = LoadFrame(files, 0), middle = LoadFrame(files, 0.5), rest = LoadFrame(files, 1),
+             after = LoadFrame(files, 2);
   EXPECT_NE(Render(*start), Render(*middle));
   EXPECT_NE(Render(*middle), Render(*rest));
   EXPECT_EQ(Render(*rest), Render(*after));
-  EXPECT_EQ(Render(*middle), Render(*Load(files))) << "the middle of a shutter from 0 to 1";
+  EXPECT_EQ(Render(*middle), Render(*LoadFrame(files))) << "the middle of a shutter from 0 to 1";
   EXPECT_EQ(start->frame(), middle->frame());
   EXPECT_EQ(start->summary().moving, 1u);
   EXPECT_THAT(start->summary().warnings, Contains(HasSubstr("the frame's time, without motion blur")));
@@ -54,7 +55,7 @@ TEST(Sequence, AMovingCameraMoves) {
                           "ActiveTransform EndTime Translate 1 0 0 ActiveTransform All\n"
                           "Camera \"perspective\" WorldBegin LightSource \"infinite\" Translate 0 0 3\n"
                           "Material \"diffuse\" Shape \"sphere\""}});
-  EXPECT_NE(Render(*Load(files, 0)), Render(*Load(files, 1)));
+  EXPECT_NE(Render(*LoadFrame(files, 0)), Render(*LoadFrame(files, 1)));
 }
 
 TEST(Sequence, ATimeSurvivesItsCodec) {
@@ -94,7 +95,7 @@ class SharedFiles : public testing::Test {
   }
   std::vector<float> RenderWith(std::shared_ptr<SharedCache> cache) {
     DiskFileSource files(folder_, std::move(cache));
-    const auto picture = Render(*Load(files));
+    const auto picture = Render(*LoadFrame(files));
     EXPECT_EQ(files.FilesRead().size(), 3u) << "what is shared counts as read";
     return picture;
   }

@@ -14,6 +14,10 @@
 
 namespace tessera {
 
+constexpr auto kSphere = Quadric::Kind::kSphere;
+constexpr auto kCylinder = Quadric::Kind::kCylinder;
+constexpr auto kDisk = Quadric::Kind::kDisk;
+
 inline Point2 Random2(TestRandom& random) {
   return random.Next2<Point2>();
 }

@@ -13,10 +13,6 @@
 namespace tessera {
 namespace {
 
-constexpr auto kSphere = Quadric::Kind::kSphere;
-constexpr auto kCylinder = Quadric::Kind::kCylinder;
-constexpr auto kDisk = Quadric::Kind::kDisk;
-
 // The interaction of the nearest hit; fails the test if there is none.
 SurfaceInteraction InteractionOf(const Shape& shape, const Ray& ray) {
   const Geometry geometry{{shape}, {}, {}};
@@ -30,13 +26,13 @@ void ExpectNear(Vec3 a, Vec3 b, float tolerance, const std::string& what) {
       << what << ": " << a.x << " " << a.y << " " << a.z << " and " << b.x << " " << b.y << " " << b.z;
 }
 
-struct Case {
+struct InteractionCase {
   std::string name;
   Shape shape;
   Ray ray;
 };
 
-std::vector<Case> SmoothCases() {
+std::vector<InteractionCase> SmoothCases() {
   const Transform turn = Translate({1, 2, 3}) * Rotate(50, {1, -2, 0.5f});
   const Transform stretch = turn * Scale(1, 2, 0.7f);
   const Ray ray{{-4, -3, -5}, {5.1f, 4.9f, 8.05f}};
@@ -52,7 +48,7 @@ std::vector<Case> SmoothCases() {
 
 // p is a function of uv: between two nearby hits it changes by dpdu du + dpdv dv, and the normal likewise.
 TEST(ShapeInteraction, DerivativesAreThoseOfFiniteDifferences) {
-  for (const Case& c : SmoothCases()) {
+  for (const InteractionCase& c : SmoothCases()) {
     const SurfaceInteraction a = InteractionOf(c.shape, c.ray);
     for (const Vec3 shift : {Vec3{0.01f, 0, 0}, Vec3{0, 0.01f, 0}, Vec3{0, 0, 0.01f}}) {
       Ray nearby = c.ray;
@@ -73,7 +69,7 @@ TEST(ShapeInteraction, DerivativesAreThoseOfFiniteDifferences) {
 }
 
 TEST(ShapeInteraction, TheNormalIsTheCrossProductOfTheDerivatives) {
-  for (const Case& c : SmoothCases()) {
+  for (const InteractionCase& c : SmoothCases()) {
     const SurfaceInteraction at = InteractionOf(c.shape, c.ray);
     const Normal3 n = Normalize(Cross(at.dpdu, at.dpdv));
     ExpectNear(n, at.n, 2e-6f, c.name);
@@ -83,7 +79,7 @@ TEST(ShapeInteraction, TheNormalIsTheCrossProductOfTheDerivatives) {
 }
 
 TEST(ShapeInteraction, FlippedNormalsPointTheOtherWay) {
-  for (Case& c : SmoothCases()) {
+  for (InteractionCase& c : SmoothCases()) {
     const Normal3 n = InteractionOf(c.shape, c.ray).n;
     std::visit([](auto& form) { form.flip_normals = !form.flip_normals; }, c.shape.form);
     ExpectNear(InteractionOf(c.shape, c.ray).n, -n, 1e-6f, c.name);
@@ -188,7 +184,7 @@ TEST(ShapeInteraction, DegenerateTrianglesAndPatchesStayFinite) {
 }
 
 TEST(ShapeInteraction, HitPointsAgreeWithInteractions) {
-  for (const Case& c : SmoothCases()) {
+  for (const InteractionCase& c : SmoothCases()) {
     Geometry geometry;
     geometry.groups.push_back({{c.shape}});
     geometry.shapes.push_back(c.shape);

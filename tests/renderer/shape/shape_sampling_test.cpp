@@ -11,11 +11,7 @@
 namespace tessera {
 namespace {
 
-constexpr auto kSphere = Quadric::Kind::kSphere;
-constexpr auto kCylinder = Quadric::Kind::kCylinder;
-constexpr auto kDisk = Quadric::Kind::kDisk;
-
-struct Case {
+struct SamplingCase {
   std::string name;
   Shape shape;
   ReferencePoint reference;
@@ -28,7 +24,7 @@ ReferencePoint OnSurface(Point3 p, Normal3 n) {
   return {p, {}, Normalize(n), Normalize(n)};
 }
 
-std::vector<Case> Cases() {
+std::vector<SamplingCase> Cases() {
   const Shape triangle = TriangleShape({1, 0.2f, 0.3f}, {-0.5f, 1, 0.6f}, {-0.2f, -0.9f, 1});
   const Shape tiny = TriangleShape({0.01f, 0, 3}, {0, 0.02f, 3}, {-0.01f, 0, 3.01f});
   const Shape rectangle = PatchShape({-1, -1, 1}, {1, -1, 1}, {-1, 1, 1}, {1, 1, 1});
@@ -67,7 +63,7 @@ std::vector<Case> Cases() {
 
 // The density of a direction by ShapePdf: the sum over all points where the direction meets the shape. The
 // whole sphere is sampled on its near side only.
-float PdfOfDirection(const Case& c, Vec3 wi, bool near_side_only) {
+float PdfOfDirection(const SamplingCase& c, Vec3 wi, bool near_side_only) {
   const Geometry geometry{{c.shape}, {}, {}};
   const Ray ray{c.reference.p, wi};
   float pdf = 0;
@@ -82,17 +78,17 @@ float PdfOfDirection(const Case& c, Vec3 wi, bool near_side_only) {
   return pdf;
 }
 
-bool IsConeSampled(const Case& c) {
+bool IsConeSampled(const SamplingCase& c) {
   return c.name.find("sphere") != std::string::npos && c.name[0] != 'p';
 }
-bool IsSmall(const Case& c) {
+bool IsSmall(const SamplingCase& c) {
   return c.name == "far sphere" || c.name == "tiny triangle";
 }
 
 TEST(ShapeSampling, DirectionsFollowTheDensityOfEveryShape) {
   int test_count = 0;
-  const std::vector<Case> cases = Cases();
-  for (const Case& c : cases) {
+  const std::vector<SamplingCase> cases = Cases();
+  for (const SamplingCase& c : cases) {
     if (IsSmall(c)) continue;
     TestRandom random(++test_count);
     const ChiSquareResult result = ChiSquareSphere<Vec3>(
@@ -108,7 +104,7 @@ TEST(ShapeSampling, DirectionsFollowTheDensityOfEveryShape) {
 }
 
 TEST(ShapeSampling, TheDensityOfASampleIsTheDensityOfItsDirection) {
-  for (const Case& c : Cases()) {
+  for (const SamplingCase& c : Cases()) {
     TestRandom random(7);
     int count = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -127,7 +123,7 @@ TEST(ShapeSampling, TheDensityOfASampleIsTheDensityOfItsDirection) {
 }
 
 // The solid angle of the shape by the midpoint rule over its area, both sides of closed shapes counted.
-double SolidAngleByArea(const Case& c) {
+double SolidAngleByArea(const SamplingCase& c) {
   constexpr int kSteps = 400;
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
@@ -170,7 +166,7 @@ double SolidAngleByArea(const Case& c) {
 }
 
 TEST(ShapeSampling, TheMeanOfOneOverTheDensityIsTheSolidAngle) {
-  for (const Case& c : Cases()) {
+  for (const SamplingCase& c : Cases()) {
     TestRandom random(11);
     constexpr int kSamples = 100000;
     double sum = 0, sum_squares = 0;
@@ -189,7 +185,7 @@ TEST(ShapeSampling, TheMeanOfOneOverTheDensityIsTheSolidAngle) {
 }
 
 TEST(ShapeSampling, SampledPointsLieOnTheShapeWithItsNormal) {
-  for (const Case& c : Cases()) {
+  for (const SamplingCase& c : Cases()) {
     const Geometry geometry{{c.shape}, {}, {}};
     TestRandom random(3);
     for (int i = 0; i < 500; ++i) {

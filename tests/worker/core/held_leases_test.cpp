@@ -11,7 +11,7 @@ using testing::ElementsAre;
 
 const HeldLeases::TimePoint kStart{};
 
-Digest Scene(uint8_t number) {
+Digest SceneKey(uint8_t number) {
   Digest digest;
   digest.bytes[0] = number;
   return digest;
@@ -21,7 +21,7 @@ Lease MakeLease(uint64_t id, uint8_t scene = 1, milliseconds duration = millisec
   Lease lease;
   lease.id = LeaseId{id};
   lease.unit = {JobId{1}, 0, static_cast<uint32_t>(id), {0, 4}};
-  lease.scene = Scene(scene);
+  lease.scene = SceneKey(scene);
   lease.duration = duration;
   return lease;
 }
@@ -35,7 +35,7 @@ TEST(HeldLeases, UnitsStartInOrderOfArrivalOnceTheirScenesAreReady) {
   book.Add(MakeLease(1, 1), kStart);
   book.Add(MakeLease(2, 2), kStart);
   book.Add(MakeLease(3, 1), kStart);
-  const auto only_second = [](const Digest& scene) { return scene == Scene(2); };
+  const auto only_second = [](const Digest& scene) { return scene == SceneKey(2); };
   EXPECT_EQ(book.Start(only_second, kStart)->lease.id, LeaseId{2});
   EXPECT_FALSE(book.Start(only_second, kStart));
   EXPECT_EQ(book.Start(AnyScene, kStart)->lease.id, LeaseId{1});
@@ -91,9 +91,9 @@ TEST(HeldLeases, TakesLeasesByStageAndByScene) {
   const auto first = book.Start(AnyScene, kStart);
   book.Start(AnyScene, kStart);
   book.Finish(LeaseId{2}, kStart);
-  EXPECT_TRUE(book.Uses(Scene(2)));
-  EXPECT_THAT(book.TakeScene(Scene(2)), ElementsAre(LeaseId{4}));
-  EXPECT_FALSE(book.Uses(Scene(2)));
+  EXPECT_TRUE(book.Uses(SceneKey(2)));
+  EXPECT_THAT(book.TakeScene(SceneKey(2)), ElementsAre(LeaseId{4}));
+  EXPECT_FALSE(book.Uses(SceneKey(2)));
   EXPECT_THAT(book.TakeWaiting(), ElementsAre(LeaseId{3}));
   EXPECT_THAT(book.TakeRunning(), ElementsAre(LeaseId{1}));
   EXPECT_TRUE(*first->stop);

@@ -10,7 +10,7 @@ namespace {
 
 using testing::ElementsAre;
 
-const SceneTable::TimePoint kStart{};
+const SceneTable::TimePoint kTableStart{};
 
 Digest Key(uint8_t number) {
   Digest digest;
@@ -35,16 +35,16 @@ std::vector<Digest> Keys(const SceneTable& shelf) {
 }
 
 void LoadAll(SceneTable& shelf) {
-  while (const auto order = shelf.StartLoading(kStart)) shelf.Loaded(order->key, LoadTinyScene());
+  while (const auto order = shelf.StartLoading(kTableStart)) shelf.Loaded(order->key, LoadTinyScene());
 }
 
 TEST(SceneTable, LoadsTheMostUrgentFirstAndEachOnce) {
   SceneTable shelf;
   shelf.Want({Order(2), Order(1)}, NotInUse);
-  EXPECT_EQ(shelf.StartLoading(kStart)->key, Key(2));
+  EXPECT_EQ(shelf.StartLoading(kTableStart)->key, Key(2));
   shelf.Want({Order(2), Order(1)}, NotInUse);  // told again meanwhile
-  EXPECT_EQ(shelf.StartLoading(kStart)->key, Key(1));
-  EXPECT_FALSE(shelf.StartLoading(kStart));
+  EXPECT_EQ(shelf.StartLoading(kTableStart)->key, Key(1));
+  EXPECT_FALSE(shelf.StartLoading(kTableStart));
   EXPECT_FALSE(shelf.IsReady(Key(2)));
   shelf.Loaded(Key(2), LoadTinyScene());
   EXPECT_TRUE(shelf.IsReady(Key(2)));
@@ -68,16 +68,16 @@ TEST(SceneTable, EvictsTheLeastRecentlyUsedThatIsNeitherWantedNorInUse) {
 TEST(SceneTable, AFailedSceneIsRetriedAfterAnIntervalIfStillWanted) {
   SceneTable shelf;
   shelf.Want({Order(1)}, NotInUse);
-  shelf.StartLoading(kStart);
-  shelf.Failed(Key(1), kStart);
+  shelf.StartLoading(kTableStart);
+  shelf.Failed(Key(1), kTableStart);
   EXPECT_TRUE(shelf.Held().empty());
-  EXPECT_FALSE(shelf.StartLoading(kStart));
-  EXPECT_EQ(shelf.NextRetry(), kStart + kSceneRetryInterval);
-  EXPECT_TRUE(shelf.StartLoading(kStart + kSceneRetryInterval));
-  shelf.Failed(Key(1), kStart);
+  EXPECT_FALSE(shelf.StartLoading(kTableStart));
+  EXPECT_EQ(shelf.NextRetry(), kTableStart + kSceneRetryInterval);
+  EXPECT_TRUE(shelf.StartLoading(kTableStart + kSceneRetryInterval));
+  shelf.Failed(Key(1), kTableStart);
   shelf.Want({}, NotInUse);
   EXPECT_FALSE(shelf.NextRetry());
-  EXPECT_FALSE(shelf.StartLoading(kStart + kSceneRetryInterval));
+  EXPECT_FALSE(shelf.StartLoading(kTableStart + kSceneRetryInterval));
 }
 
 TEST(SceneTable, ExpectsScenesThatAreWantedLoadingOrReady) {
