@@ -35,6 +35,13 @@ Result<void> AddTag(std::set<std::string>& tags, const std::string& word) {
   return {};
 }
 
+Result<void> SetLoadTime(std::chrono::seconds& time, const std::string& word) {
+  const auto seconds = ParseInteger("--load-timeout", word, 1, std::chrono::seconds(kLoadTimeMax).count());
+  if (!seconds) return seconds.error();
+  time = std::chrono::seconds(*seconds);
+  return {};
+}
+
 void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
   AddText(app, "--coordinator", "ADDR",
           WithDefault("Address of the coordinator: HOST:PORT or unix:PATH", "$TESSERA_COORDINATOR"),
@@ -45,6 +52,12 @@ void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
           options.cache_dir);
   AddSize(app, "--cache-size", "Size limit of the cache; least recently used files are evicted first",
           kCacheBytesMin, options.cache_bytes);
+  AddSize(app, "--scene-memory", "Memory that loading one scene may take; a scene that needs more fails",
+          kSceneMemoryMin, options.load_limits.memory_bytes);
+  AddWord(app, "--load-timeout", "SECONDS",
+          WithDefault("Time that loading one scene may take; a scene that needs more fails",
+                      std::to_string(kLoadTimeDefault.count())),
+          [&options](const std::string& word) { return SetLoadTime(options.load_limits.time, word); });
   AddText(app, "--name", "NAME", WithDefault("Name of this worker in lists and messages", "the host name"),
           options.name);
   AddRepeatedWord(app, "--tag", "TAG", "Offer this tag to jobs that require it; may be repeated",
@@ -71,6 +84,7 @@ Result<WorkerOptions> Complete(WorkerOptions options, const std::string& coordin
 Result<CommandLineOf<WorkerOptions>> ParseWorkerCommandLine(const std::vector<std::string>& arguments) {
   CLI::App app("Render for a Tessera farm.", "tessera-worker");
   WorkerOptions options;
+  options.load_limits.memory_bytes = DefaultSceneMemory();
   std::string coordinator = Environment("TESSERA_COORDINATOR");
   AddFlags(app, options, coordinator);
   auto answer = ParseArguments(app, arguments);

@@ -1,6 +1,7 @@
 // The command line of `tessera-worker`.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <set>
 #include <string>
@@ -10,6 +11,7 @@
 #include "proto/shell/log.h"
 #include "proto/wire/address.h"
 #include "renderer/util/result.h"
+#include "worker/limited_load.h"
 
 namespace tessera {
 
@@ -17,14 +19,19 @@ namespace tessera {
 constexpr uint64_t kCacheBytesDefault = uint64_t{20} << 30;
 constexpr uint64_t kCacheBytesMin = uint64_t{1} << 20;
 
+// Every scene that is worth a farm takes more.
+constexpr uint64_t kSceneMemoryMin = uint64_t{16} << 20;
+constexpr std::chrono::hours kLoadTimeMax{24 * 7};
+
 // Parsed and checked once, constant from then on.
 struct WorkerOptions {
   Address coordinator;
   int threads = 0;        // render threads, each of them a slot; default: the processors that may be used
   std::string cache_dir;  // of scene files; default: $XDG_CACHE_HOME/tessera or ~/.cache/tessera
   uint64_t cache_bytes = kCacheBytesDefault;
-  std::string name;            // shown to users; default: the host name
-  std::set<std::string> tags;  // that jobs may require
+  LoadLimits load_limits{0, kLoadTimeDefault};  // of one scene; default: DefaultSceneMemory
+  std::string name;                             // shown to users; default: the host name
+  std::set<std::string> tags;                   // that jobs may require
   std::string log_level = kLogLevelDefault;
 };
 

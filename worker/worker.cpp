@@ -108,6 +108,7 @@ Worker::Worker(const WorkerOptions& options, WorkerState self, BlobStore cache)
       bulk_channel_(OpenChannel(options.coordinator)),
       self_(std::move(self)),
       threads_(options.threads),
+      load_limits_(options.load_limits),
       meter_(threads_, Clock::now()),
       cache_(std::move(cache)),
       fetcher_(bulk_channel_, cache_, closing_.get_token(), Number(self_.worker) + 2,
@@ -210,34 +211,37 @@ void Worker::FetchFiles(const SceneRequest& order) {
   spdlog::warn("fetch_failed package={} reason=\"{}\"", order.package.Hex(), fetched.error().message);
 }
 
-void Worker::LoadScenes() {
+void Worker::LoadScene(const SceneRequest& order) {
+  const auto start = Clock::now();
+  FetchFiles(order);
+  if (closing_.stop_requested()) return;
+  meter_.LoaderDoes(ActivityMeter::Loader::kLoading, Clock::now());
+  synchronizer_.NotifyNews();
   const FetchBlob fetch = [this](const Digest& digest, uint64_t size_max) {
     return fetcher_.Get(digest, size_max);
   };
+  auto scene = LoadWithinLimits(order.scene_file, load_limits_,
+                                [&] { return LoadOrderedScene(order, fetch, assets_); });
+  meter_.LoaderDoes(ActivityMeter::Loader::kIdle, Clock::now());
+  if (closing_.stop_requested()) return;
+  if (!scene) {
+    spdlog::warn("scene_failed scene={} reason=\"{}\"", order.key.Hex(), scene.error().message);
+    return workload_.Change(kNews)->SceneFailed(order.key, scene.error().message, Clock::now());
+  }
+  workload_.Change(kNews)->SceneLoaded(order.key, std::move(*scene));
+  spdlog::info("scene_loaded scene={} load_s={:.3f}", order.key.Hex(),
+               std::chrono::duration<double>(Clock::now() - start).count());
+}
+
+void Worker::LoadScenes() {
   while (const auto order = workload_.AwaitSceneOrder(closing_.get_token())) {
-    const auto start = Clock::now();
     try {
-      FetchFiles(*order);
-      if (closing_.stop_requested()) break;
-      meter_.LoaderDoes(ActivityMeter::Loader::kLoading, Clock::now());
-      synchronizer_.NotifyNews();
-      auto scene = LoadOrderedScene(*order, fetch, assets_);
-      meter_.LoaderDoes(ActivityMeter::Loader::kIdle, Clock::now());
-      if (closing_.stop_requested()) break;
-      if (!scene) {
-        spdlog::warn("scene_failed scene={} reason=\"{}\"", order->key.Hex(), scene.error().message);
-        workload_.Change(kNews)->SceneFailed(order->key, scene.error().message, Clock::now());
-        continue;
-      }
-      workload_.Change(kNews)->SceneLoaded(order->key, std::move(*scene));
+      LoadScene(*order);
     } catch (const std::exception& e) {  // such as std::bad_alloc
-      meter_.LoaderDoes(ActivityMeter::Loader::kIdle, Clock::now());
       workload_.Change(kNews)->SceneFailed(order->key, fmt::format("{}: {}", order->scene_file, e.what()),
                                            Clock::now());
-      continue;
     }
-    spdlog::info("scene_loaded scene={} load_s={:.3f}", order->key.Hex(),
-                 std::chrono::duration<double>(Clock::now() - start).count());
+    meter_.LoaderDoes(ActivityMeter::Loader::kIdle, Clock::now());
   }
   const std::lock_guard lock(mutex_);
   loader_is_done_ = true;

@@ -42,6 +42,7 @@ class Worker {
   Result<void> StartThreads();
   void Render();
   void LoadScenes();
+  void LoadScene(const SceneRequest& order);
   void FetchFiles(const SceneRequest& order);
   void OnRefusal(Error why);
   void Drain();
@@ -50,6 +51,7 @@ class Worker {
   std::shared_ptr<grpc::Channel> states_channel_, bulk_channel_;
   WorkerState self_;
   int threads_;
+  const LoadLimits load_limits_;
   ActivityMeter meter_;
   BlobStore cache_;
   BlobFetcher fetcher_;

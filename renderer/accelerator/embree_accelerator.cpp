@@ -26,6 +26,7 @@ class EmbreeAccelerator : public Accelerator {
     groups_.resize(geometry_.groups.size());
     for (size_t i = 0; i < geometry_.instances.size(); ++i) AddInstance(static_cast<uint32_t>(i));
     rtcCommitScene(top_.handle());
+    device_->EndBuild();
     build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return device_->Status();
   }

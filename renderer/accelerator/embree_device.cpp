@@ -6,6 +6,7 @@ namespace tessera {
 
 Result<std::unique_ptr<EmbreeDevice>> EmbreeDevice::Make(int threads) {
   std::unique_ptr<EmbreeDevice> device(new EmbreeDevice);
+  device->budget_ = LoadBudget::Current();
   const std::string settings = fmt::format("isa=avx2,threads={}", threads);
   device->device_ = rtcNewDevice(settings.c_str());
   if (!device->device_) {
@@ -35,7 +36,9 @@ void EmbreeDevice::OnError(void* self, RTCError code, const char* text) {
 }
 
 bool EmbreeDevice::OnMemory(void* self, ssize_t bytes, bool) {
-  static_cast<EmbreeDevice*>(self)->bytes_ += bytes;
+  auto* const device = static_cast<EmbreeDevice*>(self);
+  if (device->budget_ != nullptr && !device->budget_->Charge(bytes)) return false;
+  device->bytes_ += bytes;
   return true;
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <type_traits>
 
+#include "renderer/util/load_budget.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -33,6 +34,9 @@ class EmbreeDevice {
 
   RTCDevice handle() const { return device_; }
   uint64_t bytes() const { return static_cast<uint64_t>(bytes_.load()); }
+  // Building has ended: what is allocated or freed later does not concern the budget of the thread that made
+  // the device.
+  void EndBuild() { budget_ = nullptr; }
   // The first error since the device was created, if any. Only for the thread that builds.
   Result<void> Status() const;
 
@@ -42,6 +46,7 @@ class EmbreeDevice {
   static bool OnMemory(void* self, ssize_t bytes, bool post);
 
   RTCDevice device_ = nullptr;
+  LoadBudget* budget_ = nullptr;
   std::atomic<int64_t> bytes_{0};
   std::string error_;
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "renderer/description/number.h"
+#include "renderer/util/load_budget.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
@@ -40,6 +41,7 @@ SceneParser::SceneParser(const SceneParser& importer, std::unique_ptr<Lexer> lex
 
 bool SceneParser::Run() {
   while (true) {
+    CheckLoadBudget();
     const Token token = tokens_.Next();
     if (token.kind == Token::Kind::kEnd) return CheckEnd();
     if (!Carry(token)) return false;

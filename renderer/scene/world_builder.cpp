@@ -6,6 +6,7 @@
 
 #include "renderer/shape/shape_builder.h"
 #include "renderer/texture/texture_builder.h"
+#include "renderer/util/load_budget.h"
 
 namespace tessera {
 namespace {
@@ -81,6 +82,7 @@ Result<std::vector<Shape>> WorldBuilder::MakeShapes(const ShapeDescription& desc
 
 Result<void> WorldBuilder::AddShapes() {
   for (const ShapeDescription& description : scene_.shapes) {
+    CheckLoadBudget();
     Result<std::vector<Shape>> shapes = MakeShapes(description, render_from_world_);
     if (!shapes) return shapes.error();
     for (Shape& shape : *shapes) {
@@ -95,6 +97,7 @@ Result<void> WorldBuilder::AddGroups() {
   for (const ObjectDescription& object : scene_.objects) {
     ShapeGroup group;
     for (const ShapeDescription& shape : object.shapes) {
+      CheckLoadBudget();
       Result<std::vector<Shape>> shapes = MakeShapes(shape, Transform());
       if (!shapes) return shapes.error();
       std::ranges::move(*shapes, std::back_inserter(group.shapes));
@@ -107,6 +110,7 @@ Result<void> WorldBuilder::AddGroups() {
 
 Result<void> WorldBuilder::AddInstances() {
   for (const InstanceDescription& instance : scene_.instances) {
+    CheckLoadBudget();
     const auto group = group_index_.find(instance.name);
     if (group == group_index_.end()) {
       return ErrorAt(instance.location, "object \"" + instance.name + "\" is not defined");

@@ -1,0 +1,95 @@
+#include "worker/limited_load.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "renderer/util/load_budget.h"
+#include "tests/worker/tiny_scene.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+using namespace std::chrono_literals;
+
+constexpr uint64_t kMegabyte = uint64_t{1} << 20;
+
+// A scene with a mesh of this many triangles.
+std::string SceneWithMesh(int triangles) {
+  std::string scene = std::string(kTinyScene) + "Shape \"trianglemesh\" \"point3 P\" [";
+  for (int i = 0; i < triangles; ++i) scene += " 0 0 5  1 0 5  1 1 5";
+  scene += "] \"integer indices\" [";
+  for (int i = 0; i < 3 * triangles; ++i) scene += " " + std::to_string(i);
+  return scene + "]\n";
+}
+
+LoadedScene Load(const std::string& text, const LoadLimits& limits, const RenderOptions& options = {}) {
+  BlobMap blobs;
+  const SceneRequest order = MakeOrder(blobs, text, options);
+  const FetchBlob fetch = blobs.Fetcher();
+  return LoadWithinLimits("scene.pbrt", limits, [&] { return LoadOrderedScene(order, fetch); });
+}
+
+TEST(LimitedLoad, ASceneWithinTheLimitsIsLoaded) {
+  const auto scene = Load(SceneWithMesh(100'000), {500 * kMegabyte, 60s});
+  EXPECT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(LoadBudget::Current(), nullptr);
+}
+
+TEST(LimitedLoad, ASceneThatNeedsMoreMemoryFailsWithTheLimit) {
+  for (const char* accelerator : {"embree", "bvh"}) {
+    RenderOptions options;
+    options.accelerator = accelerator;
+    const auto scene = Load(SceneWithMesh(100'000), {16 * kMegabyte, 60s}, options);
+    ASSERT_FALSE(scene);
+    EXPECT_THAT(scene.error().message, HasSubstr("scene.pbrt: "));
+    EXPECT_THAT(scene.error().message, HasSubstr("more than 16 MiB of memory (--scene-memory)"));
+  }
+}
+
+TEST(LimitedLoad, AnyMemoryLimitIsAnErrorOrASceneButNoCrash) {
+  const std::string text = SceneWithMesh(20'000);
+  int loaded = 0;
+  for (uint64_t kilobytes = 64; kilobytes < 64 * 1024; kilobytes = kilobytes * 5 / 4)
+    loaded += Load(text, {kilobytes << 10, 60s}) ? 1 : 0;
+  EXPECT_GT(loaded, 0);
+}
+
+TEST(LimitedLoad, ASceneThatTakesTooLongFailsWithTheLimit) {
+  BlobMap blobs;
+  const SceneRequest order = MakeOrder(blobs, kTinyScene);
+  const FetchBlob fetch = [&](const Digest& digest, uint64_t size_max) {
+    std::this_thread::sleep_for(700ms);
+    return blobs.Fetcher()(digest, size_max);
+  };
+  const auto scene =
+      LoadWithinLimits("scene.pbrt", {500 * kMegabyte, 1s}, [&] { return LoadOrderedScene(order, fetch); });
+  ASSERT_FALSE(scene);
+  EXPECT_THAT(scene.error().message, HasSubstr("longer than 1 s (--load-timeout)"));
+}
+
+TEST(LimitedLoad, WhatLoadingThrowsIsAnError) {
+  const auto scene = LoadWithinLimits("scene.pbrt", {500 * kMegabyte, 60s},
+                                      []() -> LoadedScene { throw std::runtime_error("a library failed"); });
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.error().message, "scene.pbrt: a library failed");
+}
+
+TEST(LimitedLoad, OtherThreadsAllocateFreely) {
+  const auto scene = LoadWithinLimits("scene.pbrt", {kMegabyte, 60s}, []() -> LoadedScene {
+    std::jthread([] { const std::string large(64 * kMegabyte, 'x'); }).join();
+    return Failed("done");
+  });
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.error().message, "done");
+}
+
+TEST(LimitedLoad, TheDefaultIsHalfOfTheUsableMemory) {
+  EXPECT_GT(UsableMemory(), 100 * kMegabyte);
+  EXPECT_EQ(DefaultSceneMemory(), UsableMemory() / 2);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,38 @@
+// Loads scenes within limits of memory and time. The worker's allocations are accounted for: in a program
+// with this file, operator new is the one in limited_load.cpp.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "renderer/util/result.h"
+
+namespace tessera {
+
+class Scene;
+
+struct LoadLimits {
+  uint64_t memory_bytes = 0;
+  std::chrono::seconds time{0};
+};
+
+// Far more than production scenes take to load.
+constexpr std::chrono::seconds kLoadTimeDefault{3600};
+
+// The memory that this process may use: that of the machine or, if less, of its control group.
+uint64_t UsableMemory();
+// By default one scene may take half of that, which leaves room for the scenes that are being rendered.
+uint64_t DefaultSceneMemory();
+
+using LoadedScene = Result<std::shared_ptr<const Scene>>;
+
+// Calls `load` on this thread. An error, that `name` and the limit explain, if it allocates more memory than
+// it frees beyond the limit, takes too long, or leaves the machine without memory. What `load` throws becomes
+// an error, too. Memory that its libraries allocate with malloc is not accounted for.
+LoadedScene LoadWithinLimits(const std::string& name, const LoadLimits& limits,
+                             const std::function<LoadedScene()>& load);
+
+}  // namespace tessera
