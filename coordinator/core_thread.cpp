@@ -37,7 +37,10 @@ PendingAnswers::OnDirective PendingAnswers::TakeDirective(CallId call) {
   return answer;
 }
 
-CoreThread::CoreThread(Parts parts) : parts_(std::move(parts)), thread_([this] { Run(); }) {}
+CoreThread::CoreThread(Parts parts) : parts_(std::move(parts)) {
+  NoteOpenJobs();
+  thread_ = std::thread([this] { Run(); });
+}
 
 CoreThread::~CoreThread() {
   Stop();
@@ -103,6 +106,7 @@ void CoreThread::Deliver(FarmOutput output) {
   for (auto& [frame, node] : std::exchange(output.accepted, {})) parts_.spool->Append(frame, std::move(node));
   for (const Fact& fact : output.facts) {
     parts_.journal->Append(fact);
+    NoteOpenJobs(fact);
     // Watchers learn of an end immediately.
     if (std::holds_alternative<JobEnded>(fact)) watchers_due_ = {};
   }
@@ -114,6 +118,23 @@ void CoreThread::Deliver(FarmOutput output) {
   for (FarmOutput& each : std::exchange(unsynced_, {})) Answer(std::move(each));
   for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer(true);
   Compact();
+}
+
+void CoreThread::NoteOpenJobs() {
+  for (const JobStatus& job : parts_.farm->Jobs(Now())) {
+    if (!HasEnded(job.state)) open_jobs_.Set(job.job, parts_.farm->Spec(job.job));
+  }
+}
+
+// A job may have ended by the time its first fact is delivered; then another fact follows.
+void CoreThread::NoteOpenJobs(const Fact& fact) {
+  if (const auto* submitted = std::get_if<JobSubmitted>(&fact)) {
+    open_jobs_.Set(submitted->job, submitted->spec);
+  } else if (const auto* extended = std::get_if<JobExtended>(&fact)) {
+    if (auto spec = parts_.farm->Spec(extended->job)) open_jobs_.Set(extended->job, std::move(spec));
+  } else if (const auto* ended = std::get_if<JobEnded>(&fact)) {
+    open_jobs_.Remove(ended->job);
+  }
 }
 
 void CoreThread::Answer(FarmOutput output) {

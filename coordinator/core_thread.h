@@ -16,6 +16,7 @@
 #include "coordinator/core/journal.h"
 #include "coordinator/core/schedule/instant.h"
 #include "coordinator/core/spool.h"
+#include "coordinator/open_jobs.h"
 #include "coordinator/picture_writer.h"
 
 namespace tessera {
@@ -76,6 +77,8 @@ class CoreThread {
 
   // Thread safe. Events are applied in order.
   void Post(Event event);
+  // Thread safe.
+  const OpenJobs& open_jobs() const { return open_jobs_; }
   // From now on no call waits: workers and watchers learn that the coordinator is shutting down. Thread safe.
   void Close();
   // Ends the picture writer, applies what was posted, then ends the thread.
@@ -83,6 +86,8 @@ class CoreThread {
 
  private:
   void Run();
+  void NoteOpenJobs();
+  void NoteOpenJobs(const Fact& fact);
   std::vector<Event> WaitForEvents(Instant patience);
   void Deliver(FarmOutput output);
   void Answer(FarmOutput output);
@@ -95,6 +100,7 @@ class CoreThread {
   Instant Patience(Instant now) const;
 
   Parts parts_;
+  OpenJobs open_jobs_;
   PendingAnswers answers_;
   std::vector<FarmOutput> unsynced_;  // in order; their answers wait for the disk
   bool closing_ = false;              // of the core thread
@@ -105,7 +111,7 @@ class CoreThread {
   std::condition_variable posted_;
   std::vector<Event> events_;  // guarded by mutex_
   bool stopping_ = false;      // guarded by mutex_
-  std::thread thread_;         // last: it runs as soon as it is constructed
+  std::thread thread_;
 };
 
 }  // namespace tessera

@@ -109,7 +109,7 @@ class ElementCounter {
   bool is_exceeded_ = false;
 };
 
-grpc::Status Refusal(const std::string& what) {
+grpc::Status BadMessage(const std::string& what) {
   return {grpc::StatusCode::INVALID_ARGUMENT, "message refused: " + what};
 }
 
@@ -121,7 +121,7 @@ grpc::Status TooLarge(const std::string& what) {
 
 grpc::Status CheckMessage(const grpc_byte_buffer& bytes, const Descriptor& type,
                           const MessageLimits& limits) {
-  if (bytes.data.raw.compression != GRPC_COMPRESS_NONE) return Refusal("compression is not supported");
+  if (bytes.data.raw.compression != GRPC_COMPRESS_NONE) return BadMessage("compression is not supported");
   const grpc_slice_buffer& slices = bytes.data.raw.slice_buffer;
   if (slices.length > limits.bytes_max)
     return TooLarge(fmt::format("it has {} bytes (limit {})", slices.length, limits.bytes_max));
@@ -131,14 +131,14 @@ grpc::Status CheckMessage(const grpc_byte_buffer& bytes, const Descriptor& type,
   if (counter.Count(type, 0)) return grpc::Status::OK;
   if (counter.is_exceeded())
     return TooLarge(fmt::format("it has more than {} elements", limits.elements_max));
-  return Refusal("it is malformed");
+  return BadMessage("it is malformed");
 }
 
 grpc::Status ParseMessage(grpc::ByteBuffer& bytes, const MessageLimits& limits,
                           google::protobuf::Message& message) {
   // The slices of the buffer are shared, not copied.
   std::vector<grpc::Slice> slices;
-  if (!bytes.Dump(&slices).ok()) return Refusal("it is malformed");
+  if (!bytes.Dump(&slices).ok()) return BadMessage("it is malformed");
   std::vector<grpc_slice> shared;
   for (const grpc::Slice& slice : slices) shared.push_back(slice.c_slice());
   grpc_byte_buffer* const raw = grpc_raw_byte_buffer_create(shared.data(), shared.size());

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "coordinator/core/tile_request.h"
 #include "coordinator/core_thread.h"
 #include "coordinator/message_guard.h"
 #include "coordinator/results_intake.h"
@@ -19,7 +20,21 @@ grpc::Status Refusal(const char* what) {
   return ToStatus(BadInput(std::string("message refused: ") + what));
 }
 
-Result<std::vector<ReturnedUnit>> ReadResults(const proto::ResultsRequest& request) {
+// The tile of a result as its open job wants it.
+Result<RadianceTile> ReadTile(const OpenJobs& jobs, const WorkUnit& unit, const std::string& bytes,
+                              uint64_t& decoded_bytes_left) {
+  const auto job = jobs.Find(unit.job);
+  if (job == nullptr) return Failed("there is no such open job");
+  const auto request = RequestOf(*job, unit);
+  if (!request) return request.error();
+  const uint64_t decoded_bytes = DecodedSize(request->bounds, request->shape, bytes.size());
+  if (decoded_bytes > decoded_bytes_left) return Failed("the tile is larger than announced");
+  decoded_bytes_left -= decoded_bytes;
+  return DecodeRadianceTile(bytes, *request);
+}
+
+Result<std::vector<ReturnedUnit>> ReadResults(const OpenJobs& jobs, const proto::ResultsRequest& request,
+                                              uint64_t decoded_bytes_max) {
   if (request.results_size() > kResultsPerCallMax)
     return BadInput(
         fmt::format("message refused: too many results in one call (limit {})", kResultsPerCallMax));
@@ -29,8 +44,8 @@ Result<std::vector<ReturnedUnit>> ReadResults(const proto::ResultsRequest& reque
     if (!unit) return unit.error();
     const double seconds = result.render_seconds();
     const bool is_sane = std::isfinite(seconds) && seconds >= 0 && seconds <= kRenderSecondsMax;
-    units.push_back(
-        {LeaseId{result.lease()}, *unit, is_sane ? seconds : 0, DecodeRadianceTile(result.tile())});
+    units.push_back({LeaseId{result.lease()}, *unit, is_sane ? seconds : 0,
+                     ReadTile(jobs, *unit, result.tile(), decoded_bytes_max)});
   }
   return units;
 }
@@ -52,11 +67,23 @@ void WriteResults(const FarmOutput::Results& results, proto::ResultsAnswer& answ
   for (const LeaseId lease : results.grants.drop) answer.add_drop(Number(lease));
 }
 
+// Of a Unix socket, all connections have the same name.
+std::string SenderOf(const std::string& peer, WorkerId worker) {
+  return peer.starts_with("unix:") ? fmt::format("{} {}", peer, Number(worker)) : peer;
+}
+
 }  // namespace
 
-ResultsCall::ResultsCall(CoreThread& core, ResultsIntake& intake, CallId id, proto::ResultsAnswer& answer,
-                         std::atomic<uint64_t>& bytes_in)
-    : core_(core), intake_(intake), id_(id), answer_(answer), bytes_in_(bytes_in) {
+ResultsCall::ResultsCall(CoreThread& core, ResultsIntake& intake, grpc::CallbackServerContext& context,
+                         CallId id, proto::ResultsAnswer& answer, std::atomic<uint64_t>& bytes_in)
+    : core_(core),
+      intake_(intake),
+      canceller_(std::make_shared<Canceller>()),
+      peer_(context.peer()),
+      id_(id),
+      answer_(answer),
+      bytes_in_(bytes_in) {
+  canceller_->context = &context;
   StartRead(&received_);
 }
 
@@ -82,18 +109,29 @@ void ResultsCall::Announced(const proto::ResultsRequest& announcement) {
   if (announcement.bytes() == 0) return Finish(Refusal("bytes is missing"));
   if (announcement.bytes() > static_cast<uint64_t>(kMessageBytesMax))
     return Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "the results are larger than the message limit"});
+  if (announcement.decoded_bytes() > kIntakeBytesMax - static_cast<uint64_t>(kMessageBytesMax))
+    return Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "the results are larger than the room for results"});
   worker_ = WorkerId{announcement.worker()};
   bytes_ = announcement.bytes();
-  intake_.Enter(id_, bytes_, [this] {
+  decoded_bytes_ = announcement.decoded_bytes();
+  const auto admitted = [this] {
     admitted_ = true;
     StartRead(&received_);
-  });
+  };
+  // The call may be over by then.
+  const auto expired = [canceller = canceller_] {
+    const std::lock_guard lock(canceller->mutex);
+    if (canceller->context != nullptr) canceller->context->TryCancel();
+  };
+  intake_.Enter({id_, SenderOf(peer_, worker_), bytes_ + decoded_bytes_, admitted, expired});
 }
 
 // Decodes here rather than on the core thread, so that checking and copying pixels uses many threads.
 void ResultsCall::Received(const proto::ResultsRequest& results) {
-  auto units = ReadResults(results);
+  intake_.Arrived(id_);
+  auto units = ReadResults(core_.open_jobs(), results, decoded_bytes_);
   if (!units) return Finish(ToStatus(units.error()));
+  intake_.Shrink(id_, decoded_bytes_);
   const auto shared = std::make_shared<std::vector<ReturnedUnit>>(std::move(*units));
   core_.Post([this, shared](CoreContext& core) {
     core.answers.AwaitResults(id_, [this](const FarmOutput::Results* answer) { Answer(answer); });
@@ -112,7 +150,11 @@ void ResultsCall::OnCancel() {
 }
 
 void ResultsCall::OnDone() {
-  if (admitted_) intake_.Leave(bytes_);
+  {
+    const std::lock_guard lock(canceller_->mutex);
+    canceller_->context = nullptr;
+  }
+  if (admitted_) intake_.Leave(id_);
   delete this;
 }
 

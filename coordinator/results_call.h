@@ -5,6 +5,9 @@
 #include <grpcpp/support/server_callback.h>
 
 #include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
 
 #include "coordinator/core/farm.h"
 #include "proto/work.pb.h"
@@ -19,13 +22,19 @@ class ResultsIntake;
 class ResultsCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
   // Adds the bytes read to `bytes_in`.
-  ResultsCall(CoreThread& core, ResultsIntake& intake, CallId id, proto::ResultsAnswer& answer,
-              std::atomic<uint64_t>& bytes_in);
+  ResultsCall(CoreThread& core, ResultsIntake& intake, grpc::CallbackServerContext& context, CallId id,
+              proto::ResultsAnswer& answer, std::atomic<uint64_t>& bytes_in);
 
  private:
   void OnReadDone(bool ok) override;
   void OnCancel() override;
   void OnDone() override;
+
+  // How other threads cancel the call while it runs.
+  struct Canceller {
+    std::mutex mutex;
+    grpc::CallbackServerContext* context = nullptr;  // null once the call is over; guarded by mutex
+  };
 
   void Announced(const proto::ResultsRequest& announcement);
   void Received(const proto::ResultsRequest& results);
@@ -33,12 +42,15 @@ class ResultsCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
 
   CoreThread& core_;
   ResultsIntake& intake_;
+  const std::shared_ptr<Canceller> canceller_;
+  const std::string peer_;
   const CallId id_;
   proto::ResultsAnswer& answer_;
   std::atomic<uint64_t>& bytes_in_;
   grpc::ByteBuffer received_;
   WorkerId worker_{};
-  uint64_t bytes_ = 0;  // announced; 0 before
+  uint64_t bytes_ = 0;          // announced; 0 before
+  uint64_t decoded_bytes_ = 0;  // announced
   bool admitted_ = false;
 };
 

@@ -2,11 +2,14 @@
 
 #include "coordinator/call_gate.h"
 #include "coordinator/results_call.h"
+#include "proto/shell/pause.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 
 namespace tessera {
 namespace {
+
+constexpr std::chrono::milliseconds kExpiryInterval{250};
 
 // A call that waits for news. If it is cancelled, the worker is gone.
 class SynchronizeCall final : public grpc::ServerUnaryReactor {
@@ -37,6 +40,11 @@ WorkService::WorkService(const CallGate& gate) : gate_(gate) {
   serve(&WorkService::Synchronize, RuleFor("Work.Synchronize"));
   serve(&WorkService::ReturnResults, RuleFor("Work.ReturnResults"));
   serve(&WorkService::ReturnFailure, RuleFor("Work.ReturnFailure"));
+  expiry_ = std::jthread([this](std::stop_token stop) { ExpireAnnouncements(std::move(stop)); });
+}
+
+void WorkService::ExpireAnnouncements(std::stop_token stop) {
+  while (Pause(stop, kExpiryInterval)) intake_.Expire(ResultsIntake::Clock::now());
 }
 
 grpc::ServerUnaryReactor* WorkService::Synchronize(grpc::CallbackServerContext* context,
@@ -69,7 +77,7 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* WorkService::ReturnResults(grpc::Call
                                                                       proto::ResultsAnswer* answer) {
   using Reactor = grpc::ServerReadReactor<grpc::ByteBuffer>;
   return gate_.Serve<Reactor>(context, RuleFor("Work.ReturnResults"), [=, this](const Principal&) {
-    return new ResultsCall(gate_.core(), intake_, CallId{call_next_++}, *answer, bytes_in_);
+    return new ResultsCall(gate_.core(), intake_, *context, CallId{call_next_++}, *answer, bytes_in_);
   });
 }
 

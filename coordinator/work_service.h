@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <thread>
 
 #include "coordinator/results_intake.h"
 #include "proto/work.grpc.pb.h"
@@ -25,10 +26,13 @@ class WorkService final : public proto::Work::Service {
                                           const proto::FailureRequest* request, proto::FailureAnswer* answer);
 
  private:
+  void ExpireAnnouncements(std::stop_token stop);
+
   const CallGate& gate_;
   ResultsIntake intake_{kIntakeBytesMax};
   std::atomic<uint64_t> call_next_{1};
   std::atomic<uint64_t> bytes_in_{0};
+  std::jthread expiry_;  // last: it ends before the intake
 };
 
 }  // namespace tessera

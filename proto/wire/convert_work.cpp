@@ -2,6 +2,7 @@
 #include "proto/wire/convert.h"
 #include "proto/wire/fields.h"
 #include "proto/work.pb.h"
+#include "renderer/film/radiance_tile.h"
 
 namespace tessera {
 namespace {
@@ -169,6 +170,9 @@ proto::ResultsRequest Announcement(WorkerId worker, const proto::ResultsRequest&
   proto::ResultsRequest message;
   message.set_worker(Number(worker));
   message.set_bytes(results.ByteSizeLong());
+  uint64_t decoded_bytes = 0;
+  for (const proto::UnitResult& result : results.results()) decoded_bytes += DecodedSize(result.tile());
+  message.set_decoded_bytes(decoded_bytes);
   return message;
 }
 

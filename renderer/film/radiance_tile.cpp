@@ -79,6 +79,23 @@ Result<Header> ReadHeader(std::string_view bytes) {
   return header;
 }
 
+// Whether it is the tile that was requested.
+Result<void> CheckRequest(const Header& header, const TileRequest& request) {
+  const PixelBounds bounds{header.x0, header.y0, header.x1, header.y1};
+  const SampleRange range{header.begin, header.size};
+  const PixelShape shape{header.sums, header.nearest, header.id_sets};
+  if (bounds != request.bounds) return Failed("radiance tile: does not have the bounds of its tile");
+  if (range != request.range) {
+    return Failed(
+        fmt::format("radiance tile: has samples {}, expected {}", range.Text(), request.range.Text()));
+  }
+  if (shape != request.shape) {
+    return Failed(
+        fmt::format("radiance tile: has {} channels, expected {}", shape.stride(), request.shape.stride()));
+  }
+  return {};
+}
+
 // The pixels that have anything but zeros. Most tiles have all: that is found out first, as it is cheap.
 PixelMask PixelsHeld(const RadianceTile& tile) {
   const size_t stride = tile.shape.stride();
@@ -189,7 +206,7 @@ std::string EncodeRadianceTile(const RadianceTile& tile) {
   return bytes;
 }
 
-Result<RadianceTile> DecodeRadianceTile(std::string_view bytes) {
+Result<RadianceTile> DecodeRadianceTile(std::string_view bytes, const TileRequest& request) {
   if (bytes.size() < kSumsHeaderSize + kCheckSize) {
     return Failed(fmt::format("radiance tile: truncated at {} bytes", bytes.size()));
   }
@@ -200,6 +217,7 @@ Result<RadianceTile> DecodeRadianceTile(std::string_view bytes) {
     return Failed("radiance tile: checksum mismatch: the bytes were corrupted in transit");
   }
   if (auto ok = CheckHeader(*header); !ok) return ok.error();
+  if (auto ok = CheckRequest(*header, request); !ok) return ok.error();
   RadianceTile tile;
   tile.bounds = {header->x0, header->y0, header->x1, header->y1};
   tile.range = {header->begin, header->size};
@@ -212,6 +230,17 @@ Result<RadianceTile> DecodeRadianceTile(std::string_view bytes) {
   if (auto ok = CheckValues(tile.shape, pixels, tile.sums); !ok)
     return Failed("radiance tile: " + ok.error().message);
   return tile;
+}
+
+uint64_t DecodedSize(const PixelBounds& bounds, const PixelShape& shape, uint64_t encoded_bytes) {
+  return static_cast<uint64_t>(bounds.area()) * shape.stride() * sizeof(float) + encoded_bytes;
+}
+
+uint64_t DecodedSize(std::string_view bytes) {
+  const auto header = ReadHeader(bytes);
+  if (!header || !CheckHeader(*header)) return bytes.size();
+  return DecodedSize({header->x0, header->y0, header->x1, header->y1},
+                     {header->sums, header->nearest, header->id_sets}, bytes.size());
 }
 
 uint64_t PixelSamples(const RadianceTile& tile) {

@@ -35,9 +35,21 @@ struct RadianceTile {
 // answers a unit of a frame whose list of channels both ends have compared before. A version is chosen by
 // what the tile holds, so that new kinds of channels leave the bytes of all other tiles as they are.
 std::string EncodeRadianceTile(const RadianceTile& tile);
-// Refuses a wrong size, version or checksum, a range that is not dyadic, a mask that does not fit, and values
-// that CheckValues refuses or that are not finite.
-Result<RadianceTile> DecodeRadianceTile(std::string_view bytes);
+// What the tile of a unit must be.
+struct TileRequest {
+  PixelBounds bounds;
+  SampleRange range;
+  PixelShape shape;
+};
+// Refuses a wrong size, version or checksum, anything else than was requested, a mask that does not fit, and
+// values that CheckValues refuses or that are not finite. Takes no more memory than DecodedSize, and none for
+// a tile that was not requested.
+Result<RadianceTile> DecodeRadianceTile(std::string_view bytes, const TileRequest& request);
+
+// An upper limit for the bytes of the values of a tile that was encoded in `encoded_bytes`.
+uint64_t DecodedSize(const PixelBounds& bounds, const PixelShape& shape, uint64_t encoded_bytes);
+// The same for an encoded tile. Bytes that are no tile are not decoded, and take only their own size.
+uint64_t DecodedSize(std::string_view bytes);
 
 // The number of pixel samples in the tile: those of pixels with anything but zeros.
 uint64_t PixelSamples(const RadianceTile& tile);

@@ -16,9 +16,18 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 struct Line {
-  void Enter(int call, uint64_t bytes) {
-    intake.Enter(CallId{static_cast<uint64_t>(call)}, bytes, [this, call] { admitted.push_back(call); });
+  // A call of a sender of its own.
+  void Enter(int call, uint64_t bytes) { Enter(call, bytes, std::to_string(call)); }
+  void Enter(int call, uint64_t bytes, const std::string& sender) {
+    intake.Enter({Id(call), sender, bytes, [this, call] { admitted.push_back(call); },
+                  [this, call] {
+                    expired.push_back(call);
+                    intake.Leave(Id(call));
+                  }});
   }
+  static CallId Id(int call) { return CallId{static_cast<uint64_t>(call)}; }
+  void Leave(int call) { intake.Leave(Id(call)); }
+  void ExpireAfter(std::chrono::seconds duration) { intake.Expire(ResultsIntake::Clock::now() + duration); }
   // One is in, a large one waits, and a small one behind it.
   void EnterWithALargeOneWaiting() {
     Enter(1, 60);
@@ -26,7 +35,7 @@ struct Line {
     Enter(3, 1);
   }
   ResultsIntake intake{100};
-  std::vector<int> admitted;
+  std::vector<int> admitted, expired;
 };
 
 TEST(ResultsIntake, AdmitsCallsUntilTheRoomIsUsedAndTheNextWhenOneLeaves) {
@@ -35,7 +44,7 @@ TEST(ResultsIntake, AdmitsCallsUntilTheRoomIsUsedAndTheNextWhenOneLeaves) {
   line.Enter(2, 40);
   line.Enter(3, 30);
   EXPECT_THAT(line.admitted, ElementsAre(1, 2));
-  line.intake.Leave(40);
+  line.Leave(2);
   EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
   EXPECT_EQ(line.intake.bytes(), 90u);
 }
@@ -44,7 +53,7 @@ TEST(ResultsIntake, CallsAreAdmittedInOrder) {
   Line line;
   line.EnterWithALargeOneWaiting();
   EXPECT_THAT(line.admitted, ElementsAre(1));
-  line.intake.Leave(60);
+  line.Leave(1);
   EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
 }
 
@@ -53,10 +62,10 @@ TEST(ResultsIntake, ACallLargerThanTheWholeRoomIsAdmittedAlone) {
   line.Enter(1, 1);
   line.Enter(2, 1000);
   EXPECT_THAT(line.admitted, ElementsAre(1));
-  line.intake.Leave(1);
+  line.Leave(1);
   line.Enter(3, 1);
   EXPECT_THAT(line.admitted, ElementsAre(1, 2));
-  line.intake.Leave(1000);
+  line.Leave(2);
   EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
 }
 
@@ -70,6 +79,65 @@ TEST(ResultsIntake, AWithdrawnCallMakesWayForThoseAfterIt) {
   EXPECT_EQ(line.intake.waiting(), 0u);
 }
 
+TEST(ResultsIntake, SendersWithoutRoomComeBeforeOtherCallsOfOneSender) {
+  Line line;
+  line.Enter(1, 90, "greedy");
+  line.Enter(2, 90, "greedy");
+  line.Enter(3, 90, "greedy");
+  line.Enter(4, 90, "other");
+  line.Leave(1);
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2)) << "it had nothing in the room then";
+  line.Enter(5, 5, "other");
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2)) << "4 waits for room, and no one overtakes it";
+  line.Leave(2);
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
+  line.Leave(3);
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3, 4, 5));
+}
+
+TEST(ResultsIntake, ResultsThatDoNotArriveLoseTheirRoomOnlyIfOthersWait) {
+  Line line;
+  line.Enter(1, 60);
+  line.Enter(2, 40);
+  line.intake.Arrived(Line::Id(2));
+  line.ExpireAfter(2 * kArrivalPatience);
+  EXPECT_THAT(line.expired, ElementsAre());
+  line.Enter(3, 50);
+  line.ExpireAfter(kArrivalPatience / 2);
+  EXPECT_THAT(line.expired, ElementsAre());
+  line.ExpireAfter(2 * kArrivalPatience);
+  EXPECT_THAT(line.expired, ElementsAre(1)) << "2 has arrived, the disk is what is slow";
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
+}
+
+TEST(ResultsIntake, SeveralAnnouncementsOfOneSenderLoseTheirRoomSoon) {
+  Line line;
+  line.Enter(1, 50, "greedy");
+  line.Enter(2, 50, "greedy");
+  line.Enter(3, 50);
+  line.ExpireAfter(2 * kSecondArrivalPatience);
+  EXPECT_THAT(line.expired, ElementsAre(1, 2));
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2, 3));
+}
+
+TEST(ResultsIntake, SendersThatKeptRoomForNothingComeLast) {
+  Line line;
+  line.Enter(1, 90, "lapsed");
+  line.Enter(2, 90);
+  line.ExpireAfter(2 * kArrivalPatience);
+  line.Enter(3, 90, "lapsed");
+  line.Enter(4, 90);
+  line.Leave(2);
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2, 4));
+  line.Leave(4);
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2, 4, 3));
+  line.intake.Arrived(Line::Id(3));
+  line.Enter(5, 90, "lapsed");
+  line.Enter(6, 90);
+  line.Leave(3);
+  EXPECT_THAT(line.admitted, ElementsAre(1, 2, 4, 3, 5)) << "it sends what it announces again";
+}
+
 // Whether the condition becomes true within kPatience.
 bool Comes(const std::function<bool()>& condition) {
   const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -80,9 +148,10 @@ bool Comes(const std::function<bool()>& condition) {
 // A worker that announces results and then hangs.
 class HangingReturn {
  public:
-  HangingReturn(proto::Work::Stub& work, int64_t bytes) : writer_(work.ReturnResults(&context_, &answer_)) {
+  HangingReturn(proto::Work::Stub& work, int64_t bytes, uint64_t worker)
+      : writer_(work.ReturnResults(&context_, &answer_)) {
     proto::ResultsRequest announcement;
-    announcement.set_worker(8);
+    announcement.set_worker(worker);
     announcement.set_bytes(static_cast<uint64_t>(bytes));
     writer_->Write(announcement);
   }
@@ -104,10 +173,10 @@ TEST_F(Services, ResultsWaitUntilThereIsRoomForThem) {
   const ResultsIntake& intake = coordinator->intake();
   std::list<HangingReturn> admitted, in_line;
   while ((admitted.size() + 1) * kMessageBytesMax <= kIntakeBytesMax)
-    admitted.emplace_back(*work, kMessageBytesMax);
+    admitted.emplace_back(*work, kMessageBytesMax, 100 + admitted.size());
   ASSERT_TRUE(Comes([&] { return intake.bytes() == admitted.size() * kMessageBytesMax; }));
-  in_line.emplace_back(*work, kMessageBytesMax);
-  in_line.emplace_back(*work, kMessageBytesMax);
+  in_line.emplace_back(*work, kMessageBytesMax, 200);
+  in_line.emplace_back(*work, kMessageBytesMax, 201);
   ASSERT_TRUE(Comes([&] { return intake.waiting() == 2; }));
 
   proto::ResultsAnswer answer;
@@ -118,6 +187,32 @@ TEST_F(Services, ResultsWaitUntilThereIsRoomForThem) {
   admitted.front().CutOff();
   ASSERT_TRUE(returning.get().ok()) << "a cancelled call gives its room to those that wait";
   EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::ACCEPTED);
+}
+
+TEST_F(Services, AnnouncementsWithoutResultsDelayOthersOnlyBriefly) {
+  const uint64_t job = Submit();
+  std::list<HangingReturn> hanging;
+  for (int i = 0; i < 60; ++i) hanging.emplace_back(*work, kMessageBytesMax, 8);
+  ASSERT_TRUE(Comes([&] { return coordinator->intake().waiting() > 0; }));
+  proto::ResultsAnswer answer;
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_TRUE(Return(job, 0, {0, 4}, answer).ok());
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+  EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::ACCEPTED);
+}
+
+TEST_F(Services, TilesAreRefusedUnlessTheyAreThoseOfTheirUnit) {
+  const uint64_t job = Submit();
+  RadianceTile huge{{0, 0, kTileSizeMax, kTileSizeMax}, {0, 4}, {60}, {}};
+  huge.sums.resize(static_cast<size_t>(huge.bounds.area()) * huge.shape.stride());
+  proto::ResultsAnswer answer;
+  ASSERT_TRUE(Return(ResultOf(job, 0, {0, 4}, EncodeRadianceTile(huge)), answer).ok());
+  EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::REFUSED);
+  EXPECT_THAT(answer.reasons(0), HasSubstr("does not have the bounds of its tile"));
+  // One that takes more memory than there is room for.
+  proto::ResultsRequest results = ResultOf(job, 0, {0, 4}, EncodeRadianceTile(huge));
+  for (int i = 0; i < 8; ++i) *results.add_results() = results.results(0);
+  EXPECT_EQ(Return(results, answer).error_code(), StatusCode::RESOURCE_EXHAUSTED);
 }
 
 TEST_F(Services, ResultsThatDifferFromTheirAnnouncementAreRefused) {

@@ -3,6 +3,10 @@
 
 #include <thread>
 
+#include "proto/wire/channel.h"
+#include "proto/wire/convert.h"
+#include "proto/work.grpc.pb.h"
+#include "renderer/film/radiance_tile.h"
 #include "tests/end_to_end/farm_fixture.h"
 #include "tests/end_to_end/hostile_client.h"
 
@@ -64,6 +68,36 @@ TEST_F(HostileMessages, MillionsOfEmptyElementsAreRefusedInLittleMemory) {
       EXPECT_TRUE(is_refused) << method << ": " << status.error_message();
     }
   }
+}
+
+// 8 KB of zeros stand for 64 MB of values.
+TEST_F(HostileMessages, TilesThatNobodyRequestedAreNotUnpacked) {
+  Submit(BoxScene(), {"--spp", "64"});
+  RadianceTile huge{{0, 0, kTileSizeMax, kTileSizeMax}, {0, 1}, {255}, {}};
+  huge.sums.resize(static_cast<size_t>(huge.bounds.area()) * huge.shape.stride());
+  huge.sums[0] = 1;
+  proto::ResultsRequest results;
+  for (int i = 0; i < kResultsPerCallMax; ++i) {
+    proto::UnitResult& result = *results.add_results();
+    tessera::Write(WorkUnit{JobId{1}, 0, 0, {0, 1}}, *result.mutable_unit());
+    result.set_tile(EncodeRadianceTile(huge));
+  }
+  proto::ResultsRequest announcement;
+  announcement.set_worker(7);
+  announcement.set_bytes(results.ByteSizeLong());
+  const auto work = proto::Work::NewStub(OpenChannel(*ParseAddress(address(), "test")));
+  // What it takes in truth, and nothing at all.
+  for (const uint64_t decoded_bytes : {uint64_t{100} << 20, uint64_t{0}}) {
+    announcement.set_decoded_bytes(decoded_bytes);
+    grpc::ClientContext context;
+    proto::ResultsAnswer answer;
+    const auto writer = work->ReturnResults(&context, &answer);
+    writer->Write(announcement);
+    writer->WriteLast(results, {});
+    EXPECT_TRUE(writer->Finish().ok());
+    EXPECT_THAT(answer.verdicts(), testing::Each(proto::ResultsAnswer::REFUSED));
+  }
+  EXPECT_LT(PeakBytes(coordinator().pid()), size_t{100} << 20);
 }
 
 }  // namespace

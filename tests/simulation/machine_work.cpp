@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include "tests/simulation/machines.h"
+
+#include "coordinator/core/tile_request.h"
 #include "tests/simulation/picture_model.h"
 
 namespace tessera {
@@ -143,7 +145,11 @@ void Machines::SendResults(size_t m, uint64_t batch, std::vector<FinishedUnit> r
     for (const FinishedUnit& each : results) {
       world_.Trace(fmt::format("result worker={} {}", Number(worker), each.unit.Text()));
       units.push_back(each.unit);
-      returned.push_back({each.lease, each.unit, each.render_seconds, DecodeRadianceTile(each.tile)});
+      const auto job = farm->Spec(each.unit.job);
+      const auto request = job != nullptr ? RequestOf(*job, each.unit) : Failed("there is no such job");
+      returned.push_back(
+          {each.lease, each.unit, each.render_seconds,
+           request ? DecodeRadianceTile(each.tile, *request) : Result<RadianceTile>(request.error())});
     }
     const auto on_answer = [=, this](const FarmOutput::Results& answer) {
       BatchAnswered(m, batch, [=, this](Machine& at) {

@@ -1,5 +1,7 @@
 #include "worker/core/workload.h"
 
+#include "renderer/film/radiance_tile.h"
+
 #include <algorithm>
 
 namespace tessera {
@@ -85,7 +87,7 @@ Workload::Batch Workload::NextBatch(size_t bytes_max) const {
   std::vector<FinishedUnit> results;
   size_t bytes = 0;
   for (const FinishedUnit& result : results_) {
-    bytes += results.empty() ? 0 : result.tile.size();
+    bytes += results.empty() ? 0 : DecodedSize(result.tile);
     if (bytes > bytes_max || results.size() == static_cast<size_t>(kResultsPerCallMax)) break;
     results.push_back(result);
   }

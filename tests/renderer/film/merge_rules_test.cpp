@@ -21,10 +21,15 @@ std::vector<TileNode> Nodes(const Merger& merger) {
   return merger.AllNodes();
 }
 
+TileRequest RequestOf(const RadianceTile& tile) {
+  return {tile.bounds, tile.range, tile.shape};
+}
+
 // All units as a worker sends them: through the codec.
 void AddUnit(Merger& merger, int tile, SampleRange range, uint32_t objects) {
-  const auto sent = EncodeRadianceTile(RenderRules(merger.spec(), tile, range, {}, objects));
-  auto received = DecodeRadianceTile(sent);
+  const RadianceTile rendered = RenderRules(merger.spec(), tile, range, {}, objects);
+  const auto sent = EncodeRadianceTile(rendered);
+  auto received = DecodeRadianceTile(sent, RequestOf(rendered));
   ASSERT_TRUE(received) << received.error().message;
   ASSERT_EQ(EncodeRadianceTile(*received), sent);
   ASSERT_TRUE(merger.Add(tile, std::move(*received)));
@@ -144,7 +149,7 @@ TEST(MergeRules, KeepPixelsTakesTheIdsOfTheOthersOut) {
   RadianceTile kept = whole;
   KeepPixels(PixelMask::Of(chosen), kept);
   EXPECT_EQ(kept, RenderRules(spec, 0, {0, 4}, PixelMask::Of(chosen)));
-  EXPECT_EQ(DecodeRadianceTile(EncodeRadianceTile(kept)).value(), kept);
+  EXPECT_EQ(DecodeRadianceTile(EncodeRadianceTile(kept), RequestOf(kept)).value(), kept);
   EXPECT_LT(kept.sums.size(), whole.sums.size());
 }
 
@@ -176,12 +181,12 @@ TEST(MergeRules, EveryFlippedByteOfATileIsRefusedAndNoneHarms) {
   for (size_t i = 0; i < bytes.size(); i += 3) {
     std::string damaged = bytes;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x55);
-    EXPECT_FALSE(DecodeRadianceTile(damaged)) << i;
+    EXPECT_FALSE(DecodeRadianceTile(damaged, RequestOf(tile))) << i;
     // With the checksum made right again: refused, or within its limits.
     const std::string_view body(damaged.data(), damaged.size() - 8);
     const Digest digest = Sha256(body);
     std::copy_n(digest.bytes.begin(), 8, damaged.end() - 8);
-    const auto decoded = DecodeRadianceTile(damaged);
+    const auto decoded = DecodeRadianceTile(damaged, RequestOf(tile));
     if (!decoded) continue;
     EXPECT_TRUE(
         CheckValues(decoded->shape, static_cast<size_t>(decoded->bounds.area()), decoded->sums).has_value());

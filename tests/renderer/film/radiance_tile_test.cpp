@@ -27,6 +27,12 @@ RadianceTile SparseTile() {
   return tile;
 }
 
+// As the answer to the unit of SmallTile and SparseTile.
+Result<RadianceTile> Decode(std::string_view bytes) {
+  const RadianceTile tile = SmallTile();
+  return DecodeRadianceTile(bytes, {tile.bounds, tile.range, tile.shape});
+}
+
 // Bytes of a tile with some replaced and the check sum made right again.
 template <typename T>
 std::string With(const RadianceTile& tile, size_t offset, T value) {
@@ -39,7 +45,7 @@ std::string With(const RadianceTile& tile, size_t offset, T value) {
 }
 
 TEST(RadianceTileCodec, GivesBackWhatWasEncoded) {
-  const Result<RadianceTile> decoded = DecodeRadianceTile(EncodeRadianceTile(SmallTile()));
+  const Result<RadianceTile> decoded = Decode(EncodeRadianceTile(SmallTile()));
   ASSERT_TRUE(decoded) << decoded.error().message;
   EXPECT_EQ(*decoded, SmallTile());
 }
@@ -47,18 +53,18 @@ TEST(RadianceTileCodec, GivesBackWhatWasEncoded) {
 TEST(RadianceTileCodec, PixelsThatAreZerosTakeNoRoom) {
   const std::string bytes = EncodeRadianceTile(SparseTile());
   EXPECT_EQ(bytes.size(), EncodeRadianceTile(SmallTile()).size() + 1 - 3 * 4 * sizeof(float));
-  const Result<RadianceTile> decoded = DecodeRadianceTile(bytes);
+  const Result<RadianceTile> decoded = Decode(bytes);
   ASSERT_TRUE(decoded) << decoded.error().message;
   EXPECT_EQ(*decoded, SparseTile());
   RadianceTile empty = SmallTile();
   std::ranges::fill(empty.sums, 0.0f);
-  EXPECT_EQ(*DecodeRadianceTile(EncodeRadianceTile(empty)), empty);
+  EXPECT_EQ(*Decode(EncodeRadianceTile(empty)), empty);
 }
 
 TEST(RadianceTileCodec, MinusZeroSurvives) {
   RadianceTile tile = SparseTile();
   tile.sums[4] = -0.0f;
-  const Result<RadianceTile> decoded = DecodeRadianceTile(EncodeRadianceTile(tile));
+  const Result<RadianceTile> decoded = Decode(EncodeRadianceTile(tile));
   ASSERT_TRUE(decoded) << decoded.error().message;
   EXPECT_TRUE(std::signbit(decoded->sums[4]));
 }
@@ -70,11 +76,11 @@ TEST(RadianceTileCodec, RefusesAMaskThatDoesNotFit) {
   } cases[] = {
       {0b100001, "another number"}, {0b100111, "another number"}, {0, "no pixels"}, {0b1100001, "beyond"}};
   for (const auto& bad : cases) {
-    const Result<RadianceTile> decoded = DecodeRadianceTile(With(SparseTile(), 40, bad.mask));
+    const Result<RadianceTile> decoded = Decode(With(SparseTile(), 40, bad.mask));
     ASSERT_FALSE(decoded) << int{bad.mask};
     EXPECT_THAT(decoded.error().message, testing::HasSubstr(bad.message));
   }
-  EXPECT_TRUE(DecodeRadianceTile(With(SparseTile(), 40, static_cast<unsigned char>(0b001011))))
+  EXPECT_TRUE(Decode(With(SparseTile(), 40, static_cast<unsigned char>(0b001011))))
       << "other pixels, as many";
 }
 
@@ -89,15 +95,15 @@ TEST(RadianceTileCodec, RefusesEveryFlippedByte) {
     for (int flip : {1, 0x80, 0xff}) {
       std::string damaged = bytes;
       damaged[i] = static_cast<char>(damaged[i] ^ flip);
-      EXPECT_FALSE(DecodeRadianceTile(damaged)) << "byte " << i << " flipped by " << flip;
+      EXPECT_FALSE(Decode(damaged)) << "byte " << i << " flipped by " << flip;
     }
   }
 }
 
 TEST(RadianceTileCodec, RefusesEveryTruncationAndWhatFollows) {
   const std::string bytes = EncodeRadianceTile(SparseTile());
-  for (size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(DecodeRadianceTile(bytes.substr(0, size)));
-  EXPECT_FALSE(DecodeRadianceTile(bytes + "x"));
+  for (size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(Decode(bytes.substr(0, size)));
+  EXPECT_FALSE(Decode(bytes + "x"));
 }
 
 TEST(RadianceTileCodec, ChecksEveryFieldEvenWhenTheCheckSumIsRight) {
@@ -118,8 +124,8 @@ TEST(RadianceTileCodec, ChecksEveryFieldEvenWhenTheCheckSumIsRight) {
       {28, -4, "dyadic"},
       {32, 0, "channels"},
       {32, 257, "channels"},
-      {32, 5, "bytes of values"},
-      {32, 3, "bytes of values"},
+      {32, 5, "has 5 channels, expected 4"},
+      {32, 3, "has 3 channels, expected 4"},
       {36, 5, "bytes of values"},
       {36, 7, "bytes of values"},
       {36, -1, "bytes of values"},
@@ -127,10 +133,41 @@ TEST(RadianceTileCodec, ChecksEveryFieldEvenWhenTheCheckSumIsRight) {
       {40, 0x7fc00000, "not finite"},
   };
   for (const auto& bad : cases) {
-    const Result<RadianceTile> decoded = DecodeRadianceTile(With(SmallTile(), bad.offset, bad.value));
+    const Result<RadianceTile> decoded = Decode(With(SmallTile(), bad.offset, bad.value));
     ASSERT_FALSE(decoded) << bad.offset << ' ' << bad.value;
     EXPECT_THAT(decoded.error().message, testing::HasSubstr(bad.message)) << bad.offset << ' ' << bad.value;
   }
+}
+
+TEST(RadianceTileCodec, RefusesATileThatWasNotRequestedBeforeItTakesMemory) {
+  // 8 KB that stand for 64 MB.
+  RadianceTile huge;
+  huge.bounds = {0, 0, kTileSizeMax, kTileSizeMax};
+  huge.range = {0, 4};
+  huge.shape = {255};
+  huge.sums.resize(static_cast<size_t>(huge.bounds.area()) * huge.shape.stride());
+  const std::string bytes = EncodeRadianceTile(huge);
+  EXPECT_LT(bytes.size(), 10'000u);
+  EXPECT_THAT(Decode(bytes).error().message, testing::HasSubstr("bounds"));
+  const RadianceTile tile = SmallTile();
+  const auto decode = [&](const TileRequest& request) {
+    return DecodeRadianceTile(EncodeRadianceTile(tile), request);
+  };
+  EXPECT_TRUE(decode({tile.bounds, tile.range, tile.shape}));
+  EXPECT_FALSE(decode({{0, 0, 3, 2}, tile.range, tile.shape}));
+  EXPECT_FALSE(decode({tile.bounds, {8, 4}, tile.shape}));
+  EXPECT_FALSE(decode({tile.bounds, tile.range, {3}}));
+  EXPECT_FALSE(decode({tile.bounds, tile.range, {3, 1}}));
+}
+
+TEST(RadianceTileCodec, TheDecodedSizeIsKnownBeforeDecoding) {
+  for (const RadianceTile& tile : {SmallTile(), SparseTile()}) {
+    const std::string bytes = EncodeRadianceTile(tile);
+    EXPECT_GE(DecodedSize(bytes), tile.sums.size() * sizeof(float));
+    EXPECT_EQ(DecodedSize(bytes), DecodedSize(tile.bounds, tile.shape, bytes.size()));
+  }
+  EXPECT_EQ(DecodedSize("not a tile"), 10u);
+  EXPECT_LT(DecodedSize(With(SmallTile(), 16, -1)), 1000u);
 }
 
 TEST(RadianceTileDigest, TellsTheSmallestDifference) {
