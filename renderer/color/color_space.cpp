@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <string>
 
 #include "renderer/color/named_spectra.h"
@@ -33,6 +34,18 @@ Rgb ClampAlbedo(Rgb rgb) {
 Rgb ClampNegative(Rgb rgb) {
   return Max(Rgb{0, 0, 0}, rgb);
 }
+// As pbrt compares: whether both coordinates are equal or nearly so.
+bool IsClose(Point2 a, Chromaticity to) {
+  constexpr float kTolerance = 1e-3f;
+  const auto is_close = [](float v, float to) { return v == to || std::abs((v - to) / to) < kTolerance; };
+  return is_close(a.x, static_cast<float>(to.x)) && is_close(a.y, static_cast<float>(to.y));
+}
+Chromaticity WhiteOf(const RgbPrimaries& primaries) {
+  const std::array<double, 3> xyz = XyzOf(*NamedSpectrum(primaries.white));
+  const double sum = xyz[0] + xyz[1] + xyz[2];
+  return {xyz[0] / sum, xyz[1] / sum};
+}
+
 bool IsGrey(Rgb rgb) {
   return rgb.x == rgb.y && rgb.y == rgb.z;
 }
@@ -67,6 +80,17 @@ const ColorSpace* ColorSpace::Named(std::string_view name) {
                                       ColorSpaceMaker::Make(kAcesPrimaries, nullptr)};
   for (const ColorSpace& space : others) {
     if (lower == space.name()) return &space;
+  }
+  return nullptr;
+}
+
+const ColorSpace* ColorSpace::Matching(Point2 red, Point2 green, Point2 blue, Point2 white) {
+  for (const RgbPrimaries* primaries :
+       {&kSrgbPrimaries, &kDciP3Primaries, &kRec2020Primaries, &kAcesPrimaries}) {
+    if (IsClose(red, primaries->red) && IsClose(green, primaries->green) && IsClose(blue, primaries->blue) &&
+        IsClose(white, WhiteOf(*primaries))) {
+      return Named(primaries->name);
+    }
   }
   return nullptr;
 }

@@ -24,6 +24,10 @@ class ColorSpace {
   // "srgb", "dci-p3", "rec2020", "aces2065-1" in any case; nullptr for any other name.
   static const ColorSpace* Named(std::string_view name);
 
+  // The one with these primaries and this white point (CIE xy), to one part in a thousand; nullptr if there
+  // is none.
+  static const ColorSpace* Matching(Point2 red, Point2 green, Point2 blue, Point2 white);
+
   std::string_view name() const { return name_; }
   // The white point's spectrum, as dense table, with the luminance integral kCieYIntegral: its Y is 1.
   const std::shared_ptr<const DenseTable>& illuminant() const { return illuminant_; }

@@ -27,11 +27,20 @@ struct ColorEncoding {
   float ToLinear(float value) const;  // value in [0, 1]
 };
 
+// The CIE xy of the primaries and of the white of RGB values.
+struct Chromaticities {
+  Point2 red, green, blue, white;
+  bool operator==(const Chromaticities&) const = default;
+};
+
 // A picture in memory, rows from top to bottom, channels interleaved. Immutable once read.
 struct Image {
   int width = 0, height = 0, channels = 0;
   PixelFormat format = PixelFormat::kFloat;
-  ColorEncoding encoding;                  // of kUint8 data
+  ColorEncoding encoding;  // of kUint8 data
+  // Of R, G and B, if the file names them. As in pbrt, only OpenEXR files do: the gamma and the
+  // chromaticities of a PNG or Radiance file and the Exif data of a JPEG file change nothing.
+  std::optional<Chromaticities> chromaticities;
   std::vector<std::string> channel_names;  // "R", "G", "B", "A", "Y", ... as the file names them
   std::vector<uint8_t> bytes;              // width * height * channels values of `format`, machine byte order
 
@@ -44,7 +53,8 @@ struct Image {
 };
 
 // Reads EXR, PNG, JPEG, TGA, HDR, TIFF, BMP, WebP, PFM and QOI, decided by content and checked against
-// `name`'s ending; sizes are bounded. `encoding` is for 8-bit data, which is sRGB without one.
+// `name`'s ending; sizes are bounded. Radiance and TIFF pictures of any orientation become upright.
+// `encoding` is for 8-bit data, which is sRGB without one.
 Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
                           std::optional<ColorEncoding> encoding);
 

@@ -12,6 +12,7 @@
 #include "renderer/description/source_location.h"
 #include "renderer/image/container_check.h"
 #include "renderer/image/image_limits.h"
+#include "renderer/image/orientation.h"
 
 namespace tessera {
 namespace {
@@ -83,20 +84,52 @@ void DropChannels(Image& image, int kept) {
   image.channel_names.resize(kept);
 }
 
-// pbrt drops the alpha of what it reads with stb_image.
-void DropAlphaAsPbrt(ImageFormat format, Image& image) {
-  if (format != ImageFormat::kTga && format != ImageFormat::kBmp) return;
+// Whether a PNG, already checked, stores alpha in each pixel. The library also makes an alpha channel of a
+// transparent colour and of transparent entries of a palette.
+bool StoresAlpha(const std::string& png) {
+  constexpr size_t kColorTypeAt = 25;
+  constexpr char kAlphaUsed = 4;  // one bit of the colour type
+  return (png[kColorTypeAt] & kAlphaUsed) != 0;
+}
+
+// Whether pbrt reads the alpha of such a file: it has none of what it reads with stb_image, and only the one
+// that a PNG stores in its pixels.
+bool HasAlphaInPbrt(ImageFormat format, const std::string& bytes) {
+  if (format == ImageFormat::kPng) return StoresAlpha(bytes);
+  return format != ImageFormat::kTga && format != ImageFormat::kBmp;
+}
+
+void DropAlphaAsPbrt(ImageFormat format, const std::string& bytes, Image& image) {
+  if (HasAlphaInPbrt(format, bytes)) return;
   if (image.channels == 2 || image.channels == 4) DropChannels(image, image.channels - 1);
+  if (image.channels == 1) image.channel_names = {"Y"};
+}
+
+// Of the pixels as the library returns them.
+Orientation OrientationOf(const OIIO::ImageSpec& spec, ImageFormat format, const std::string& bytes) {
+  std::optional<Orientation> orientation;
+  // The library confuses two of the eight.
+  if (format == ImageFormat::kHdr) orientation = OrientationOfRadiance(bytes);
+  if (format == ImageFormat::kTiff) orientation = OrientationOfTag(spec.get_int_attribute("Orientation", 1));
+  return orientation.value_or(Orientation{});
+}
+
+std::optional<Chromaticities> ChromaticitiesOf(const OIIO::ImageSpec& spec, ImageFormat format) {
+  if (format != ImageFormat::kExr) return std::nullopt;
+  std::array<float, 8> xy;
+  if (!spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), xy.data()))
+    return std::nullopt;
+  return Chromaticities{{xy[0], xy[1]}, {xy[2], xy[3]}, {xy[4], xy[5]}, {xy[6], xy[7]}};
 }
 
 Result<Image> ReadPixels(OIIO::ImageInput& input, ImageFormat format, const std::string& name,
-                         size_t file_bytes, std::optional<ColorEncoding> encoding) {
+                         const std::string& bytes, std::optional<ColorEncoding> encoding) {
   const OIIO::ImageSpec& spec = input.spec();
   if (spec.deep || spec.depth > 1)
     return BadInput(fmt::format("{}: deep and volume pictures are not supported", name));
   const OIIO::TypeDesc type = ReadType(spec.format);
   const Result<void> size =
-      CheckImageSize(name, spec.width, spec.height, spec.nchannels, type.size(), file_bytes);
+      CheckImageSize(name, spec.width, spec.height, spec.nchannels, type.size(), bytes.size());
   if (!size) return size.error();
 
   Image image;
@@ -113,7 +146,9 @@ Result<Image> ReadPixels(OIIO::ImageInput& input, ImageFormat format, const std:
   if (type == OIIO::TypeDesc::FLOAT) image.format = PixelFormat::kFloat;
   if (type == OIIO::TypeDesc::UINT16) DecodeUint16(image.bytes, image.encoding);
   if (image.channels == 1) image.channel_names = {"Y"};
-  DropAlphaAsPbrt(format, image);
+  image.chromaticities = ChromaticitiesOf(spec, format);
+  DropAlphaAsPbrt(format, bytes, image);
+  MakeUpright(image, OrientationOf(spec, format, bytes));
   return image;
 }
 
@@ -129,7 +164,7 @@ Result<Image> Decode(ImageFormat format, const std::string& bytes, const std::st
   OIIO::ImageSpec spec, configuration;
   configuration.attribute("oiio:UnassociatedAlpha", 1);
   if (!input->open(name, spec, configuration)) return Damaged(name, format, input->geterror());
-  Result<Image> image = ReadPixels(*input, format, name, bytes.size(), encoding);
+  Result<Image> image = ReadPixels(*input, format, name, bytes, encoding);
   input->close();
   return image;
 }

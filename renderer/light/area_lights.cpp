@@ -19,7 +19,8 @@ float MeanStrength(const AreaEmitter& emitter) {
   return strength * (mean.x + mean.y + mean.z) / 3;
 }
 
-AreaEmitter ReadEmitter(ParameterReader& reader, const Shape& shape, FileSource& files, ImageCache& images) {
+AreaEmitter ReadEmitter(ParameterReader& reader, const Shape& shape, FileSource& files, ImageCache& images,
+                        Diagnostics& diagnostics) {
   AreaEmitter emitter;
   emitter.shape = &shape;
   emitter.two_sided = reader.Bool("twosided", false);
@@ -30,14 +31,14 @@ AreaEmitter ReadEmitter(ParameterReader& reader, const Shape& shape, FileSource&
     return emitter;
   }
   if (reader.Has("L")) reader.FailAt("L", "an area light takes \"L\" or \"filename\", not both");
-  emitter.image = RgbImage::Read(reader, images);
-  emitter.image_scale = ReadImageScale(reader, ColorSpace::Srgb());
-  emitter.L = Spectrum::Table(ColorSpace::Srgb().illuminant(), emitter.image_scale);
+  emitter.image = RgbImage::Read(reader, images, diagnostics);
+  emitter.image_scale = ReadImageScale(reader, emitter.image.color_space());
+  emitter.L = Spectrum::Table(emitter.image.color_space().illuminant(), emitter.image_scale);
   return emitter;
 }
 
 using EmitterReader = AreaEmitter (*)(ParameterReader& reader, const Shape& shape, FileSource& files,
-                                      ImageCache& images);
+                                      ImageCache& images, Diagnostics& diagnostics);
 constexpr Kind<EmitterReader> kAreaLights[] = {
     {"diffuse", Support::kSupported, ReadEmitter},
 };
@@ -56,12 +57,12 @@ KindList AreaLightKinds() {
   return kAreaLightTable.List();
 }
 
-Result<void> AreaLights::Add(const Entity& entity, const Shape& shape, FileSource& files,
-                             ImageCache& images) {
+Result<void> AreaLights::Add(const Entity& entity, const Shape& shape, FileSource& files, ImageCache& images,
+                             Diagnostics& diagnostics) {
   const Kind<EmitterReader>* kind = kAreaLightTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kAreaLightTable.Refusal(entity.kind));
   ParameterReader reader(entity);
-  emitters_.push_back(kind->reader(reader, shape, files, images));
+  emitters_.push_back(kind->reader(reader, shape, files, images, diagnostics));
   const AreaEmitter& emitter = emitters_.back();
   if (reader.failed()) return reader.Finish();
   const std::optional<float> power = ReadTotal(reader, "power");

@@ -33,7 +33,8 @@ struct AreaLight {
 class AreaLights {
  public:
   // Reads the AreaLightSource of `shape` and adds a light for each of its primitives.
-  Result<void> Add(const Entity& entity, const Shape& shape, FileSource& files, ImageCache& images);
+  Result<void> Add(const Entity& entity, const Shape& shape, FileSource& files, ImageCache& images,
+                   Diagnostics& diagnostics);
 
   size_t size() const { return lights_.size(); }
   std::optional<LightSample> Sample(size_t light, const ReferencePoint& reference, Point2 u,

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "renderer/texture/image_color_space.h"
+
 namespace tessera {
 
 bool IsFinite(const Image& image, int channel) {
@@ -13,7 +15,7 @@ bool IsFinite(const Image& image, int channel) {
   return true;
 }
 
-RgbImage RgbImage::Read(ParameterReader& reader, ImageCache& images) {
+RgbImage RgbImage::Read(ParameterReader& reader, ImageCache& images, Diagnostics& diagnostics) {
   const std::string name = reader.String("filename", "");
   const Result<std::shared_ptr<const Image>> image = images.Get(name, std::nullopt);
   if (!image) {
@@ -33,6 +35,7 @@ RgbImage RgbImage::Read(ParameterReader& reader, ImageCache& images) {
   RgbImage result;
   result.image_ = *image;
   result.channels_ = *channels;
+  result.color_space_ = &ColorSpaceOf((*image)->chromaticities, reader, diagnostics);
   return result;
 }
 

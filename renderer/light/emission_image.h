@@ -11,17 +11,17 @@
 
 namespace tessera {
 
-// An image with channels R, G and B, all finite.
+// An image with channels R, G and B, all finite, in the colour space that its file names.
 class RgbImage {
  public:
   RgbImage() = default;
   // Reads the image that parameter `filename` names. The reader remembers errors; the image is then empty.
-  static RgbImage Read(ParameterReader& reader, ImageCache& images);
+  static RgbImage Read(ParameterReader& reader, ImageCache& images, Diagnostics& diagnostics);
 
   bool empty() const { return !image_; }
   int width() const { return image_->width; }
   int height() const { return image_->height; }
-  const ColorSpace& color_space() const { return ColorSpace::Srgb(); }
+  const ColorSpace& color_space() const { return *color_space_; }
   // Negative values count as 0.
   Rgb At(int x, int y) const;
   // Bilinear interpolation; edge values continue outside. uv is (0, 0) at the first value of the top row.
@@ -31,6 +31,7 @@ class RgbImage {
  private:
   std::shared_ptr<const Image> image_;
   std::array<int, 3> channels_{};
+  const ColorSpace* color_space_ = &ColorSpace::Srgb();
 };
 
 // Whether every value of the channel is finite.

@@ -59,9 +59,9 @@ ImageInfiniteLight ImageInfiniteLight::Read(ParameterReader& reader, const Light
   ImageInfiniteLight light;
   light.render_from_light = context.render_from_light;
   light.light_from_render = context.render_from_light.Inverse();
-  float scale = ReadImageScale(reader, ColorSpace::Srgb());
   const std::optional<float> illuminance = ReadTotal(reader, "illuminance");
-  const RgbImage image = RgbImage::Read(reader, context.images);
+  const RgbImage image = RgbImage::Read(reader, context.images, context.diagnostics);
+  float scale = ReadImageScale(reader, image.color_space());
   if (image.empty()) return light;
   if (image.width() != image.height()) {
     reader.FailAt("filename",

@@ -60,7 +60,7 @@ Result<SourceLight> LightBuilder::ReadSource(const LightDescription& description
   if (kind == nullptr) return ErrorAt(entity.location, kSourceTable.Refusal(entity.kind));
   ParameterReader reader(entity);
   SourceLight light = kind->reader(reader, {inputs_.render_from_world * description.world_from_light,
-                                            inputs_.files, inputs_.images});
+                                            inputs_.files, inputs_.images, diagnostics_});
   if (const Result<void> finished = reader.Finish(); !finished) return finished.error();
   return light;
 }
@@ -83,7 +83,8 @@ Result<int> LightBuilder::AddArea(const Shape& shape, const Entity& entity) {
   }
   const size_t first = data_->sources.size() + data_->areas.size();
   if (first + shape.PrimitiveCount() > kLightsMax) return ErrorAt(entity.location, "too many area lights");
-  if (const Result<void> added = data_->areas.Add(entity, shape, inputs_.files, inputs_.images); !added) {
+  if (const Result<void> added = data_->areas.Add(entity, shape, inputs_.files, inputs_.images, diagnostics_);
+      !added) {
     return added.error();
   }
   return static_cast<int>(first);

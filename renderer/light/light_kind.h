@@ -22,11 +22,12 @@
 
 namespace tessera {
 
-// Where the light of a directive is, and where its spectra and pictures come from.
+// Where the light of a directive is, where its spectra and pictures come from and where warnings go.
 struct LightContext {
   Transform render_from_light;
   FileSource& files;
   ImageCache& images;
+  Diagnostics& diagnostics;
 };
 
 // The point that a light is sampled from.

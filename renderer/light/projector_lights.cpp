@@ -15,7 +15,8 @@ Transform SwapYAndZ() {
   return {m, m};
 }
 
-// The channels that make up the intensity: Y, or R, G and B averaged. Empty after an error.
+// The channels that make up the intensity: Y, or R, G and B averaged, as in pbrt whatever their colour space.
+// Empty after an error.
 std::vector<int> IntensityChannels(ParameterReader& reader, const Image& image, const std::string& name) {
   const int y = image.ChannelIndex("Y");
   const std::optional<std::array<int, 3>> rgb = image.RgbChannels();
@@ -129,8 +130,8 @@ ProjectionLight ProjectionLight::Read(ParameterReader& reader, const LightContex
   const std::optional<float> power = ReadTotal(reader, "power");
   if (!reader.Has("filename")) reader.Fail("a projection light requires \"filename\"");
   if (reader.failed()) return light;
-  const RgbImage image = RgbImage::Read(reader, context.images);
-  float scale = ReadImageScale(reader, ColorSpace::Srgb());
+  const RgbImage image = RgbImage::Read(reader, context.images, context.diagnostics);
+  float scale = ReadImageScale(reader, image.color_space());
   if (image.empty()) return light;
   const float aspect = static_cast<float>(image.width()) / static_cast<float>(image.height());
   light.tan_half_fov = std::tan(Radians(fov) / 2);

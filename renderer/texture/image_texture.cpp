@@ -1,14 +1,15 @@
 #include "renderer/texture/image_texture.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 
 #include <fmt/format.h>
 
+#include "renderer/description/number.h"
 #include "renderer/description/parameter_reader.h"
 #include "renderer/image/image_format.h"
+#include "renderer/texture/image_color_space.h"
 
 namespace tessera {
 namespace {
@@ -37,12 +38,9 @@ std::optional<ColorEncoding> ParseEncoding(std::string_view text) {
   constexpr std::string_view kGamma = "gamma ";
   if (!text.starts_with(kGamma)) return std::nullopt;
   text.remove_prefix(std::min(text.find_first_not_of(' ', kGamma.size()), text.size()));
-  float gamma = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), gamma);
-  if (error != std::errc() || end != text.data() + text.size() || !(gamma > 0) || !std::isfinite(gamma)) {
-    return std::nullopt;
-  }
-  return ColorEncoding{ColorEncoding::Kind::kGamma, gamma};
+  const std::optional<float> gamma = ParseFloat(text);
+  if (!gamma || !(*gamma > 0)) return std::nullopt;
+  return ColorEncoding{ColorEncoding::Kind::kGamma, *gamma};
 }
 
 // The encoding of the 8-bit values of the file. As in pbrt, only that of a PNG can be chosen: others are
@@ -161,7 +159,8 @@ float ReadAnisotropy(ParameterReader& reader) {
 }  // namespace
 
 std::optional<ImageTexture> ReadImageTexture(ParameterReader& reader, ImageCache& images,
-                                             TextureAssembly& assembly, std::optional<SpectrumUse> use) {
+                                             TextureAssembly& assembly, Diagnostics& diagnostics,
+                                             std::optional<SpectrumUse> use) {
   ImageTexture texture;
   texture.filter = {ReadChoice(reader, "filter", kFilterNames, kFilters), ReadAnisotropy(reader)};
   const WrapMode wrap = ReadChoice(reader, "wrap", kWrapNames, kWraps);
@@ -180,6 +179,7 @@ std::optional<ImageTexture> ReadImageTexture(ParameterReader& reader, ImageCache
     return std::nullopt;
   }
   texture.map = *map;
+  if (use) texture.color_space = &ColorSpaceOf(texture.map->chromaticities(), reader, diagnostics);
   return texture;
 }
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "renderer/description/diagnostics.h"
 #include "renderer/image/image.h"
 #include "renderer/texture/texture_assembly.h"
 
@@ -15,6 +16,7 @@ class ParameterReader;
 // image, else its alpha (unless that is 1 everywhere), else the mean of red, green and blue. As in pbrt, the
 // filters "point" and "ewa" of a float texture use only red.
 std::optional<ImageTexture> ReadImageTexture(ParameterReader& reader, ImageCache& images,
-                                             TextureAssembly& assembly, std::optional<SpectrumUse> use);
+                                             TextureAssembly& assembly, Diagnostics& diagnostics,
+                                             std::optional<SpectrumUse> use);
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "renderer/image/image.h"
@@ -35,6 +36,8 @@ class MipMap {
   int width() const { return levels_[0].width; }
   int height() const { return levels_[0].height; }
   size_t bytes() const { return texels_.size(); }
+  // Those of the image.
+  const std::optional<Chromaticities>& chromaticities() const { return chromaticities_; }
   // A value as stored; x and y must be inside the level. For tests.
   float Texel(int level, int x, int y, int channel) const;
 
@@ -60,7 +63,8 @@ class MipMap {
   WrapMode wrap_ = WrapMode::kRepeat;
   int channels_ = 1;
   std::vector<Level> levels_;
-  std::vector<uint8_t> texels_;       // of all levels, with room for one load of 16 bytes after the last
+  std::vector<uint8_t> texels_;  // of all levels, with room for one load of 16 bytes after the last
+  std::optional<Chromaticities> chromaticities_;
   std::array<float, 256> decoded_{};  // of kUint8: the linear values
 };
 

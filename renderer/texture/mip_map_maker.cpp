@@ -179,12 +179,13 @@ class Resampler {
 
 class MipMapMaker {
  public:
-  MipMapMaker(const Source& source, PixelFormat format, const ColorEncoding& encoding, WrapMode wrap)
-      : source_(source), encoder_(encoding) {
+  MipMapMaker(const Source& source, PixelFormat format, const Image& image, WrapMode wrap)
+      : source_(source), encoder_(image.encoding) {
     map_.format_ = format;
+    map_.chromaticities_ = image.chromaticities;
     map_.wrap_ = wrap;
     map_.channels_ = source.channels();
-    map_.decoded_ = DecodingTable(encoding);
+    map_.decoded_ = DecodingTable(image.encoding);
     AddLevels(static_cast<int>(std::bit_ceil(static_cast<unsigned>(source.width()))),
               static_cast<int>(std::bit_ceil(static_cast<unsigned>(source.height()))));
   }
@@ -280,18 +281,18 @@ class MipMapMaker {
 
 MipMap MipMap::Grey(const Image& image, int channel, WrapMode wrap) {
   const Source source(image, {channel}, false);
-  return MipMapMaker(source, image.format, image.encoding, wrap).Make();
+  return MipMapMaker(source, image.format, image, wrap).Make();
 }
 
 MipMap MipMap::Color(const Image& image, std::array<int, 3> channels, WrapMode wrap) {
   const Source source(image, {channels[0], channels[1], channels[2]}, false);
-  return MipMapMaker(source, image.format, image.encoding, wrap).Make();
+  return MipMapMaker(source, image.format, image, wrap).Make();
 }
 
 MipMap MipMap::GreyOfColor(const Image& image, std::array<int, 3> channels, WrapMode wrap) {
   const Source source(image, {channels[0], channels[1], channels[2]}, true);
   const PixelFormat format = image.format == PixelFormat::kUint8 ? PixelFormat::kHalf : image.format;
-  return MipMapMaker(source, format, image.encoding, wrap).Make();
+  return MipMapMaker(source, format, image, wrap).Make();
 }
 
 }  // namespace tessera

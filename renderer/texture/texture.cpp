@@ -52,7 +52,7 @@ struct SpectrumEvaluation {
     if (image.use == SpectrumUse::kAlbedo) rgb = Min(rgb, Float4(1.0f));
     alignas(16) float v[4];
     _mm_store_ps(v, rgb.v);
-    return ColorSpace::Srgb().SampleFast({v[0], v[1], v[2]}, image.use, wavelengths);
+    return image.color_space->SampleFast({v[0], v[1], v[2]}, image.use, wavelengths);
   }
   SampledSpectrum Albedo(Vec3 rgb) const {
     return ColorSpace::Srgb().SampleFast(rgb, SpectrumUse::kAlbedo, wavelengths);

@@ -52,8 +52,7 @@ struct TextureBuilder::State {
 
   Result<FloatInput> MakeFloat(TextureBuilder& builder, const TextureDescription& description) {
     ParameterReader reader(description.entity);
-    TextureKindContext context{builder, assembly, reader,
-                               render_from_world * description.world_from_texture};
+    TextureKindContext context{builder, assembly, reader, render_from_world * description.world_from_texture};
     const FloatInput input = MakeFloatTexture(context);
     if (const Result<void> read = reader.Finish(); !read) return read.error();
     return input;
@@ -66,8 +65,7 @@ struct TextureBuilder::State {
     if (variant) return *variant;
     const TextureDescription& description = texture.description;
     ParameterReader reader(description.entity);
-    TextureKindContext context{builder, assembly, reader,
-                               render_from_world * description.world_from_texture};
+    TextureKindContext context{builder, assembly, reader, render_from_world * description.world_from_texture};
     const SpectrumInput input = MakeSpectrumTexture(context, use);
     if (const Result<void> read = reader.Finish(); !read) return read.error();
     variant = input;
@@ -97,8 +95,9 @@ struct TextureBuilder::State {
   }
 };
 
-TextureBuilder::TextureBuilder(FileSource& files, ImageCache& images, const Transform& render_from_world)
-    : files_(files), images_(images), state_(std::make_unique<State>()) {
+TextureBuilder::TextureBuilder(FileSource& files, ImageCache& images, Diagnostics& diagnostics,
+                               const Transform& render_from_world)
+    : files_(files), images_(images), diagnostics_(diagnostics), state_(std::make_unique<State>()) {
   state_->render_from_world = render_from_world;
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "renderer/color/spectrum_parameter.h"
+#include "renderer/description/diagnostics.h"
 #include "renderer/description/scene_description.h"
 #include "renderer/image/image.h"
 #include "renderer/math/transform.h"
@@ -15,9 +16,10 @@ namespace tessera {
 
 class TextureBuilder {
  public:
-  // `files` and `images` must outlive the builder. `render_from_world` is applied after the transform of each
-  // texture.
-  TextureBuilder(FileSource& files, ImageCache& images, const Transform& render_from_world);
+  // `files`, `images` and `diagnostics`, which takes the warnings, must outlive the builder.
+  // `render_from_world` is applied after the transform of each texture.
+  TextureBuilder(FileSource& files, ImageCache& images, Diagnostics& diagnostics,
+                 const Transform& render_from_world);
   ~TextureBuilder();
 
   // Adds every texture of a scene, in order. Fails at the first that is invalid, missing or not supported.
@@ -34,6 +36,7 @@ class TextureBuilder {
 
   FileSource& files() { return files_; }
   ImageCache& images() { return images_; }
+  Diagnostics& diagnostics() { return diagnostics_; }
 
   // Must be called once, last: the builder is empty afterwards.
   TextureTable Finish();
@@ -42,6 +45,7 @@ class TextureBuilder {
   struct State;
   FileSource& files_;
   ImageCache& images_;
+  Diagnostics& diagnostics_;
   std::unique_ptr<State> state_;
 };
 

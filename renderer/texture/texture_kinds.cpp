@@ -177,8 +177,10 @@ typename Maker::Input MakeConstant(Maker& maker) {
 template <typename Maker>
 typename Maker::Input MakeImage(Maker& maker) {
   const int mapping = Mapping2(maker.context);
-  std::optional<ImageTexture> image = ReadImageTexture(maker.context.reader, maker.context.builder.images(),
-                                                       maker.context.assembly, maker.ImageUse());
+  TextureBuilder& builder = maker.context.builder;
+  std::optional<ImageTexture> image =
+      ReadImageTexture(maker.context.reader, builder.images(), maker.context.assembly, builder.diagnostics(),
+                       maker.ImageUse());
   if (!image) return {};
   image->mapping = mapping;
   return Add(maker, *image);

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "renderer/color/color_space.h"
 #include "renderer/texture/blend_textures.h"
 #include "renderer/texture/mip_map.h"
 #include "renderer/texture/noise_textures.h"
@@ -18,7 +19,9 @@ struct ImageTexture {
   ImageFilterSettings filter;
   float scale = 1;
   bool invert = false;
-  SpectrumUse use = SpectrumUse::kAlbedo;  // of a spectrum texture
+  // Of a spectrum texture: what its spectra are used for, and the colour space of the map.
+  SpectrumUse use = SpectrumUse::kAlbedo;
+  const ColorSpace* color_space = nullptr;
   int mapping = -1;
 
   template <typename Evaluation>

@@ -76,7 +76,8 @@ class Materials {
 
   MemoryFiles files_;
   ImageCache images_{files_};
-  TextureBuilder builder_{files_, images_, Transform()};
+  Diagnostics diagnostics_;
+  TextureBuilder builder_{files_, images_, diagnostics_, Transform()};
 };
 
 const Vec3 kUp{0, 0, 1};

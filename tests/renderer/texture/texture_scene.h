@@ -37,7 +37,7 @@ class TextureScene {
     Result<SceneDescription> scene = ParseSceneText(files_, "a.pbrt", text);
     if (!scene) return scene.error().message;
     scene_ = std::move(scene).value();
-    builder_ = std::make_unique<TextureBuilder>(files_, images_, render_from_world);
+    builder_ = std::make_unique<TextureBuilder>(files_, images_, diagnostics_, render_from_world);
     const Result<void> added = builder_->Add(scene_);
     return added ? "" : added.error().message;
   }
@@ -57,6 +57,7 @@ class TextureScene {
   }
   TextureTable Finish() { return builder_->Finish(); }
   const std::string& error() const { return error_; }
+  const Diagnostics& diagnostics() const { return diagnostics_; }
 
   Transform render_from_world;
 
@@ -70,6 +71,7 @@ class TextureScene {
   MemoryFiles files_;
   ImageCache images_;
   SceneDescription scene_;
+  Diagnostics diagnostics_;
   std::unique_ptr<TextureBuilder> builder_;
   std::string error_;
 };

@@ -1,0 +1,84 @@
+// The colour spaces of images that lights emit.
+#include "tests/renderer/exr_bytes.h"
+#include "tests/renderer/light/light_scene.h"
+
+namespace tessera {
+namespace {
+
+constexpr Point2 kMiddle{0.5f, 0.5f};
+
+// A light of each kind that emits an image, and before them a constant one of the same colour.
+void BuildLights(LightScene& lights, const std::string& attributes, const std::string& color_space) {
+  lights.files.files["image.exr"] = ExrOfOneColor(4, 0.8f, 0.3f, 0.1f, attributes);
+  lights.Build("ColorSpace \"" + color_space + R"("
+    LightSource "point" "rgb I" [ .8 .3 .1 ]
+    ColorSpace "srgb"
+    LightSource "infinite" "string filename" [ "image.exr" ]
+    LightSource "projection" "string filename" [ "image.exr" ]
+    LightSource "goniometric" "string filename" [ "image.exr" ]
+    AreaLightSource "diffuse" "string filename" [ "image.exr" ]
+    Shape "sphere")",
+               {SphereShape({0, 0, 9}, 1)});
+  ASSERT_EQ(lights.error, "");
+}
+
+// What arrives one unit along +z from the origin, nm by nm.
+std::vector<float> SpectrumOf(const LightScene& lights, int light) {
+  const ReferencePoint reference = At({0, 0, 1});
+  std::vector<float> spectrum;
+  for (int first = 0; first < kLambdaCount; first += 4) {
+    const SampledWavelengths wavelengths = FourWavelengths(first);
+    const bool is_infinite = light == 1;
+    const auto sample = lights.table.Sample(light, reference, kMiddle, wavelengths);
+    const SampledSpectrum L = is_infinite ? lights.table.InfiniteRadiance(light, {0, 0, 1}, wavelengths)
+                              : sample    ? sample->L
+                                          : SampledSpectrum();
+    for (int i = 0; i < 4 && first + i < kLambdaCount; ++i) spectrum.push_back(L[i]);
+  }
+  return spectrum;
+}
+
+void ExpectSame(const std::vector<float>& a, const std::vector<float>& b, const std::string& what) {
+  float difference = 0, largest = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    difference = std::max(difference, std::abs(a[i] - b[i]));
+    largest = std::max(largest, a[i]);
+  }
+  EXPECT_GT(largest, 0) << what;
+  EXPECT_LT(difference, 0.02f * largest) << what;
+}
+
+TEST(ImagesOfLights, AreEmittedInTheColorSpaceOfTheirFile) {
+  for (const auto& [attributes, space] :
+       {std::pair(std::string(), "srgb"), std::pair(ExrChromaticities(kRec2020Xy), "rec2020")}) {
+    LightScene lights;
+    BuildLights(lights, attributes, space);
+    const std::vector<float> expected = SpectrumOf(lights, 0);
+    for (const int light : {1, 2, 4}) {
+      ExpectSame(SpectrumOf(lights, light), expected, std::string(space) + " light " + std::to_string(light));
+    }
+    EXPECT_TRUE(lights.diagnostics.warnings().empty());
+  }
+}
+
+TEST(ImagesOfLights, OfGoniometricLightsOnlyScaleAsInPbrt) {
+  LightScene plain, wide;
+  BuildLights(plain, "", "srgb");
+  BuildLights(wide, ExrChromaticities(kRec2020Xy), "rec2020");
+  EXPECT_EQ(SpectrumOf(plain, 3), SpectrumOf(wide, 3));
+}
+
+TEST(ImagesOfLights, OfAnUnknownColorSpaceAreSrgbWithAWarning) {
+  LightScene plain, adobe;
+  BuildLights(plain, "", "srgb");
+  BuildLights(adobe, ExrChromaticities(kAdobeRgbXy), "srgb");
+  for (const int light : {1, 2, 4}) EXPECT_EQ(SpectrumOf(plain, light), SpectrumOf(adobe, light));
+  ASSERT_EQ(adobe.diagnostics.warnings().size(), 3u);  // of the goniometric light nothing changes
+  EXPECT_EQ(
+      adobe.diagnostics.warnings()[0].Text(),
+      "lights.pbrt:6:28: the image has the chromaticities red 0.64 0.33, green 0.21 0.71, blue 0.15 0.06, "
+      "white 0.3127 0.329, which are those of none of the supported colour spaces; it is read as sRGB");
+}
+
+}  // namespace
+}  // namespace tessera
