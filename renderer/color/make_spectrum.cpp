@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "renderer/color/named_spectra.h"
 #include "renderer/color/spectrum_parameter.h"
+#include "renderer/description/number.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
@@ -87,8 +87,7 @@ Result<Samples> ParseSamples(const std::string& text) {
       at = std::find(at, end, '\n');
     } else {
       float number = 0;
-      const char* const word = *at == '+' ? at + 1 : at;
-      const auto [rest, problem] = std::from_chars(word, end, number);
+      const auto [rest, problem] = ReadNumber(at, end, number);
       if (problem != std::errc() || (rest < end && !IsSpace(*rest) && *rest != '#')) {
         return BadInput(fmt::format("line {} has a word that is not a number", line));
       }

@@ -1,12 +1,12 @@
 #include "renderer/image/pfm.h"
 
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 
 #include <fmt/format.h>
 
+#include "renderer/description/number.h"
 #include "renderer/image/image_limits.h"
 
 namespace tessera {
@@ -29,8 +29,9 @@ std::string_view NextWord(std::string_view bytes, size_t& position) {
 
 template <typename T>
 bool Parse(std::string_view word, T& value) {
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && end == word.data() + word.size();
+  const std::optional<T> number = ParseNumber<T>(word);
+  if (number) value = *number;
+  return number.has_value();
 }
 
 struct Header {

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "renderer/description/number.h"
 #include "renderer/scene/scene.h"
 #include "renderer/util/text.h"
 
@@ -25,11 +26,9 @@ requires std::is_arithmetic_v<Number> std::string ToText(Number value) {
 
 template <typename Number>
 requires std::is_arithmetic_v<Number> std::optional<Number> FromText(std::string_view text, Number*) {
-  Number value{};
-  const std::from_chars_result result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc() || result.ptr != text.data() + text.size()) return std::nullopt;
+  const std::optional<Number> value = ParseNumber<Number>(text);
   if constexpr (std::is_floating_point_v<Number>) {
-    if (!std::isfinite(value)) return std::nullopt;
+    if (value && !std::isfinite(*value)) return std::nullopt;
   }
   return value;
 }

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <optional>
+
+#include "renderer/description/number.h"
 
 namespace tessera {
 namespace {
@@ -57,6 +58,7 @@ class HeaderParser {
   HeaderParser(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   Result<PlyHeader> Parse() {
+    FindLineEnd();
     if (NextLine() != "ply") return BadInput(name_ + ": not a PLY file: it does not start with \"ply\"");
     for (;;) {
       if (at_ >= bytes_.size() || at_ > kHeaderSizeMax)
@@ -72,9 +74,16 @@ class HeaderParser {
   }
 
  private:
-  // Without its end, be that "\n" or "\r\n".
+  // Files from old Macintosh programs end their lines by "\r" alone: the first line tells.
+  void FindLineEnd() {
+    const size_t first = bytes_.substr(0, kHeaderSizeMax).find_first_of("\r\n");
+    if (first == bytes_.npos || bytes_[first] == '\n') return;
+    if (bytes_.substr(first + 1, 1) != "\n") line_end_ = '\r';
+  }
+
+  // Without its end, be that "\n", "\r\n" or "\r".
   std::string_view NextLine() {
-    const size_t end = bytes_.find('\n', at_);
+    const size_t end = bytes_.find(line_end_, at_);
     std::string_view line = bytes_.substr(at_, end == bytes_.npos ? bytes_.npos : end - at_);
     at_ = end == bytes_.npos ? bytes_.size() : end + 1;
     ++line_;
@@ -112,11 +121,11 @@ class HeaderParser {
     if (words.size() != 3) return Wrong("expected \"element NAME COUNT\"");
     PlyElement element;
     element.name = words[1];
-    const char* end = words[2].data() + words[2].size();
-    const auto [stop, error] = std::from_chars(words[2].data(), end, element.count);
-    if (error != std::errc() || stop != end) {
+    const std::optional<uint64_t> count = ParseNumber<uint64_t>(words[2]);
+    if (!count) {
       return Wrong(fmt::format("\"{}\" is not a number of elements", words[2].substr(0, 40)));
     }
+    element.count = *count;
     if (header_.elements.size() == kElementsMax) return Wrong("too many kinds of elements");
     header_.elements.push_back(std::move(element));
     return {};
@@ -142,6 +151,7 @@ class HeaderParser {
   const std::string& name_;
   size_t at_ = 0;
   int line_ = 0;
+  char line_end_ = '\n';
   bool has_format_ = false;
   PlyHeader header_;
 };

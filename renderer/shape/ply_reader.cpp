@@ -73,6 +73,7 @@ class BodyReader {
       if (Result<void> done = ReadElement(element); !done) return done.error();
     }
     if (Result<void> done = CheckMesh(); !done) return done.error();
+    if (Result<void> done = CheckPositions(); !done) return done.error();
     return std::move(mesh_);
   }
 
@@ -105,9 +106,8 @@ class BodyReader {
             field == kIgnored ? SkipProperty(property) : values_.ReadFloat(property.type, &fields[field]);
         if (!read) return CutOff(element, i);
       }
-      const Point3 p{fields[0], fields[1], fields[2]};
-      if (!IsFinite(p)) return Wrong(fmt::format("the position of vertex {} is not finite", i));
-      mesh_.P.push_back(p);
+      mesh_.P.push_back({fields[0], fields[1], fields[2]});
+      all_finite_ &= IsFinite(mesh_.P.back());
       if (layout.has_normals) mesh_.N.push_back({fields[3], fields[4], fields[5]});
       if (layout.has_uv) mesh_.uv.push_back({fields[6], fields[7]});
     }
@@ -179,6 +179,21 @@ class BodyReader {
     return {};
   }
 
+  // A position that no face uses may hold anything; it becomes one that is used, so that all are finite.
+  Result<void> CheckPositions() {
+    if (all_finite_) return {};
+    const uint32_t used = mesh_.triangles.empty() ? mesh_.quads[0] : mesh_.triangles[0];
+    for (const std::vector<uint32_t>* faces : {&mesh_.triangles, &mesh_.quads}) {
+      for (const uint32_t i : *faces) {
+        if (!IsFinite(mesh_.P[i])) return Wrong(fmt::format("the position of vertex {} is not finite", i));
+      }
+    }
+    for (Point3& p : mesh_.P) {
+      if (!IsFinite(p)) p = mesh_.P[used];
+    }
+    return {};
+  }
+
   Error Wrong(const std::string& what) const { return BadInput(name_ + ": " + what); }
   Error CutOff(const PlyElement& element, uint64_t index) {
     if (values_.AtEnd()) {
@@ -192,6 +207,7 @@ class BodyReader {
   const std::string& name_;
   PlyMesh mesh_;
   int64_t index_min_ = 0, index_max_ = -1;
+  bool all_finite_ = true;  // positions
 };
 
 }  // namespace

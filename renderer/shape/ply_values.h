@@ -2,11 +2,11 @@
 #pragma once
 
 #include <bit>
-#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <string_view>
 
+#include "renderer/description/number.h"
 #include "renderer/shape/ply_header.h"
 
 namespace tessera {
@@ -79,7 +79,13 @@ class PlyAsciiValues {
   }
 
   // False if the next word is not a number, or there is none.
-  bool ReadFloat(PlyType, float* value) { return Read(value); }
+  bool ReadFloat(PlyType type, float* value) {
+    if (type != PlyType::kFloat64) return Read(value);
+    double wide = 0;  // rounded twice, as the same number in binary
+    if (!Read(&wide)) return false;
+    *value = static_cast<float>(wide);
+    return true;
+  }
   bool ReadInteger(PlyType, int64_t* value) { return Read(value); }
   bool Skip(PlyType, uint64_t count) {
     for (uint64_t i = 0; i < count; ++i) {
@@ -98,8 +104,7 @@ class PlyAsciiValues {
   template <typename T>
   bool Read(T* value) {
     SkipSpace();
-    const char* start = at_ != end_ && *at_ == '+' ? at_ + 1 : at_;
-    const auto [stop, error] = std::from_chars(start, end_, *value);
+    const auto [stop, error] = ReadNumber(at_, end_, *value);
     if (error != std::errc() || (stop != end_ && !IsSpace(*stop))) return false;
     at_ = stop;
     return true;

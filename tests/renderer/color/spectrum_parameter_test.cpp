@@ -74,6 +74,16 @@ TEST(MakeSpectrum, ReadsFilesOfPairsWithComments) {
   EXPECT_EQ(spectrum->At(601), 0);
 }
 
+TEST(MakeSpectrum, TinyValuesInFilesAreZero) {
+  MemoryFiles files;
+  files.files = {{"tiny", "400 2.3e-49\n500 1e-400\n600 4e-320 700 1"},
+                 {"zero", "400 0\n500 0\n600 0 700 1"}};
+  const Result<Spectrum> tiny = MakeSpectrum(NamedValue("tiny"), SpectrumUse::kUnbounded, files);
+  const Result<Spectrum> zero = MakeSpectrum(NamedValue("zero"), SpectrumUse::kUnbounded, files);
+  ASSERT_TRUE(tiny) << tiny.error().message;
+  for (float nm = 400; nm <= 700; nm += 10) EXPECT_EQ(tiny->At(nm), zero->At(nm)) << nm;
+}
+
 TEST(MakeSpectrum, RefusesBrokenFilesWithTheReason) {
   MemoryFiles files;
   files.files = {
@@ -90,7 +100,7 @@ TEST(MakeSpectrum, RefusesBrokenFilesWithTheReason) {
   EXPECT_THAT(error("infinite"), HasSubstr("not finite"));
   EXPECT_THAT(error("negative"), HasSubstr("negative"));
   EXPECT_THAT(error("glued"), HasSubstr("not a number"));
-  EXPECT_THAT(error("overflow"), HasSubstr("not a number"));
+  EXPECT_THAT(error("overflow"), HasSubstr("not finite"));
   EXPECT_THAT(error("large"), HasSubstr("allowed"));
   EXPECT_THAT(error("metal-Cu-etha"), HasSubstr("metal-Cu-eta"));
   EXPECT_THAT(error("absent.spd"), HasSubstr("No such file"));

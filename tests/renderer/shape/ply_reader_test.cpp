@@ -87,6 +87,54 @@ TEST(PlyReader, LinesMayEndInCarriageReturns) {
   EXPECT_EQ(mesh->P[2], (Point3{0, 1, 0}));
 }
 
+TEST(PlyReader, LinesMayEndInCarriageReturnsAlone) {
+  std::string text = kTriangleHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  text.insert(text.find("element"), "comment by a Macintosh\n");
+  std::ranges::replace(text, '\n', '\r');
+  const Result<PlyMesh> mesh = ReadPly(text, "a.ply");
+  ASSERT_TRUE(mesh.has_value()) << mesh.error().message;
+  EXPECT_EQ(mesh->P[2], (Point3{0, 1, 0}));
+  // In binary the first byte after the header may be a line feed.
+  std::string binary =
+      "ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty uchar a\rproperty float x\r"
+      "property float y\rproperty float z\relement face 1\rproperty list uchar uchar "
+      "vertex_indices\rend_header\r";
+  binary += '\n' + std::string(12, '\0') + std::string("\3\0\0\0", 4);
+  const Result<PlyMesh> point = ReadPly(binary, "a.ply");
+  ASSERT_TRUE(point.has_value()) << point.error().message;
+  EXPECT_EQ(point->P[0], (Point3{0, 0, 0}));
+}
+
+TEST(PlyReader, TinyNumbersAreZeroAndDoublesAreReadAsDoubles) {
+  std::string text =
+      kTriangleHeader + "2.2958450216584675e-49 -1.07797e-046 1e-400\n1 4.9e-324 0\n0 1 0\n3 0 1 2\n";
+  for (const std::string type : {"float", "double"}) {
+    for (size_t at = 0; type == "double" && (at = text.find("float", at)) != text.npos;)
+      text.replace(at, 5, type);
+    const Result<PlyMesh> mesh = ReadPly(text, "a.ply");
+    ASSERT_TRUE(mesh.has_value()) << mesh.error().message;
+    EXPECT_EQ(mesh->P[0], (Point3{0, 0, 0}));
+    EXPECT_EQ(mesh->P[1], (Point3{1, 0, 0}));
+  }
+  // A double next to the middle between two floats: rounded once, it goes up, rounded twice, down.
+  text.replace(text.find("0 1 0"), 5, "0 1.00000005960464477540 0");
+  EXPECT_EQ(ReadPly(text, "a.ply")->P[2].y, static_cast<float>(1.00000005960464477540));
+}
+
+TEST(PlyReader, PositionsThatNoFaceUsesMayBeAnything) {
+  const std::string body = "0 0 0\n1 0 0\n0 1 0\n";
+  for (const std::string unused : {"nan nan nan", "0 inf 0", "1e400 0 0"}) {
+    std::string text = kTriangleHeader + body + unused + "\n3 0 1 2\n";
+    text.replace(text.find("vertex 3"), 8, "vertex 4");
+    const Result<PlyMesh> mesh = ReadPly(text, "a.ply");
+    ASSERT_TRUE(mesh.has_value()) << mesh.error().message;
+    EXPECT_EQ(mesh->triangles, (std::vector<uint32_t>{0, 1, 2}));
+    for (const Point3 p : mesh->P) EXPECT_TRUE(IsFinite(p));
+    text.replace(text.find("3 0 1 2"), 7, "3 0 1 3");
+    EXPECT_EQ(ReadPly(text, "a.ply").error().message, "a.ply: the position of vertex 3 is not finite");
+  }
+}
+
 std::string ErrorOf(const std::string& bytes) {
   const Result<PlyMesh> mesh = ReadPly(bytes, "models/x.ply");
   return mesh ? "no error" : mesh.error().message;
