@@ -5,7 +5,7 @@
 
 namespace tessera {
 bool AlphaIsHit(const Geometry& geometry, const TextureTable& textures, const Ray& ray,
-                const FloatInput& alpha, const Hit& hit) {
+                const FloatInput& alpha, const Hit& hit, int crossing) {
   float value = alpha.constant;
   if (!alpha.IsConstant()) {
     const HitPoint point = MakeHitPoint(geometry, hit, ray);
@@ -17,7 +17,8 @@ bool AlphaIsHit(const Geometry& geometry, const TextureTable& textures, const Ra
   }
   if (value >= 1) return true;
   if (!(value > 0)) return false;
-  return UniformFloatFromHash(ExtendHash(Hash(ray.o, ray.d), hit.instance)) < value;
+  const uint64_t hash = ExtendHash(Hash(ray.o, ray.d), hit.instance, hit.shape, hit.primitive, crossing);
+  return UniformFloatFromHash(hash) < value;
 }
 
 }  // namespace tessera

@@ -14,8 +14,8 @@ const EmbreeRayContext& ContextOf(const RTCIntersectContext* context) {
   return *reinterpret_cast<const EmbreeRayContext*>(context);
 }
 
-bool AlphaIsHit(const EmbreeRayContext& context, const FloatInput& alpha, const Hit& hit) {
-  return AlphaIsHit(*context.geometry, *context.textures, *context.ray, alpha, hit);
+bool AlphaIsHit(const EmbreeRayContext& context, const FloatInput& alpha, const Hit& hit, int crossing) {
+  return AlphaIsHit(*context.geometry, *context.textures, *context.ray, alpha, hit, crossing);
 }
 
 void Bounds(const RTCBoundsFunctionArguments* arguments) {
@@ -31,13 +31,17 @@ bool IntersectUserPrimitive(const EmbreeRayContext& context, const EmbreeGeometr
   hit->primitive = record.Primitive(embree_primitive);
   hit->instance = context.InstanceOf(context.base.instID[0]);
   const DoubleRay ray = RayInShapeSpace(*context.geometry, hit->instance, *context.ray);
-  Crossing found;
-  if (!NearestCrossing(*record.shape, hit->primitive, ray, t_max, &found)) return false;
-  hit->t = std::min(static_cast<float>(found.t), t_max);
-  hit->u = found.u;
-  hit->v = found.v;
   const SurfaceProperties& surface = record.shape->surface;
-  return !surface.HasAlpha() || AlphaIsHit(context, surface.alpha, *hit);
+  Crossing found;
+  bool is_found = NearestCrossing(*record.shape, hit->primitive, ray, t_max, &found);
+  for (int crossing = 0; is_found && crossing < kCrossingsMax; ++crossing) {
+    hit->t = std::min(static_cast<float>(found.t), t_max);
+    hit->u = found.u;
+    hit->v = found.v;
+    if (!surface.HasAlpha() || AlphaIsHit(context, surface.alpha, *hit, crossing)) return true;
+    is_found = NextCrossing(*record.shape, hit->primitive, ray, found.t, t_max, &found);
+  }
+  return false;
 }
 
 void Intersect(const RTCIntersectFunctionNArguments* arguments) {
@@ -85,7 +89,7 @@ void FilterByAlpha(const RTCFilterFunctionNArguments* arguments) {
   const auto& record = *static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr);
   Hit hit = HitOf(context, record, arguments);
   const bool is_hit = RefineHit(*context.geometry, *context.ray, &hit) &&
-                      AlphaIsHit(context, record.shape->surface.alpha, hit);
+                      AlphaIsHit(context, record.shape->surface.alpha, hit, 0);
   if (!is_hit) arguments->valid[0] = 0;
 }
 

@@ -37,27 +37,19 @@ bool RefineOnParallelogram(const Shape& shape, const DoubleRay& ray, float t_max
   return true;
 }
 
-bool IntersectOther(const Shape& shape, const DoubleRay& ray, float t_max, Hit* hit) {
-  Crossing found;
-  if (!NearestCrossing(shape, hit->primitive, ray, t_max, &found)) return false;
-  hit->t = std::min(static_cast<float>(found.t), t_max);
-  hit->u = found.u;
-  hit->v = found.v;
-  return true;
-}
-
 }  // namespace
 
 template <bool kAny>
-void HitSearch<kAny>::Offer(const Hit& hit, float key, bool has_alpha) {
-  if (!(key <= limit_)) return;
-  if (key == limit_ && best_.found && !PrecedesInOrder(hit, best_.hit)) return;
+bool HitSearch<kAny>::Offer(const Hit& hit, float key, bool has_alpha, int crossing) {
+  if (!(key <= limit_)) return true;
+  if (key == limit_ && best_.found && !PrecedesInOrder(hit, best_.hit)) return true;
   if (has_alpha) {
     const FloatInput& alpha = ShapeOf(geometry_, hit.instance, hit.shape).surface.alpha;
-    if (!AlphaIsHit(geometry_, textures_, ray_, alpha, hit)) return;
+    if (!AlphaIsHit(geometry_, textures_, ray_, alpha, hit, crossing)) return false;
   }
   best_ = {hit, true};
   limit_ = key;
+  return true;
 }
 
 template <bool kAny>
@@ -75,7 +67,7 @@ void HitSearch<kAny>::TestLane(const TriangleBlock& block, int lane, const Trace
           ? RefineOnParallelogram(ShapeOf(geometry_, instance_, hit.shape), ray.exact, ray_.t_max, &hit)
           : RefineOnTriangle(triangle, ray.exact, ray_.t_max, &hit);
   if (!is_hit) return;
-  Offer(hit, std::max({hit.t, nearest_vertex, entry, entry_}), block.with_alpha >> lane & 1);
+  Offer(hit, std::max({hit.t, nearest_vertex, entry, entry_}), block.with_alpha >> lane & 1, 0);
 }
 
 template <bool kAny>
@@ -85,8 +77,16 @@ void HitSearch<kAny>::TestOther(const OtherPrimitive& other, const TracedRay& ra
   hit.shape = other.name.shape;
   hit.primitive = other.name.primitive;
   hit.instance = instance_;
-  if (!IntersectOther(ShapeOf(geometry_, instance_, hit.shape), ray.exact, ray_.t_max, &hit)) return;
-  Offer(hit, std::max({hit.t, entry, entry_}), other.name.has_alpha);
+  const Shape& shape = ShapeOf(geometry_, instance_, hit.shape);
+  Crossing found;
+  bool is_found = NearestCrossing(shape, hit.primitive, ray.exact, ray_.t_max, &found);
+  for (int crossing = 0; is_found && crossing < kCrossingsMax; ++crossing) {
+    hit.t = std::min(static_cast<float>(found.t), ray_.t_max);
+    hit.u = found.u;
+    hit.v = found.v;
+    if (Offer(hit, std::max({hit.t, entry, entry_}), other.name.has_alpha, crossing)) return;
+    is_found = NextCrossing(shape, hit.primitive, ray.exact, found.t, ray_.t_max, &found);
+  }
 }
 
 template class HitSearch<false>;

@@ -48,7 +48,8 @@ class HitSearch {
   };
 
   void TestLane(const TriangleBlock& block, int lane, const TracedRay& ray, float nearest_vertex);
-  void Offer(const Hit& hit, float key, bool has_alpha);
+  // Returns false if alpha lets the ray pass: it may meet the primitive once more. `crossing` counts.
+  bool Offer(const Hit& hit, float key, bool has_alpha, int crossing);
 
   const Geometry& geometry_;
   const TextureTable& textures_;

@@ -5,10 +5,6 @@
 namespace tessera {
 namespace {
 
-// Where the search for a second crossing starts, relative to the distance of the first: well above the
-// rounding of doubles, well below that of the rays' own floats.
-constexpr double kBeyond = 1 + 1e-9;
-
 // Finds the nearest crossing, then the nearest beyond it.
 template <ShapeForm T>
 int FindAll(const T& form, uint32_t primitive, const Ray& ray, Crossing found[kCrossingsMax]) {
@@ -19,7 +15,7 @@ int FindAll(const T& form, uint32_t primitive, const Ray& ray, Crossing found[kC
     const DoubleRay rest{from_start.At(skipped), from_start.d};
     if (!form.Intersect(primitive, rest, ray.t_max - skipped, &found[count])) return count;
     found[count].t += skipped;
-    skipped = found[count].t * kBeyond;
+    skipped = found[count].t * kBeyondCrossing;
   }
   return count_max;
 }

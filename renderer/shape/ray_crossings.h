@@ -14,6 +14,20 @@ inline bool NearestCrossing(const Shape& shape, uint32_t primitive, const Double
                   [&](const auto& form) { return form.Intersect(primitive, ray, t_max, crossing); });
 }
 
+// Where the search for a second crossing starts, relative to the distance of the first: well above the
+// rounding of doubles, well below that of the rays' own floats.
+constexpr double kBeyondCrossing = 1 + 1e-9;
+
+// The nearest crossing beyond one at distance `t`.
+inline bool NextCrossing(const Shape& shape, uint32_t primitive, const DoubleRay& ray, double t, double t_max,
+                         Crossing* crossing) {
+  const double skipped = t * kBeyondCrossing;
+  const DoubleRay rest{ray.At(skipped), ray.d};
+  if (!NearestCrossing(shape, primitive, rest, t_max - skipped, crossing)) return false;
+  crossing->t += skipped;
+  return true;
+}
+
 // No primitive has more: a line meets a quadric or a bilinear patch at most twice.
 constexpr int kCrossingsMax = 2;
 
