@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "renderer/math/flat_transform.h"
+
 namespace tessera {
 namespace {
 
@@ -20,26 +22,33 @@ double MiddleOfShutter(const Entity& camera) {
 
 class MotionStopper {
  public:
-  explicit MotionStopper(double time_s) : time_s_(time_s) {}
+  MotionStopper(double time_s, Diagnostics& diagnostics) : time_s_(time_s), diagnostics_(diagnostics) {}
 
+  // Between a map and its mirror image there is a moment without volume: what is flat then is not seen.
   void Stop(AnimatedTransform& transform, const SourceLocation& place) {
     if (!transform.IsAnimated()) return;
     ++count_;
     const std::optional<Transform> fixed = transform.At(time_s_);
-    if (fixed) {
-      transform = AnimatedTransform(*fixed);
-    } else if (!error_) {
-      error_ =
-          ErrorAt(place, fmt::format("what moves here has no volume at {} s: the transformations before and "
-                                     "after are mirror images, expected a motion that can be inverted",
-                                     time_s_));
+    if (!fixed) {
+      diagnostics_.Warn(place,
+                        fmt::format("what moves here has no volume at {} s and is not shown", time_s_));
     }
+    transform = AnimatedTransform(fixed ? *fixed : Transform(ZeroMatrix(), ZeroMatrix()));
   }
   // The camera is moved, not the world around it.
   void StopCamera(AnimatedTransform& camera_from_world, const SourceLocation& place) {
     AnimatedTransform world_from_camera = camera_from_world.Inverse();
-    Stop(world_from_camera, place);
-    camera_from_world = world_from_camera.Inverse();
+    if (!world_from_camera.IsAnimated()) return;
+    ++count_;
+    const std::optional<Transform> fixed = world_from_camera.At(time_s_);
+    if (!fixed) {
+      error_ = ErrorAt(
+          place, fmt::format("the camera has no volume at {} s: the transformations before and after are "
+                             "mirror images, expected a motion that can be inverted",
+                             time_s_));
+      return;
+    }
+    camera_from_world = AnimatedTransform(fixed->Inverse());
   }
   Result<int> Answer() const {
     if (error_) return *error_;
@@ -48,6 +57,7 @@ class MotionStopper {
 
  private:
   double time_s_;
+  Diagnostics& diagnostics_;
   int count_ = 0;
   std::optional<Error> error_;
 };
@@ -55,7 +65,7 @@ class MotionStopper {
 }  // namespace
 
 Result<int> StopMotion(std::optional<double> time_s, SceneDescription& scene) {
-  MotionStopper stopper(time_s.value_or(MiddleOfShutter(scene.camera)));
+  MotionStopper stopper(time_s.value_or(MiddleOfShutter(scene.camera)), scene.diagnostics);
   stopper.StopCamera(scene.camera_from_world, scene.camera.location);
   for (ShapeDescription& shape : scene.shapes) stopper.Stop(shape.world_from_object, shape.entity.location);
   for (ObjectDescription& object : scene.objects) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "renderer/math/flat_transform.h"
+
 namespace tessera {
 namespace {
 
@@ -121,11 +123,22 @@ Parts Decompose(const Transform& transform) {
   return parts;
 }
 
+// Element by element.
+Matrix4 Straight(const Matrix4& a, const Matrix4& b, float s) {
+  Matrix4 m;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) m.m[i][j] = (1 - s) * a.m[i][j] + s * b.m[i][j];
+  }
+  return m;
+}
+
 }  // namespace
 
 std::optional<Transform> Interpolate(const Transform& start, const Transform& end, float s) {
   if (s <= 0 || start == end) return start;
   if (s >= 1) return end;
+  // A flat map has no rotation: what grows from nothing or shrinks to it does so in a straight way.
+  if (IsFlat(start) || IsFlat(end)) return Transform::FromMatrix(Straight(start.matrix(), end.matrix(), s));
   const Parts a = Decompose(start), b = Decompose(end);
   const Matrix3 rotation = ToRotation(Slerp(a.rotation, b.rotation, s));
   const double from = 1 - s, to = s;

@@ -4,17 +4,24 @@
 #include <cmath>
 #include <iterator>
 
+#include "renderer/math/flat_transform.h"
+
 namespace tessera {
 namespace {
 
-bool IsFinite(const Transform& t) {
-  for (const Matrix4* matrix : {&t.matrix(), &t.inverse_matrix()}) {
-    for (const auto& row : matrix->m) {
-      for (const float v : row) {
-        if (!std::isfinite(v)) return false;
-      }
+bool IsFinite(const Matrix4& matrix) {
+  for (const auto& row : matrix.m) {
+    for (const float v : row) {
+      if (!std::isfinite(v)) return false;
     }
   }
+  return true;
+}
+
+// Makes a map flat whose inverse is beyond the range of float. Returns false if the map itself is.
+bool Settle(Transform& transform) {
+  if (!IsFinite(transform.matrix())) return false;
+  if (!IsFinite(transform.inverse_matrix())) transform = Transform(transform.matrix(), ZeroMatrix());
   return true;
 }
 
@@ -25,9 +32,9 @@ AnimatedTransform TransformTimes::Animate(const TransformPair& pair) const {
   return AnimatedTransform({{start, pair.start}, {std::max(start, end), pair.end}});
 }
 
-bool GraphicsState::Replace(const Transform& start, const Transform& end) {
-  if (start_is_active && !IsFinite(start)) return false;
-  if (end_is_active && !IsFinite(end)) return false;
+bool GraphicsState::Replace(Transform start, Transform end) {
+  if (start_is_active && !Settle(start)) return false;
+  if (end_is_active && !Settle(end)) return false;
   if (start_is_active) transform.start = start;
   if (end_is_active) transform.end = end;
   return true;

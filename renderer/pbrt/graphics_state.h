@@ -40,8 +40,8 @@ class GraphicsState {
   std::shared_ptr<const Entity> area_light;  // null: shapes do not emit
   std::string inside_medium, outside_medium;
 
-  // Replaces the active transforms by `next`, or appends `next` to them. Returns false and leaves the state
-  // unchanged if a result is not finite.
+  // Replaces the active transforms by `next`, or appends `next` to them; the results may be flat
+  // (flat_transform.h). Returns false and leaves the state unchanged if a result is not finite.
   bool SetTransform(const Transform& next);
   bool ConcatTransform(const Transform& next);
 
@@ -50,7 +50,7 @@ class GraphicsState {
   void AddAttributes(AttributeTarget target, std::vector<Parameter> parameters);
 
  private:
-  bool Replace(const Transform& start, const Transform& end);
+  bool Replace(Transform start, Transform end);
 
   // Shared between the states of the stack, replaced when added to: pushing a state copies no parameter.
   std::array<std::shared_ptr<const std::vector<Parameter>>, kAttributeTargets.size()> attributes_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "renderer/description/number.h"
+#include "renderer/math/flat_transform.h"
 #include "renderer/util/load_budget.h"
 #include "renderer/util/text.h"
 
@@ -131,10 +132,7 @@ std::optional<Transform> SceneParser::ReadMatrix(const Statement& statement) {
     Unexpected(close, "\"]\" after the 16 numbers of " + statement.name());
     return std::nullopt;
   }
-  const std::optional<Transform> transform = Transform::FromMatrix(matrix);
-  if (!transform)
-    Fail(statement.location, statement.name() + " has a singular matrix, expected one with an inverse");
-  return transform;
+  return MapOf(matrix);
 }
 
 std::optional<Entity> SceneParser::ReadEntity(const Statement& statement,

@@ -4,6 +4,7 @@
 
 #include "renderer/description/number.h"
 #include "renderer/description/option_kinds.h"
+#include "renderer/math/flat_transform.h"
 #include "renderer/pbrt/scene_parser.h"
 #include "renderer/util/text.h"
 
@@ -56,6 +57,11 @@ bool SceneParser::ReadOptionValue(Parameter& option) {
 bool SceneParser::Camera(const Statement& statement) {
   std::optional<Entity> camera = ReadEntity(statement);
   if (!camera) return false;
+  if (IsFlat(state_.transform.start) || IsFlat(state_.transform.end)) {
+    return Fail(
+        statement.location,
+        "the transformation of the camera has no inverse, expected finite numbers and no scale of zero");
+  }
   builder_->scene().camera = *std::move(camera);
   builder_->scene().camera_medium = state_.outside_medium;
   camera_from_world_ = state_.transform;
@@ -155,6 +161,10 @@ bool SceneParser::AttributeBegin(const Statement& statement) {
 }
 
 bool SceneParser::AttributeEnd(const Statement& statement) {
+  if (pushed_.empty()) {
+    Warn(statement.location, statement.name() + " without AttributeBegin before it is ignored");
+    return true;
+  }
   return Pop(statement, false);
 }
 

@@ -2,16 +2,28 @@
 
 #include <cmath>
 
+#include "renderer/math/flat_transform.h"
 #include "renderer/pbrt/scene_parser.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
+namespace {
+
+// Factors of zero give a flat map.
+Transform ScaleOf(const std::array<float, 3>& factors) {
+  if (factors[0] != 0 && factors[1] != 0 && factors[2] != 0) return Scale(factors[0], factors[1], factors[2]);
+  Matrix4 matrix;
+  for (size_t i = 0; i < 3; ++i) matrix.m[i][i] = factors[i];
+  return MapOf(matrix);
+}
+
+}  // namespace
 
 bool SceneParser::Concat(const Statement& statement, const std::optional<Transform>& next) {
   if (next && state_.ConcatTransform(*next)) return true;
   return Fail(statement.location, "after " + statement.name() +
-                                      " the current transformation has no inverse or is too large for a "
-                                      "float, expected finite numbers and no scale of zero");
+                                      " the current transformation is too large for a float, expected "
+                                      "finite numbers");
 }
 
 bool SceneParser::Identity(const Statement&) {
@@ -25,7 +37,7 @@ bool SceneParser::Translate(const Statement& statement) {
 
 bool SceneParser::Scale(const Statement& statement) {
   std::array<float, 3> v;
-  return ReadNumbers(statement, v) && Concat(statement, tessera::Scale(v[0], v[1], v[2]));
+  return ReadNumbers(statement, v) && Concat(statement, ScaleOf(v));
 }
 
 bool SceneParser::Rotate(const Statement& statement) {
@@ -106,7 +118,10 @@ Transform SceneParser::AtRest(const Statement& statement, std::string_view what)
     Warn(statement.location,
          fmt::format("the {} does not move: the transformation at the start time is used", what));
   }
-  return state_.transform.start;
+  if (!IsFlat(state_.transform.start)) return state_.transform.start;
+  Warn(statement.location,
+       fmt::format("the transformation of the {} has no inverse and is not applied", what));
+  return {};
 }
 
 }  // namespace tessera

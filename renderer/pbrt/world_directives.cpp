@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "renderer/math/flat_transform.h"
 #include "renderer/pbrt/scene_parser.h"
 #include "renderer/util/text.h"
 
@@ -43,9 +44,11 @@ bool SceneParser::ColorSpace(const Statement& statement) {
   std::string lower = *name;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (std::find(kColorSpaces.begin(), kColorSpaces.end(), lower) == kColorSpaces.end()) {
-    return Fail(statement.location,
-                fmt::format("unknown colour space {}{}, expected one of {}", Quoted(*name),
-                            DidYouMean(lower, kColorSpaces), fmt::join(kColorSpaces, " ")));
+    Warn(statement.location,
+         fmt::format("unknown colour space {}{}, expected one of {}: the colour space is still {}",
+                     Quoted(*name), DidYouMean(lower, kColorSpaces), fmt::join(kColorSpaces, " "),
+                     state_.color_space));
+    return true;
   }
   state_.color_space = lower;
   return true;
@@ -114,6 +117,10 @@ bool SceneParser::Texture(const Statement& statement) {
 
 bool SceneParser::LightSource(const Statement& statement) {
   std::optional<Entity> entity = ReadEntity(statement, AttributeTarget::kLight);
+  if (entity && IsFlat(state_.transform.start)) {
+    Warn(statement.location, "the light is ignored: its transformation has no inverse");
+    return true;
+  }
   return entity &&
          builder_->AddLight({*std::move(entity), AtRest(statement, "light"), state_.outside_medium});
 }

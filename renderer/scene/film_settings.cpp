@@ -2,8 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "renderer/description/parameter_reader.h"
 
@@ -22,27 +27,55 @@ bool InUnitOrder(const std::array<float, 4>& f) {
   return f[0] >= 0 && f[0] < f[1] && f[1] <= 1 && f[2] >= 0 && f[2] < f[3] && f[3] <= 1;
 }
 
+// The values of a crop, or nothing with a warning if there are not four.
+template <typename T>
+std::optional<std::array<T, 4>> FourOf(const std::vector<T>& values, std::string_view name,
+                                       const ParameterReader& reader, Diagnostics& diagnostics) {
+  if (values.size() == 4) return std::array<T, 4>{values[0], values[1], values[2], values[3]};
+  if (!values.empty()) {
+    diagnostics.Warn(
+        reader.LocationOf(name),
+        fmt::format("{0} is ignored: it has {1} values, expected x0 x1 y0 y1", name, values.size()));
+  }
+  return std::nullopt;
+}
+
+// In either order, as in pbrt.
+template <typename T>
+void SortAndClamp(T& low, T& high, T max) {
+  if (high < low) std::swap(low, high);
+  low = std::clamp(low, T{0}, max);
+  high = std::clamp(high, T{0}, max);
+}
+
+PixelBounds CropToPixels(const std::array<int, 4>& given, const FilmSettings& film,
+                         const ParameterReader& reader, Diagnostics& diagnostics) {
+  std::array<int, 4> v = given;
+  SortAndClamp(v[0], v[1], film.width);
+  SortAndClamp(v[2], v[3], film.height);
+  const std::array<int, 4> sorted{std::min(given[0], given[1]), std::max(given[0], given[1]),
+                                  std::min(given[2], given[3]), std::max(given[2], given[3])};
+  if (v != sorted)
+    diagnostics.Warn(reader.LocationOf("pixelbounds"),
+                     "pixelbounds reach beyond the film and are cut at its border");
+  return {v[0], v[2], v[1], v[3]};
+}
+
 // The scene's own crop: `cropwindow` before `pixelbounds`.
-PixelBounds ReadCrop(ParameterReader& reader, const FilmSettings& film) {
+PixelBounds ReadCrop(ParameterReader& reader, const FilmSettings& film, Diagnostics& diagnostics) {
   PixelBounds crop{0, 0, film.width, film.height};
-  const std::vector<int> bounds = reader.Integers("pixelbounds");
-  if (bounds.size() == 4) {
-    crop = {std::max(bounds[0], 0), std::max(bounds[2], 0), std::min(bounds[1], film.width),
-            std::min(bounds[3], film.height)};
-    if (crop.width() <= 0 || crop.height() <= 0) reader.FailAt("pixelbounds", "pixelbounds hold no pixel");
-  } else if (!bounds.empty()) {
-    reader.FailAt("pixelbounds", "pixelbounds takes 4 integers: x0 x1 y0 y1");
+  std::string_view name = "pixelbounds";
+  if (const auto bounds = FourOf(reader.Integers("pixelbounds"), "pixelbounds", reader, diagnostics))
+    crop = CropToPixels(*bounds, film, reader, diagnostics);
+  if (auto window = FourOf(reader.Floats("cropwindow"), "cropwindow", reader, diagnostics)) {
+    auto& [x0, x1, y0, y1] = *window;
+    SortAndClamp(x0, x1, 1.0f);
+    SortAndClamp(y0, y1, 1.0f);
+    crop = FromFractions(*window, film.width, film.height);
+    name = "cropwindow";
   }
-  const std::vector<float> window = reader.Floats("cropwindow");
-  if (window.size() == 4) {
-    const std::array<float, 4> fractions{window[0], window[1], window[2], window[3]};
-    if (InUnitOrder(fractions))
-      crop = FromFractions(fractions, film.width, film.height);
-    else
-      reader.FailAt("cropwindow", "cropwindow must be x0 < x1 and y0 < y1 within 0 and 1");
-  } else if (!window.empty()) {
-    reader.FailAt("cropwindow", "cropwindow takes 4 numbers: x0 x1 y0 y1");
-  }
+  if (crop.width() <= 0 || crop.height() <= 0)
+    reader.FailAt(name, fmt::format("the {} holds no pixel", name));
   return crop;
 }
 
@@ -71,12 +104,12 @@ Result<void> ApplyOptions(const RenderOptions& options, FilmSettings* film) {
   return {};
 }
 
-FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options) {
+FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options, Diagnostics& diagnostics) {
   FilmSettings film;
   reader.String("filename", "");  // the command line names the output
   film.width = ReadResolution(reader, "xresolution", 1280, options.width);
   film.height = ReadResolution(reader, "yresolution", 720, options.height);
-  if (!reader.failed()) film.crop = ReadCrop(reader, film);
+  if (!reader.failed()) film.crop = ReadCrop(reader, film, diagnostics);
   reader.Float("diagonal", 35);
   film.iso = reader.Float("iso", 100);
   film.white_balance = reader.Float("whitebalance", 0);
@@ -93,7 +126,7 @@ FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options) 
   return film;
 }
 
-using FilmReader = FilmSettings (*)(ParameterReader&, const RenderOptions&);
+using FilmReader = FilmSettings (*)(ParameterReader&, const RenderOptions&, Diagnostics&);
 constexpr Kind<FilmReader> kKinds[] = {
     {"rgb", Support::kSupported, ReadRgbFilm},
     {"gbuffer", Support::kNotSupported},
@@ -107,11 +140,11 @@ KindList FilmKinds() {
   return kTable.List();
 }
 
-Result<FilmSettings> ReadFilm(const Entity& entity, const RenderOptions& options) {
+Result<FilmSettings> ReadFilm(const Entity& entity, const RenderOptions& options, Diagnostics& diagnostics) {
   const Kind<FilmReader>* kind = kTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kTable.Refusal(entity.kind));
   ParameterReader reader(entity);
-  FilmSettings film = kind->reader(reader, options);
+  FilmSettings film = kind->reader(reader, options, diagnostics);
   if (Result<void> done = reader.Finish(); !done) return done.error();
   if (Result<void> applied = ApplyOptions(options, &film); !applied) return applied.error();
   return film;

@@ -1,6 +1,7 @@
 // What the Film directive asks for, with the overrides of the command line.
 #pragma once
 
+#include "renderer/description/diagnostics.h"
 #include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
 #include "renderer/film/frame_spec.h"
@@ -19,6 +20,7 @@ struct FilmSettings {
 
 KindList FilmKinds();
 
-Result<FilmSettings> ReadFilm(const Entity& entity, const RenderOptions& options);
+// Warns, as pbrt does, of a crop that the film does not hold.
+Result<FilmSettings> ReadFilm(const Entity& entity, const RenderOptions& options, Diagnostics& diagnostics);
 
 }  // namespace tessera

@@ -105,7 +105,7 @@ Result<void> SceneBuilder::ReadSettings() {
   const Result<SceneOptions> scene_options = ReadSceneOptions(scene_, scene_.diagnostics);
   if (!scene_options) return scene_options.error();
   wavefront_ = scene_options->wavefront;
-  const Result<FilmSettings> film = ReadFilm(scene_.film, options_);
+  const Result<FilmSettings> film = ReadFilm(scene_.film, options_, scene_.diagnostics);
   if (!film) return film.error();
   Result<Camera> camera =
       Camera::Read(scene_.camera, scene_.camera_from_world.Fixed(), film->width, film->height);

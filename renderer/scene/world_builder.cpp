@@ -4,6 +4,7 @@
 #include <iterator>
 #include <map>
 
+#include "renderer/math/flat_transform.h"
 #include "renderer/shape/shape_builder.h"
 #include "renderer/texture/texture_builder.h"
 #include "renderer/util/load_budget.h"
@@ -19,7 +20,7 @@ class WorldBuilder {
         world_(*world),
         diagnostics_(diagnostics),
         render_from_world_(world->camera.render_from_world()),
-        textures_(request.files, request.images, render_from_world_) {}
+        textures_(request.files, request.images, diagnostics, render_from_world_) {}
 
   Result<ShapeDescriptions> Build();
 
@@ -116,8 +117,12 @@ Result<void> WorldBuilder::AddInstances() {
       return ErrorAt(instance.location, "object \"" + instance.name + "\" is not defined");
     }
     if (world_.geometry.groups[group->second].shapes.empty()) continue;
-    world_.geometry.instances.push_back(
-        {group->second, render_from_world_ * instance.world_from_object.Fixed()});
+    const Transform& world_from_object = instance.world_from_object.Fixed();
+    if (IsFlat(world_from_object)) {
+      diagnostics_.Warn(instance.location, "the object is not shown: its transformation has no inverse");
+      continue;
+    }
+    world_.geometry.instances.push_back({group->second, render_from_world_ * world_from_object});
   }
   return {};
 }

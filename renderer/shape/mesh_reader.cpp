@@ -17,15 +17,17 @@ std::vector<T> MatchedToP(const ShapeDirective& directive, std::string_view name
   return {};
 }
 
-// Face indices are used by Ptex textures only.
+// Face indices are used by Ptex textures only. Empty, with a warning, if the mesh has to be left out.
 std::vector<uint32_t> ReadIndices(const ShapeDirective& directive, size_t point_count, size_t per_face) {
   ParameterReader& reader = directive.reader;
   std::vector<int> given = reader.Integers("indices");
   reader.Integers("faceIndices");
   if (given.empty()) {
     if (point_count != per_face) {
-      reader.Fail(fmt::format("{} needs \"integer indices\" unless it has just {} points",
-                              reader.entity().kind, per_face));
+      directive.Warn(
+          "P", fmt::format("the {} is ignored: it needs \"integer indices\" unless it has just {} points",
+                           reader.entity().kind, per_face));
+      return {};
     }
     for (size_t i = 0; i < per_face; ++i) given.push_back(static_cast<int>(i));
   }
@@ -34,12 +36,11 @@ std::vector<uint32_t> ReadIndices(const ShapeDirective& directive, size_t point_
                                           given.size(), per_face, excess, excess == 1 ? "is" : "are"));
     given.resize(given.size() - excess);
   }
-  if (given.empty()) reader.FailAt("indices", fmt::format("expected at least {} indices", per_face));
   for (const int index : given) {
     if (index >= 0 && static_cast<size_t>(index) < point_count) continue;
-    reader.FailAt("indices",
-                  fmt::format("index {} is out of range: \"P\" has {} points", index, point_count));
-    break;
+    directive.Warn("indices", fmt::format("the {} is ignored: index {} is out of range, \"P\" has {} points",
+                                          reader.entity().kind, index, point_count));
+    return {};
   }
   return {given.begin(), given.end()};
 }
@@ -49,7 +50,6 @@ MeshData ReadLists(const ShapeDirective& directive, size_t per_face, bool has_ta
   MeshData lists;
   lists.P = reader.Point3s("P");
   const size_t count = lists.P.size();
-  if (count == 0) reader.Fail(fmt::format("{} needs \"point3 P\"", reader.entity().kind));
   lists.indices = ReadIndices(directive, count, per_face);
   lists.uv = MatchedToP(directive, "uv", reader.Point2s("uv"), count);
   lists.N = MatchedToP(directive, "N", reader.Normals("N"), count);
@@ -89,7 +89,8 @@ MeshData MeshOf(const ShapeDirective& directive, size_t per_face, bool has_tange
 std::vector<Form> ReadTriangleMesh(const ShapeDirective& directive) {
   MeshData lists = MeshOf(directive, 3, true);
   std::vector<Form> forms;
-  if (!directive.reader.failed()) forms.emplace_back(MakeTriangleMesh(std::move(lists), directive.placement));
+  if (!directive.reader.failed() && !lists.indices.empty())
+    forms.emplace_back(MakeTriangleMesh(std::move(lists), directive.placement));
   return forms;
 }
 
@@ -100,7 +101,8 @@ std::vector<Form> ReadBilinearMesh(const ShapeDirective& directive) {
                    "\"emissionfilename\" only guides pbrt's sampling; it is not used here");
   }
   std::vector<Form> forms;
-  if (!directive.reader.failed()) forms.emplace_back(MakeBilinearMesh(std::move(lists), directive.placement));
+  if (!directive.reader.failed() && !lists.indices.empty())
+    forms.emplace_back(MakeBilinearMesh(std::move(lists), directive.placement));
   return forms;
 }
 

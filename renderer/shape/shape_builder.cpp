@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "renderer/math/flat_transform.h"
 #include "renderer/shape/shape_kinds.h"
 
 namespace tessera {
@@ -13,6 +14,11 @@ namespace {
 bool IsFinite(const Shape& shape) {
   const Bounds3 bounds = shape.Bounds();
   return tessera::IsFinite(bounds.min) && tessera::IsFinite(bounds.max);
+}
+
+// Quadrics are intersected in their own space. Returns whether there were any.
+bool RemoveQuadrics(std::vector<Form>& forms) {
+  return std::erase_if(forms, [](const Form& form) { return std::holds_alternative<Quadric>(form); }) > 0;
 }
 
 }  // namespace
@@ -36,6 +42,8 @@ Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, Surfa
                                           description.mesh.get()});
   if (Result<void> done = reader.Finish(); !done) return done.error();
   std::vector<Shape> shapes;
+  if (IsFlat(render_from_object) && RemoveQuadrics(forms))
+    diagnostics.Warn(entity.location, "the shape is not shown: its transformation has no inverse");
   for (Form& form : forms) {
     Shape shape{surface, std::move(form)};
     if (!IsFinite(shape)) return ErrorAt(entity.location, "the shape is not finite in rendering space");

@@ -59,12 +59,12 @@ TEST(StopMotion, InstancesAndShapesInsideObjectsMove) {
   EXPECT_FLOAT_EQ(scene.instances[0].world_from_object.Fixed().ToPoint({0, 0, 0}).y, 2);
 }
 
-TEST(StopMotion, AMapThatIsSingularThenIsAnErrorWithItsPlace) {
-  SceneDescription scene =
-      *ParseText("WorldBegin\nActiveTransform EndTime Scale -1 -1 -1 ActiveTransform All\nShape \"sphere\"");
+TEST(StopMotion, ACameraThatIsSingularThenIsAnErrorWithItsPlace) {
+  SceneDescription scene = *ParseText(
+      "ActiveTransform EndTime Scale -1 -1 -1 ActiveTransform All\nCamera \"perspective\" WorldBegin");
   const auto moving = StopMotion(0.5, scene);
   ASSERT_FALSE(moving);
-  EXPECT_THAT(moving.error().message, testing::HasSubstr(":3:1: what moves here has no volume at 0.5 s"));
+  EXPECT_THAT(moving.error().message, testing::HasSubstr(":2:1: the camera has no volume at 0.5 s"));
 }
 
 }  // namespace
