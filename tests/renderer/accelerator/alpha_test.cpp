@@ -6,7 +6,7 @@
 #include "renderer/accelerator/accelerator.h"
 #include "tests/renderer/shape/example_shapes.h"
 
-namespace tessera {
+namespace tessera::stacked_alpha {
 namespace {
 
 constexpr FloatInput kHalf{0.5f, -1};
@@ -114,4 +114,4 @@ TEST(StackedAlpha, BothWallsOfASphereAreLayers) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::stacked_alpha

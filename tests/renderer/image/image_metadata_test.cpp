@@ -6,7 +6,7 @@
 #include "tests/renderer/exr_bytes.h"
 #include "tests/renderer/image/encoded_images.h"
 
-namespace tessera {
+namespace tessera::image_metadata {
 namespace {
 
 Image Decoded(const std::string& bytes, const std::string& name) {
@@ -151,4 +151,4 @@ TEST(TiffMetadata, PicturesBecomeUpright) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::image_metadata

@@ -2,7 +2,7 @@
 #include "tests/renderer/exr_bytes.h"
 #include "tests/renderer/light/light_scene.h"
 
-namespace tessera {
+namespace tessera::light_images {
 namespace {
 
 constexpr Point2 kMiddle{0.5f, 0.5f};
@@ -81,4 +81,4 @@ TEST(ImagesOfLights, OfAnUnknownColorSpaceAreSrgbWithAWarning) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::light_images

@@ -6,7 +6,7 @@
 #include "renderer/scene/scene.h"
 #include "tests/renderer/memory_files.h"
 
-namespace tessera {
+namespace tessera::leniency {
 namespace {
 
 using testing::ElementsAre;
@@ -157,4 +157,4 @@ TEST(Leniency, MeshesWithoutUsableIndicesAreLeftOutWithAWarning) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::leniency

@@ -4,7 +4,7 @@
 #include "tests/renderer/exr_bytes.h"
 #include "tests/renderer/texture/texture_scene.h"
 
-namespace tessera {
+namespace tessera::image_color_space {
 namespace {
 
 const std::string kTexture = R"(Texture "t" "spectrum" "imagemap" "string filename" "a.exr")";
@@ -61,4 +61,4 @@ TEST(ImageColorSpace, EveryColorSpaceIsRecognisedByItsChromaticities) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::image_color_space
