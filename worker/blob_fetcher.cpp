@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <grpcpp/channel.h>
-#include <grpcpp/client_context.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -20,17 +19,21 @@
 #include "proto/wire/convert.h"
 #include "renderer/description/file_source.h"
 #include "renderer/util/threads.h"
+#include "worker/blob_stream.h"
 
 namespace tessera {
 namespace {
-
-// A download without progress for this long fails its scene; the coordinator decides what happens then.
-constexpr std::chrono::minutes kDownloadPatience{2};
 
 // Scenes have many small files: parallel downloads fill a network with long round trips.
 constexpr size_t kParallelDownloads = 4;
 // Between looks for a file that another thread or process is fetching.
 constexpr std::chrono::milliseconds kPollInterval{50};
+
+// Whether the same download may succeed later. A coordinator refuses transfers while it has too many.
+bool MayPass(const grpc::Status& status) {
+  return IsTransient(status) || status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED ||
+         status.error_code() == grpc::StatusCode::ABORTED;
+}
 
 }  // namespace
 
@@ -70,39 +73,34 @@ Result<std::string> BlobFetcher::DownloadToMemory(const Digest& digest, uint64_t
 }
 
 Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, const Sink& sink) {
-  const auto stub = proto::Blobs::NewStub(channel_);
   const std::string what = fmt::format("fetch file {}", digest.Hex());
   Backoff backoff(seed_);
   auto progress_at = std::chrono::steady_clock::now();
   while (true) {
     const uint64_t before = sink.size();
-    grpc::ClientContext context;
-    const std::stop_callback on_stop(stop_, [&context] { context.TryCancel(); });
     proto::DownloadRequest request;
     request.set_digest(WriteDigest(digest));
     request.set_offset(before);
-    const auto reader = stub->Download(&context, request);
-    proto::DownloadChunk chunk;
-    uint64_t size = 0;
-    Result<void> added;
-    for (bool first = true; added && reader->Read(&chunk); first = false) {
-      if (first) size = chunk.size();
-      const bool fits = size <= size_max && sink.size() <= size && chunk.data().size() <= size - sink.size();
-      added =
-          fits ? sink.add(chunk.data()) : Failed(fmt::format("cannot {}: it is larger than announced", what));
+    std::optional<uint64_t> size;
+    const auto take = [&](const proto::DownloadChunk& chunk) -> Result<void> {
+      if (!size) size = chunk.size();
       on_bytes_(chunk.data().size());
-    }
-    if (!added) context.TryCancel();
-    grpc::Status status = reader->Finish();
+      const bool fits =
+          *size <= size_max && sink.size() <= *size && chunk.data().size() <= *size - sink.size();
+      return fits ? sink.add(chunk.data())
+                  : Failed(fmt::format("cannot {}: it is larger than announced", what));
+    };
+    Result<void> added;
+    grpc::Status status = ReceiveBlob({channel_, stop_, patience_.stall}, request, take, added);
     if (!added) return added;
-    if (status.ok() && sink.size() == size) return {};
+    if (status.ok() && sink.size() == size.value_or(0)) return {};
     if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "the transfer was cut short"};
     const auto now = std::chrono::steady_clock::now();
     if (sink.size() > before) {
       progress_at = now;
       backoff.Reset();
     }
-    const bool again = IsTransient(status) && now - progress_at < kDownloadPatience;
+    const bool again = MayPass(status) && now - progress_at < patience_.download;
     if (!again || !Pause(stop_, backoff.Next())) return ToError(status, what);
   }
 }
@@ -114,7 +112,7 @@ Result<uint64_t> BlobFetcher::FetchFile(const PackageFile& file) {
     if (!partial) return partial.error();
     // Somebody else is fetching it. If that fails, Get fetches it.
     if (*partial == nullptr) {
-      if (std::chrono::steady_clock::now() - begun > kDownloadPatience || !Pause(stop_, kPollInterval))
+      if (std::chrono::steady_clock::now() - begun > patience_.download || !Pause(stop_, kPollInterval))
         return 0;
       continue;
     }

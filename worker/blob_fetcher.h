@@ -1,6 +1,7 @@
 // Gets blobs from the cache or, if they are not there, from the coordinator.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -18,18 +19,28 @@ class Channel;
 
 namespace tessera {
 
+// How long downloads may take.
+struct FetchPatience {
+  // Without a chunk for this long an attempt has stalled.
+  std::chrono::milliseconds stall{60'000};
+  // Without progress for this long, over all attempts, a download fails its scene; the coordinator decides
+  // what happens then. Until then refusals and outages are the coordinator's and not the scene's.
+  std::chrono::milliseconds download{std::chrono::minutes(30)};
+};
+
 // Thread safe.
 class BlobFetcher {
  public:
   // A request to stop ends every download. `seed` sets the waits between attempts. `on_bytes` is called with
   // the number of bytes of each piece received, from any thread.
   BlobFetcher(std::shared_ptr<grpc::Channel> channel, const BlobStore& cache, std::stop_token stop,
-              uint64_t seed, std::function<void(uint64_t)> on_bytes)
+              uint64_t seed, std::function<void(uint64_t)> on_bytes, FetchPatience patience = {})
       : channel_(std::move(channel)),
         cache_(cache),
         stop_(std::move(stop)),
         seed_(seed),
-        on_bytes_(std::move(on_bytes)) {}
+        on_bytes_(std::move(on_bytes)),
+        patience_(patience) {}
   // The bytes of the blob. A download that breaks is resumed where it stopped, as long as it makes progress.
   Result<std::string> Get(const Digest& digest, uint64_t size_max);
   // Fetches all files of the package into the cache, several in parallel, each once per machine. Returns the
@@ -52,6 +63,7 @@ class BlobFetcher {
   std::stop_token stop_;
   uint64_t seed_;
   const std::function<void(uint64_t)> on_bytes_;
+  const FetchPatience patience_;
 };
 
 }  // namespace tessera

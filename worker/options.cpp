@@ -11,6 +11,7 @@
 #include "proto/shell/values.h"
 #include "proto/terms.h"
 #include "renderer/util/cores.h"
+#include "worker/cache_folder.h"
 
 namespace tessera {
 namespace {
@@ -19,13 +20,6 @@ std::string HostName() {
   char name[256] = "";
   ::gethostname(name, sizeof name - 1);
   return *name != '\0' ? name : "worker";
-}
-
-std::string DefaultCacheDir() {
-  const std::string cache = Environment("XDG_CACHE_HOME");
-  if (!cache.empty()) return cache + "/tessera";
-  const std::string home = Environment("HOME");
-  return home.empty() ? "/tmp/tessera-cache" : home + "/.cache/tessera";
 }
 
 Result<void> AddTag(std::set<std::string>& tags, const std::string& word) {
@@ -72,7 +66,7 @@ Result<WorkerOptions> Complete(WorkerOptions options, const std::string& coordin
   if (!address) return address.error();
   options.coordinator = std::move(*address);
   if (options.threads == 0) options.threads = UsableCores();
-  if (options.cache_dir.empty()) options.cache_dir = DefaultCacheDir();
+  if (options.cache_dir.empty()) options.cache_dir = DefaultCacheFolder(Environment);
   if (options.name.empty()) options.name = HostName();
   if (options.name.size() > kNameBytesMax)
     return BadInput(fmt::format("--name: longer than {} characters", kNameBytesMax));

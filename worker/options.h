@@ -27,7 +27,7 @@ constexpr std::chrono::hours kLoadTimeMax{24 * 7};
 struct WorkerOptions {
   Address coordinator;
   int threads = 0;        // render threads, each of them a slot; default: the processors that may be used
-  std::string cache_dir;  // of scene files; default: $XDG_CACHE_HOME/tessera or ~/.cache/tessera
+  std::string cache_dir;  // of scene files; default: DefaultCacheFolder
   uint64_t cache_bytes = kCacheBytesDefault;
   LoadLimits load_limits{0, kLoadTimeDefault};  // of one scene; default: DefaultSceneMemory
   std::string name;                             // shown to users; default: the host name

@@ -132,10 +132,6 @@ void ResultSender::Run(std::stop_token stop) {
       batch_bytes = kResultsBatchBytes;
       continue;
     }
-    if (status.error_code() == grpc::StatusCode::FAILED_PRECONDITION) {
-      on_refusal_(ToError(status, "return results"));
-      return;
-    }
     // One at a time: the batch may have been too large, or one result of it malformed.
     batch_bytes = 0;
     if (status.error_code() == grpc::StatusCode::INVALID_ARGUMENT &&
@@ -148,6 +144,9 @@ void ResultSender::Run(std::stop_token stop) {
       }
       continue;
     }
+    // The coordinator was reached and refused a batch that nothing is wrong with: it is tried again after
+    // others.
+    if (!IsTransient(status)) workload_.Change()->Postpone(batch);
     if (!Pause(stop, backoff.Next())) return;
   }
 }

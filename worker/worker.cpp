@@ -118,7 +118,7 @@ Worker::Worker(const WorkerOptions& options, WorkerState self, BlobStore cache)
       workload_([this] { synchronizer_.NotifyNews(); }),
       synchronizer_(states_channel_, options.coordinator, self_, workload_, meter_, prefetcher_,
                     [this](Error why) { OnRefusal(std::move(why)); }),
-      sender_(bulk_channel_, self_.worker, workload_, [this](Error why) { OnRefusal(std::move(why)); }),
+      sender_(bulk_channel_, self_.worker, workload_),
       pool_([this](Error why) { OnRefusal(std::move(why)); }),
       loader_([this](Error why) { OnRefusal(std::move(why)); }) {}
 

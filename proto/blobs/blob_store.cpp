@@ -23,6 +23,16 @@ constexpr std::chrono::hours kIncomingAgeMax{24};           // nobody resumes an
 constexpr uint64_t kWorthKeepingBytes = uint64_t{1} << 20;  // of an unfinished blob
 constexpr size_t kPieceBytes = size_t{1} << 20;
 
+// Opens or creates a file to receive into. A link in its place is removed: it would lead out of the store.
+// Returns a negative number on failure, with the reason in errno.
+int OpenOwn(const std::string& path) {
+  constexpr int kFlags = O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
+  const int file = ::open(path.c_str(), kFlags, 0600);
+  if (file >= 0 || errno != ELOOP) return file;
+  ::unlink(path.c_str());
+  return ::open(path.c_str(), kFlags | O_EXCL, 0600);
+}
+
 // Removes incoming files that are too old, or that cannot be resumed and that no process writes to.
 Result<void> RemoveStale(const std::string& incoming) {
   std::error_code error;
@@ -72,7 +82,7 @@ std::string BlobStore::Path(const Digest& digest) const {
 
 std::optional<uint64_t> BlobStore::Size(const Digest& digest) const {
   struct stat status {};
-  if (::stat(Path(digest).c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+  if (::lstat(Path(digest).c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
   return static_cast<uint64_t>(status.st_size);
 }
 
@@ -116,13 +126,13 @@ uint64_t BlobStore::Arrived(const Digest& digest) const {
 // somebody is writing to that now and the partial need not be `alone`, one of its own.
 Result<int> BlobStore::OpenIncoming(uint64_t offset, bool alone, Partial& partial) const {
   partial.temporary_ = IncomingPath(partial.digest_);
-  const int file = ::open(partial.temporary_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  const int file = OpenOwn(partial.temporary_);
   if (file < 0) return SystemError(partial.temporary_, "cannot be created");
   struct stat ours {};
   struct stat named {};
   // The file may have been renamed before it was locked: then it is a blob by now.
   partial.resumable_ = ::flock(file, LOCK_EX | LOCK_NB) == 0 && ::fstat(file, &ours) == 0 &&
-                       ::stat(partial.temporary_.c_str(), &named) == 0 && ours.st_ino == named.st_ino;
+                       ::lstat(partial.temporary_.c_str(), &named) == 0 && ours.st_ino == named.st_ino;
   if (partial.resumable_) {
     const auto size = static_cast<uint64_t>(ours.st_size);
     if (offset <= size && ::ftruncate(file, static_cast<off_t>(offset)) == 0) {
@@ -222,8 +232,11 @@ Result<void> BlobStore::Partial::Finish() {
     return Error{kind,
                  fmt::format("blob {}: SHA-256 mismatch: the bytes have {}", digest_.Hex(), found.Hex())};
   }
-  if (::mkdir(folder_.c_str(), 0755) != 0 && errno != EEXIST)
+  if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST)
     return SystemError(folder_, "cannot be created");
+  struct stat status {};
+  if (::lstat(folder_.c_str(), &status) != 0 || !S_ISDIR(status.st_mode))
+    return Failed(fmt::format("{}: is not a folder", folder_));
   if (durable_ && ::fsync(file_) != 0) return SystemError(temporary_, "cannot be synced");
   const bool is_copy = ::access(path_.c_str(), F_OK) == 0;  // somebody else was faster
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) return SystemError(path_, "cannot be written");

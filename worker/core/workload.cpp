@@ -82,7 +82,7 @@ void Workload::SceneFailed(const Digest& key, std::string reason, TimePoint now)
 }
 
 Workload::Batch Workload::NextBatch(size_t bytes_max) const {
-  if (!failures_.empty()) return failures_.front();
+  if (!failures_.empty() && !(results_first_ && !results_.empty())) return failures_.front();
   if (results_.empty()) return {};
   std::vector<FinishedUnit> results;
   size_t bytes = 0;
@@ -94,7 +94,19 @@ Workload::Batch Workload::NextBatch(size_t bytes_max) const {
   return results;
 }
 
+void Workload::Postpone(const Batch& batch) {
+  results_first_ = std::holds_alternative<FailureReport>(batch);
+  if (results_first_ && failures_.size() > 1) std::ranges::rotate(failures_, failures_.begin() + 1);
+  const auto* const results = std::get_if<std::vector<FinishedUnit>>(&batch);
+  if (results == nullptr) return;
+  for (const FinishedUnit& result : *results) {
+    const auto at = std::ranges::find(results_, result.lease, &FinishedUnit::lease);
+    if (at != results_.end()) std::rotate(at, at + 1, results_.end());
+  }
+}
+
 void Workload::ResultsAnswered(const std::vector<FinishedUnit>& results) {
+  results_first_ = false;
   for (const FinishedUnit& answered : results) {
     leases_.Forget(answered.lease);
     std::erase_if(results_, [&](const FinishedUnit& unit) { return unit.lease == answered.lease; });

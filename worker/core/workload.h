@@ -79,6 +79,8 @@ class Workload {
   // The oldest failure, or these results, have been acknowledged.
   void FailureAnswered() { failures_.pop_front(); }
   void ResultsAnswered(const std::vector<FinishedUnit>& results);
+  // This failure, or these results, could not be delivered: others go first now.
+  void Postpone(const Batch& batch);
 
   // ---- The end
   // Accepts no more leases and returns those that wait.
@@ -93,6 +95,7 @@ class Workload {
   SceneTable scenes_;
   std::deque<FinishedUnit> results_;
   std::deque<FailureReport> failures_;
+  bool results_first_ = false;     // after a failure that could not be delivered
   std::vector<LeaseId> returned_;  // to be reported
   bool draining_ = false;
 };

@@ -38,6 +38,39 @@ TEST_F(BlobCache, IsSharedWithTheNextProcess) {
   EXPECT_EQ(*Open().Read(Sha256(bytes), 100), bytes);
 }
 
+// Someone who could once write to the folder may have left links in it.
+TEST_F(BlobCache, LinksAreNotFollowed) {
+  const TemporaryDir elsewhere;
+  const std::string bytes = "some bytes";
+  const Digest digest = Sha256(bytes);
+  std::ofstream(elsewhere / "precious") << "precious";
+  const BlobStore cache = Open();
+  const std::string incoming = folder_.path() + "/incoming/" + digest.Hex();
+  fs::create_symlink(elsewhere / "precious", incoming);
+  ASSERT_TRUE(cache.Write(digest, bytes));
+  EXPECT_EQ(fs::file_size(elsewhere / "precious"), 8u);
+  EXPECT_EQ(*cache.Read(digest, 100), bytes);
+}
+
+TEST_F(BlobCache, ALinkIsNoBlob) {
+  const TemporaryDir elsewhere;
+  const std::string bytes = "some bytes";
+  std::ofstream(elsewhere / "file") << bytes;
+  const BlobStore cache = Open();
+  fs::create_directories(fs::path(cache.Path(Sha256(bytes))).parent_path());
+  fs::create_symlink(elsewhere / "file", cache.Path(Sha256(bytes)));
+  EXPECT_FALSE(cache.Has(Sha256(bytes)));
+}
+
+TEST_F(BlobCache, AFolderThatIsALinkIsRefused) {
+  const TemporaryDir elsewhere;
+  const std::string bytes = "some bytes";
+  const BlobStore cache = Open();
+  fs::create_directory_symlink(elsewhere.path(), fs::path(cache.Path(Sha256(bytes))).parent_path());
+  EXPECT_FALSE(cache.Write(Sha256(bytes), bytes));
+  EXPECT_TRUE(fs::is_empty(elsewhere.path()));
+}
+
 TEST_F(BlobCache, LeastRecentlyUsedBlobsAreEvictedFirst) {
   const BlobStore cache = Open(10'000);
   std::vector<Digest> digests;
