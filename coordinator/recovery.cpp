@@ -1,6 +1,7 @@
 #include "coordinator/recovery.h"
 
 #include "coordinator/store/file_journal.h"
+#include "proto/shell/system.h"
 
 namespace tessera {
 namespace {
@@ -25,14 +26,20 @@ Result<void> RestoreSpool(FileSpool& spool, Farm& farm) {
 Result<RecoveredFarm> Recover(const DataDir& directory, const RecoveryOptions& options, FileSpool::Run run) {
   std::vector<Fact> facts;
   uint32_t epoch = 1;
+  FarmId id;
   auto journal = FileJournal::Open(directory.JournalPath(), [&](const Fact& fact) {
-    if (const auto* started = std::get_if<CoordinatorStarted>(&fact)) epoch = started->epoch + 1;
+    if (const auto* started = std::get_if<CoordinatorStarted>(&fact)) {
+      epoch = started->epoch + 1;
+      id = started->farm;
+    }
     facts.push_back(fact);
   });
   if (!journal) return journal.error();
   auto spool = FileSpool::Open(directory.SpoolPath(), std::move(run));
   if (!spool) return spool.error();
-  auto farm = std::make_unique<Farm>(SchedulerOptions{epoch, options.attempts_max}, options.keep_sums_bytes);
+  if (id == FarmId{}) id = RandomFarmId();  // the directory is new, or from before farms had identities
+  auto farm = std::make_unique<Farm>(SchedulerOptions{epoch, options.attempts_max, RandomId()},
+                                     options.keep_sums_bytes, id);
   for (const Fact& fact : facts) farm->Restore(fact);
   if (const auto restored = RestoreSpool(**spool, *farm); !restored) return restored.error();
   return RecoveredFarm{std::move(farm), std::move(*journal), std::move(*spool)};

@@ -34,7 +34,7 @@ Result<RadianceTile> ReadTile(const OpenJobs& jobs, const WorkUnit& unit, const 
 }
 
 Result<std::vector<ReturnedUnit>> ReadResults(const OpenJobs& jobs, const proto::ResultsRequest& request,
-                                              uint64_t decoded_bytes_max) {
+                                              FarmId farm, uint64_t decoded_bytes_max) {
   if (request.results_size() > kResultsPerCallMax)
     return BadInput(
         fmt::format("message refused: too many results in one call (limit {})", kResultsPerCallMax));
@@ -44,8 +44,8 @@ Result<std::vector<ReturnedUnit>> ReadResults(const OpenJobs& jobs, const proto:
     if (!unit) return unit.error();
     const double seconds = result.render_seconds();
     const bool is_sane = std::isfinite(seconds) && seconds >= 0 && seconds <= kRenderSecondsMax;
-    units.push_back({LeaseId{result.lease()}, *unit, is_sane ? seconds : 0,
-                     ReadTile(jobs, *unit, result.tile(), decoded_bytes_max)});
+    units.push_back({ReadLeaseId(result.lease()), *unit, is_sane ? seconds : 0,
+                     ReadTile(jobs, *unit, result.tile(), decoded_bytes_max), farm});
   }
   return units;
 }
@@ -64,7 +64,8 @@ void WriteResults(const FarmOutput::Results& results, proto::ResultsAnswer& answ
   for (const Verdict verdict : results.verdicts) answer.add_verdicts(WriteVerdict(verdict));
   for (const std::string& reason : results.reasons) answer.add_reasons(reason);
   for (const Lease& lease : results.grants.leases) Write(lease, *answer.add_leases());
-  for (const LeaseId lease : results.grants.drop) answer.add_drop(Number(lease));
+  for (const LeaseId lease : results.grants.drop) Write(lease, *answer.add_drop());
+  answer.set_farm(WriteFarmId(results.farm));
 }
 
 // Of a Unix socket, all connections have the same name.
@@ -111,7 +112,10 @@ void ResultsCall::Announced(const proto::ResultsRequest& announcement) {
     return Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "the results are larger than the message limit"});
   if (announcement.decoded_bytes() > kIntakeBytesMax - static_cast<uint64_t>(kMessageBytesMax))
     return Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "the results are larger than the room for results"});
+  const auto farm = ReadFarmId(announcement.farm());
+  if (!farm) return Finish(ToStatus(farm.error()));
   worker_ = WorkerId{announcement.worker()};
+  farm_ = *farm;
   bytes_ = announcement.bytes();
   decoded_bytes_ = announcement.decoded_bytes();
   const auto admitted = [this] {
@@ -129,7 +133,7 @@ void ResultsCall::Announced(const proto::ResultsRequest& announcement) {
 // Decodes here rather than on the core thread, so that checking and copying pixels uses many threads.
 void ResultsCall::Received(const proto::ResultsRequest& results) {
   intake_.Arrived(id_);
-  auto units = ReadResults(core_.open_jobs(), results, decoded_bytes_);
+  auto units = ReadResults(core_.open_jobs(), results, farm_, decoded_bytes_);
   if (!units) return Finish(ToStatus(units.error()));
   intake_.Shrink(id_, decoded_bytes_);
   const auto shared = std::make_shared<std::vector<ReturnedUnit>>(std::move(*units));

@@ -49,6 +49,7 @@ class ResultsCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   std::atomic<uint64_t>& bytes_in_;
   grpc::ByteBuffer received_;
   WorkerId worker_{};
+  FarmId farm_;                 // whose leases the results are of
   uint64_t bytes_ = 0;          // announced; 0 before
   uint64_t decoded_bytes_ = 0;  // announced
   bool admitted_ = false;

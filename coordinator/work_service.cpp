@@ -83,23 +83,29 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* WorkService::ReturnResults(grpc::Call
 
 grpc::ServerUnaryReactor* WorkService::ReturnFailure(grpc::CallbackServerContext* context,
                                                      const proto::FailureRequest* request,
-                                                     proto::FailureAnswer*) {
+                                                     proto::FailureAnswer* answer) {
   return gate_.Unary(context, RuleFor("Work.ReturnFailure"), [=](const UnaryCall& call) {
     const WorkerId worker{request->worker()};
     const std::string reason = ReadReason(request->reason());
-    if (request->lease() != 0) {
+    const auto farm = ReadFarmId(request->farm());
+    if (!farm) return call.Finish(ToStatus(farm.error()));
+    // A failure of another farm is answered, so that the worker forgets it.
+    const auto apply = [=, farm = *farm](CoreContext& core, const auto& fail) {
+      answer->set_farm(WriteFarmId(core.farm.id()));
+      if (farm == core.farm.id()) fail();
+      return grpc::Status::OK;
+    };
+    if (request->has_lease()) {
       const auto unit = ReadWorkUnit(request->unit());
       if (!unit) return call.Finish(ToStatus(unit.error()));
-      return call.Apply([=, unit = *unit, lease = LeaseId{request->lease()}](CoreContext& core) {
-        core.farm.FailUnit(core.now, worker, lease, unit, reason);
-        return grpc::Status::OK;
+      return call.Apply([=, unit = *unit, lease = ReadLeaseId(request->lease())](CoreContext& core) {
+        return apply(core, [&] { core.farm.FailUnit(core.now, worker, lease, unit, reason); });
       });
     }
     const auto scene = ReadDigest(request->scene(), "scene");
     if (!scene) return call.Finish(ToStatus(scene.error()));
     call.Apply([=, scene = *scene](CoreContext& core) {
-      core.farm.FailScene(core.now, worker, scene, reason);
-      return grpc::Status::OK;
+      return apply(core, [&] { core.farm.FailScene(core.now, worker, scene, reason); });
     });
   });
 }

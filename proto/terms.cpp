@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 
 namespace tessera {
 
@@ -10,13 +11,36 @@ std::string WorkUnit::Text() const {
   return fmt::format("job {} frame {} tile {} samples {}", Number(job), frame, tile, range.Text());
 }
 
-Digest SceneKey(const Digest& package, const std::string& scene_file, const std::string& options) {
+std::string FarmId::Hex() const {
+  return fmt::format("{:016x}{:016x}", high, low);
+}
+
+// Lengths go before texts and lists, so that no two requests give the same bytes. The spool names scenes by
+// this digest: another form would make it ignore what is there.
+Digest SceneKey(const Digest& package, const std::string& scene_file, const std::string& options,
+                const FrameSpec& frame) {
   Sha256Stream stream;
-  stream.Add(package.Hex());
-  // Lengths before the texts, so that no two triples give the same bytes.
-  stream.Add(fmt::format("\n{} {}\n", scene_file.size(), options.size()));
-  stream.Add(scene_file);
-  stream.Add(options);
+  const auto add_text = [&](std::string_view text) {
+    stream.Add(fmt::format("{}:", text.size()));
+    stream.Add(text);
+  };
+  add_text(package.Hex());
+  add_text(scene_file);
+  add_text(options);
+  const PixelBounds& crop = frame.crop;
+  stream.Add(fmt::format("{} {} {} {} {} {} {} {} {} {:016x} {} {}\n", frame.width, frame.height, crop.x0,
+                         crop.y0, crop.x1, crop.y1, frame.samples_per_pixel, frame.tile_size,
+                         static_cast<int>(frame.exr_type), std::bit_cast<uint64_t>(frame.noise_threshold),
+                         frame.channels.size(), frame.attributes.size()));
+  for (const Channel& channel : frame.channels) {
+    add_text(channel.name);
+    stream.Add(fmt::format("{} {} {}\n", static_cast<int>(channel.type), static_cast<int>(channel.rule),
+                           channel.is_written ? 1 : 0));
+  }
+  for (const auto& [name, value] : frame.attributes) {
+    add_text(name);
+    add_text(value);
+  }
   return stream.Finish();
 }
 

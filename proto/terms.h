@@ -5,6 +5,7 @@
 #include <chrono>
 #include <compare>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -18,7 +19,7 @@
 
 namespace tessera {
 
-constexpr uint32_t kProtocolVersion = 4;           // counts changes that older programs would misread
+constexpr uint32_t kProtocolVersion = 5;           // counts changes that older programs would misread
 constexpr const char* kSoftwareVersion = "0.1.0";  // one per farm: pictures are exact per release
 
 constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message
@@ -55,7 +56,20 @@ constexpr bool IsShare(double value) {
 
 enum class JobId : uint64_t {};     // counted from 1 per data directory
 enum class WorkerId : uint64_t {};  // random, chosen by the worker process
-enum class LeaseId : uint64_t {};   // never used twice in one data directory
+
+// Names a farm: drawn at random when its data directory is made.
+struct FarmId {
+  uint64_t high = 0, low = 0;  // both 0: no farm
+  auto operator<=>(const FarmId&) const = default;
+  std::string Hex() const;  // 32 hexadecimal digits
+};
+
+// Never used twice by any coordinator: each of its processes draws a session at random. Numbers of later
+// leases of a data directory are larger.
+struct LeaseId {
+  uint64_t number = 0, session = 0;  // both 0: no lease
+  auto operator<=>(const LeaseId&) const = default;
+};
 
 constexpr uint64_t Number(JobId id) {
   return static_cast<uint64_t>(id);
@@ -63,16 +77,16 @@ constexpr uint64_t Number(JobId id) {
 constexpr uint64_t Number(WorkerId id) {
   return static_cast<uint64_t>(id);
 }
-constexpr uint64_t Number(LeaseId id) {
-  return static_cast<uint64_t>(id);
-}
 
-// What a worker renders: samples `range` of tile `tile` of frame `frame` (an index) of a job.
+// What a worker renders: samples `range` of tile `tile` of frame `frame` (an index) of a job. The job's
+// number may be that of another job in another data directory, or in another history of the same one: `scene`
+// decides which picture a result may enter.
 struct WorkUnit {
   JobId job{};
   uint32_t frame = 0;
   uint32_t tile = 0;
   SampleRange range;
+  Digest scene{};  // SceneRequest::key
   auto operator<=>(const WorkUnit&) const = default;
   std::string Text() const;  // "job 3 frame 0 tile 17 samples [64,128)"
 };
@@ -84,20 +98,22 @@ struct Lease {
   WorkUnit unit;
   PixelBounds bounds;
   PixelMask pixels;  // those of the bounds to be rendered
-  Digest scene;      // SceneRequest::key
   std::chrono::milliseconds duration{};
 };
 
-// A scene to load: package, scene file and options. Jobs with the same three share it.
+// A scene to load: package, scene file, options and the frame that they must give. Jobs with the same four
+// share it.
 struct SceneRequest {
-  Digest key;  // SceneKey(package, scene_file, options)
+  Digest key;  // SceneKey(package, scene_file, options, frame)
   Digest package;
   std::string scene_file;
   std::string options;  // EncodeRenderOptions
   FrameSpec frame;
   bool needs_all = false;  // the scene uses every file of the package
 };
-Digest SceneKey(const Digest& package, const std::string& scene_file, const std::string& options);
+// The SHA-256 of all that decides the pixels of a frame.
+Digest SceneKey(const Digest& package, const std::string& scene_file, const std::string& options,
+                const FrameSpec& frame);
 
 enum class LeaseStage { kWaiting, kRunning, kReturning };
 struct HeldLease {
@@ -127,6 +143,7 @@ struct WorkerActivity {
 struct WorkerState {
   uint32_t protocol = kProtocolVersion;
   WorkerId worker{};
+  FarmId farm;            // of which the leases are
   uint64_t sequence = 0;  // of Synchronize calls
   std::string name;
   int slots = 1;
@@ -151,6 +168,7 @@ struct WorkerDirective {
   std::vector<Digest> prefetch;  // packages
   std::chrono::milliseconds call_again{};
   std::string notice;
+  FarmId farm{};
 };
 
 // What became of a returned result.
@@ -242,3 +260,9 @@ struct WorkerStatus {
 };
 
 }  // namespace tessera
+
+template <>
+struct std::hash<tessera::LeaseId> {
+  // Sessions are random, and numbers count.
+  size_t operator()(const tessera::LeaseId& id) const noexcept { return id.session ^ id.number; }
+};

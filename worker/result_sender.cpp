@@ -26,10 +26,16 @@ std::vector<Lease> ReadLeases(const google::protobuf::RepeatedPtrField<proto::Le
   return leases;
 }
 
-std::vector<LeaseId> ReadIds(const google::protobuf::RepeatedField<uint64_t>& numbers) {
+std::vector<LeaseId> ReadIds(const google::protobuf::RepeatedPtrField<proto::LeaseId>& messages) {
   std::vector<LeaseId> ids;
-  for (const uint64_t number : numbers) ids.push_back(LeaseId{number});
+  for (const proto::LeaseId& message : messages) ids.push_back(ReadLeaseId(message));
   return ids;
+}
+
+// No farm if it is malformed: what comes with it is ignored then.
+FarmId FarmOf(const std::string& bytes) {
+  const auto farm = ReadFarmId(bytes);
+  return farm ? *farm : FarmId{};
 }
 
 const char* NameOf(int verdict) {
@@ -61,10 +67,11 @@ class Calls {
       : stub_(proto::Work::NewStub(channel)), worker_(worker), workload_(workload), stop_(std::move(stop)) {}
 
   grpc::Status Send(const std::vector<FinishedUnit>& results) {
+    const FarmId farm = results.front().farm;
     proto::ResultsRequest request;
     for (const FinishedUnit& result : results) {
       proto::UnitResult& message = *request.add_results();
-      message.set_lease(Number(result.lease));
+      Write(result.lease, *message.mutable_lease());
       Write(result.unit, *message.mutable_unit());
       message.set_tile(result.tile);
       message.set_render_seconds(result.render_seconds);
@@ -72,12 +79,12 @@ class Calls {
     proto::ResultsAnswer answer;
     const grpc::Status status = Call([&](grpc::ClientContext* context) {
       const auto writer = stub_->ReturnResults(context, &answer);
-      if (writer->Write(Announcement(worker_, request))) writer->WriteLast(request, {});
+      if (writer->Write(Announcement(worker_, farm, request))) writer->WriteLast(request, {});
       return writer->Finish();
     });
     if (!status.ok()) return status;
     LogVerdicts(answer, results);
-    workload_.Change()->AddLeases(ReadLeases(answer.leases()), ReadIds(answer.drop()),
+    workload_.Change()->AddLeases(FarmOf(answer.farm()), ReadLeases(answer.leases()), ReadIds(answer.drop()),
                                   SharedWorkload::Clock::now());
     workload_.Change()->ResultsAnswered(results);
     return status;
@@ -86,16 +93,20 @@ class Calls {
   grpc::Status Send(const FailureReport& failure) {
     proto::FailureRequest request;
     request.set_worker(Number(worker_));
-    request.set_lease(Number(failure.lease));
-    if (failure.lease != LeaseId{}) Write(failure.unit, *request.mutable_unit());
+    request.set_farm(WriteFarmId(failure.farm));
+    if (failure.lease != LeaseId{}) {
+      Write(failure.lease, *request.mutable_lease());
+      Write(failure.unit, *request.mutable_unit());
+    }
     request.set_scene(WriteDigest(failure.scene));
     request.set_reason(ReadReason(failure.reason));
     proto::FailureAnswer answer;
     const grpc::Status status =
         Call([&](grpc::ClientContext* context) { return stub_->ReturnFailure(context, request, &answer); });
     if (!status.ok()) return status;
-    workload_.Change()->AddLeases(ReadLeases(answer.leases()), {}, SharedWorkload::Clock::now());
-    workload_.Change()->FailureAnswered();
+    workload_.Change()->AddLeases(FarmOf(answer.farm()), ReadLeases(answer.leases()), {},
+                                  SharedWorkload::Clock::now());
+    workload_.Change()->FailureAnswered(failure);
     return status;
   }
 
@@ -140,7 +151,7 @@ void ResultSender::Run(std::stop_token stop) {
       if (results != nullptr) {
         workload_.Change()->ResultsAnswered(*results);  // the lease expires
       } else {
-        workload_.Change()->FailureAnswered();
+        workload_.Change()->FailureAnswered(std::get<FailureReport>(batch));
       }
       continue;
     }

@@ -135,14 +135,14 @@ void Synchronizer::Handle(const Call& call) {
 void Synchronizer::HandleDirective(const Call& call) {
   auto directive = ReadWorkerDirective(call.answer);
   if (!directive) return on_refusal_(Failed(directive.error().message));
-  if (!connected_) spdlog::info("connected worker={:016x}", Number(self_.worker));
+  if (!connected_)
+    spdlog::info("connected worker={:016x} farm={}", Number(self_.worker), directive->farm.Hex());
   connected_ = true;
   outage_.Ended();
   backoff_.Reset();
   workload_.Change()->ReturnsAcknowledged(call.returned);
   // The answer to a call that a later one has overtaken may hold leases, but its orders are out of date.
-  if (call.sequence != self_.sequence)
-    return workload_.Change()->AddLeases(directive->leases, directive->drop, Clock::now());
+  if (call.sequence != self_.sequence) return workload_.Change()->ApplyOvertaken(*directive, Clock::now());
   if (directive->notice != notice_) {
     notice_ = directive->notice;
     spdlog::warn("notice text=\"{}\"", notice_);

@@ -7,8 +7,8 @@ namespace tessera {
 namespace {
 
 enum class Kind : uint32_t {
-  kCoordinatorStarted = 1,
-  kJobSubmittedByNames = 2,  // before channels had types
+  kCoordinatorStartedUnnamed = 1,  // before farms had identities
+  kJobSubmittedByNames = 2,        // before channels had types
   kJobEnded = 4,
   kJobExtended = 8,
   kJobsForgotten = 10,
@@ -20,6 +20,7 @@ enum class Kind : uint32_t {
   kUnitsCounted = 21,
   kFrameFinished = 22,
   kJobSubmitted = 23,
+  kCoordinatorStarted = 24,
 };
 
 void Add(ByteWriter& out, const JobSubmitted& fact) {
@@ -31,6 +32,8 @@ void Add(ByteWriter& out, const JobSubmitted& fact) {
 void Add(ByteWriter& out, const CoordinatorStarted& fact) {
   out.Add32(static_cast<uint32_t>(Kind::kCoordinatorStarted));
   out.Add32(fact.epoch);
+  out.Add64(fact.farm.high);
+  out.Add64(fact.farm.low);
 }
 
 void Add(ByteWriter& out, const FrameFinished& fact) {
@@ -105,6 +108,14 @@ void Add(ByteWriter& out, const UnitsCounted& fact) {
   out.Add64(fact.suspect);
 }
 
+CoordinatorStarted ReadCoordinatorStarted(ByteReader& in) {
+  CoordinatorStarted fact;
+  fact.epoch = in.Read32();
+  fact.farm.high = in.Read64();
+  fact.farm.low = in.Read64();
+  return fact;
+}
+
 std::optional<Fact> ReadWorkerQuarantined(ByteReader& in) {
   WorkerQuarantined fact;
   fact.worker = WorkerId{in.Read64()};
@@ -131,7 +142,8 @@ std::optional<Fact> ReadVoteRecorded(ByteReader& in) {
 std::optional<Fact> ReadFact(ByteReader& in) {
   const auto kind = static_cast<Kind>(in.Read32());
   switch (kind) {
-    case Kind::kCoordinatorStarted: return CoordinatorStarted{in.Read32()};
+    case Kind::kCoordinatorStartedUnnamed: return CoordinatorStarted{in.Read32()};
+    case Kind::kCoordinatorStarted: return ReadCoordinatorStarted(in);
     case Kind::kJobSubmittedByNames:
     case Kind::kJobSubmitted: {
       const JobId job{in.Read64()};
@@ -168,10 +180,8 @@ std::optional<Fact> ReadFact(ByteReader& in) {
     }
     case Kind::kJobsForgotten: return JobsForgotten{JobId{in.Read64()}};
     case Kind::kFrameResumed: {
-      FrameResumed fact;
-      fact.job = JobId{in.Read64()};
-      fact.frame = in.Read32();
-      return fact;
+      const JobId job{in.Read64()};
+      return FrameResumed{job, in.Read32()};
     }
     case Kind::kJobPaused: {
       const JobId job{in.Read64()};

@@ -11,9 +11,11 @@
 
 namespace tessera {
 
-// A process opened the data directory. Its epoch is larger than all earlier ones.
+// A process opened the data directory. Its epoch is larger than all earlier ones. The farm is the same in all
+// facts of a journal; earlier releases did not record it.
 struct CoordinatorStarted {
   uint32_t epoch = 0;
+  FarmId farm{};
 };
 
 struct JobSubmitted {
@@ -92,7 +94,8 @@ using Fact =
 
 // A 32-bit number of the kind, then its members in order (byte_codec.h), texts and lists preceded by a 64-bit
 // length. The meaning of a number never changes: a kind whose members change gets another number, and those
-// it had before are still read. Kind 2, a submitted job whose channels are names, is no longer written.
+// it had before are still read. Kinds 1 (a start without the farm's identity) and 2 (a submitted job whose
+// channels are names) are no longer written.
 std::string EncodeFact(const Fact& fact);
 // An error for anything that EncodeFact does not write.
 Result<Fact> DecodeFact(std::string_view bytes);

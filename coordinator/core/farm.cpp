@@ -11,14 +11,14 @@
 
 namespace tessera {
 
-Farm::Farm(SchedulerOptions options, uint64_t kept_bytes_max)
-    : state_(options, kept_bytes_max),
+Farm::Farm(SchedulerOptions options, uint64_t kept_bytes_max, FarmId id)
+    : state_(options, kept_bytes_max, id),
       end_(state_),
       frames_(state_, end_),
       results_(state_, frames_),
       extension_(state_),
       recovery_(state_, end_, frames_, extension_) {
-  state_.output.facts.emplace_back(CoordinatorStarted{options.epoch});
+  state_.output.facts.emplace_back(CoordinatorStarted{options.epoch, id});
 }
 
 void Farm::Advance(Instant now) {
@@ -55,13 +55,17 @@ Result<void> Farm::CheckAdmission(const WorkerState& state) const {
   return {};
 }
 
-void Farm::Synchronize(Instant now, CallId call, const WorkerState& state) {
+void Farm::Synchronize(Instant now, CallId call, WorkerState state) {
+  const bool is_stranger = state.farm != id();
+  if (is_stranger) {
+    state.leases.clear();
+    state.returned_leases.clear();
+  }
   state_.scheduler.Synchronize(now, state);
-  const bool answer_now = state.leaving || state.wait.count() <= 0;
+  const bool answer_now = state.leaving || is_stranger || state.wait.count() <= 0;
   const Instant wait = answer_now ? Instant{0} : std::min<Instant>(state.wait, kParkMax);
   // An older call of the same worker has nothing more to bring.
-  if (const auto older = parked_.Park(state.worker, call, now + wait))
-    state_.output.directives.push_back({*older, {}});
+  if (const auto older = parked_.Park(state.worker, call, now + wait)) PushDirective(*older, {});
 }
 
 void Farm::Cut(Instant now, CallId call) {
@@ -94,7 +98,7 @@ void Farm::AnswerResults(Instant now) {
   for (PendingResults& pending : std::exchange(pending_results_, {})) {
     LeaseGrants grants = state_.scheduler.TakeGrants(now, pending.worker);
     state_.output.results.push_back(
-        {pending.call, std::move(pending.verdicts), std::move(pending.reasons), std::move(grants)});
+        {pending.call, std::move(pending.verdicts), std::move(pending.reasons), std::move(grants), id()});
   }
 }
 
@@ -108,7 +112,12 @@ void Farm::AnswerParked(Instant now) {
 }
 
 void Farm::Answer(Instant now, WorkerId worker) {
-  state_.output.directives.push_back({*parked_.Take(worker), state_.scheduler.TakeDirective(now, worker)});
+  PushDirective(*parked_.Take(worker), state_.scheduler.TakeDirective(now, worker));
+}
+
+void Farm::PushDirective(CallId call, WorkerDirective directive) {
+  directive.farm = id();
+  state_.output.directives.push_back({call, std::move(directive)});
 }
 
 std::vector<WorkerStatus> Farm::FindWorkers(Instant now, const std::string& which) const {
@@ -212,6 +221,12 @@ std::vector<Digest> Farm::PackagesInUse() const {
   std::set<Digest> packages;
   for (const JobId id : state_.jobs.open()) packages.insert(state_.jobs.At(id).spec->package);
   return {packages.begin(), packages.end()};
+}
+
+std::optional<Digest> Farm::SceneOf(FrameId id) const {
+  const Job* const job = state_.jobs.Find(id.job);
+  if (job == nullptr || id.frame >= job->submitted->frames.size()) return std::nullopt;
+  return job->SceneOf(id.frame);
 }
 
 std::optional<Digest> Farm::FinishedFile(JobId id, uint32_t frame) const {

@@ -27,7 +27,8 @@ constexpr uint64_t kKeptBytesMaxDefault = uint64_t{16} << 30;
 class Farm {
  public:
   // Sums of finished frames are kept up to `kept_bytes_max`, so that they can be extended.
-  explicit Farm(SchedulerOptions options, uint64_t kept_bytes_max = kKeptBytesMaxDefault);
+  explicit Farm(SchedulerOptions options, uint64_t kept_bytes_max = kKeptBytesMaxDefault, FarmId id = {});
+  FarmId id() const { return state_.id; }
 
   // ---- After a start: all facts of former processes in order; what is in the spool; then Begin ----
   using SpoolUse = tessera::SpoolUse;
@@ -42,13 +43,13 @@ class Farm {
   // The error says why the worker may not join.
   Result<void> CheckAdmission(const WorkerState& state) const;
   // Answered in some later output: when there is news for the worker, at the latest after the wait it asked
-  // for.
-  void Synchronize(Instant now, CallId call, const WorkerState& state);
+  // for. A worker that comes from another farm, or from none, is answered in the next.
+  void Synchronize(Instant now, CallId call, WorkerState state);
   // The other end of a waiting call is gone, so the worker is: the call will not be answered.
   void Cut(Instant now, CallId call);
   // Answered in the next output.
   void ReturnResults(Instant now, CallId call, WorkerId worker, std::vector<ReturnedUnit> units);
-  // The worker could not render a unit or load a scene, for the reason it gives.
+  // The worker could not render a unit or load a scene of this farm, for the reason it gives.
   void FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason);
   void FailScene(Instant now, WorkerId worker, const Digest& scene, const std::string& reason);
 
@@ -78,6 +79,8 @@ class Farm {
   std::vector<WorkerStatus> FindWorkers(Instant now, const std::string& which) const;
   void Drain(WorkerId worker) { state_.scheduler.Drain(worker); }
   void Release(WorkerId worker) { state_.scheduler.Release(worker); }
+  // What the frame is rendered from; nullopt if there is no such frame.
+  std::optional<Digest> SceneOf(FrameId frame) const;
   // The digest of the frame's file if it is written.
   std::optional<Digest> FinishedFile(JobId job, uint32_t frame) const;
   std::optional<FinishedPicture> Preview(JobId job, uint32_t frame) const {
@@ -119,6 +122,7 @@ class Farm {
   void AnswerResults(Instant now);
   void AnswerParked(Instant now);
   void Answer(Instant now, WorkerId worker);
+  void PushDirective(CallId call, WorkerDirective directive);
   void Log(std::string line) { state_.output.log.push_back(std::move(line)); }
 
   FarmState state_;

@@ -24,6 +24,7 @@ struct ReturnedUnit {
   WorkUnit unit;
   double render_seconds = 0;
   Result<RadianceTile> tile{Failed("no tile")};  // or what is wrong with its bytes
+  FarmId farm{};                                 // whose lease it is
 };
 
 struct FinishedPicture {
@@ -53,6 +54,7 @@ struct FarmOutput {
     std::vector<Verdict> verdicts;
     std::vector<std::string> reasons;  // of the refused
     LeaseGrants grants;
+    FarmId farm{};
   };
   std::vector<Accepted> accepted;
   std::vector<Fact> facts;

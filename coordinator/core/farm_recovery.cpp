@@ -65,7 +65,10 @@ void FarmRecovery::Restore(const Fact& fact) {
           },
           [&](const VoteRecorded& each) {
             with_job(each.unit.job, [&](Job& job) {
-              ResultAcceptance::CountVote(job, each.unit, {each.worker, each.name, each.result});
+              if (each.unit.frame >= job.spec->frames.size()) return;
+              WorkUnit unit = each.unit;
+              unit.scene = job.SceneOf(unit.frame);
+              ResultAcceptance::CountVote(job, unit, {each.worker, each.name, each.result});
             });
           },
           [&](const UnitsCounted& each) {
@@ -200,7 +203,7 @@ void FarmRecovery::AppendControl(const Job& job, std::vector<Fact>& facts) {
 }
 
 std::vector<Fact> FarmRecovery::Snapshot() const {
-  std::vector<Fact> facts{CoordinatorStarted{state_.epoch},
+  std::vector<Fact> facts{CoordinatorStarted{state_.epoch, state_.id},
                           JobsForgotten{JobId{Number(state_.jobs.next_id()) - 1}}};
   const auto& jobs = state_.jobs.all();
   const auto append_finished = [&](const Job& job, uint32_t frame) {

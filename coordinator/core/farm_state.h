@@ -11,9 +11,10 @@
 namespace tessera {
 
 struct FarmState {
-  FarmState(SchedulerOptions options, uint64_t kept_bytes_max)
-      : epoch(options.epoch), scheduler(options), kept_sums(kept_bytes_max) {}
+  FarmState(SchedulerOptions options, uint64_t kept_bytes_max, FarmId farm)
+      : id(farm), epoch(options.epoch), scheduler(options), kept_sums(kept_bytes_max) {}
 
+  const FarmId id;
   uint32_t epoch;
   JobTable jobs;
   Scheduler scheduler;

@@ -4,15 +4,29 @@
 
 #include <algorithm>
 
+#include "coordinator/core/extension.h"
 #include "renderer/film/adaptive.h"
 #include "renderer/util/check.h"
 
 namespace tessera {
 
+namespace {
+
+// Whether the unit is of samples that the frame had been extended to in another history of the farm.
+bool IsBeyond(const Job& job, const WorkUnit& unit) {
+  const FrameRequest& frame = job.spec->frames[unit.frame];
+  return IsExtendable(frame) && unit.range.end() > frame.spec.samples_per_pixel;
+}
+
+}  // namespace
+
 Verdict ResultAcceptance::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::string& reason) {
   Job* const job = state_.jobs.Find(returned.unit.job);
-  const bool is_open = job != nullptr && !HasEnded(job->state);
-  const Verdict verdict = is_open ? Decide(now, worker, *job, returned, reason) : Verdict::kObsolete;
+  // Numbers alone do not say which picture a result is for: the address, the data directory or its contents
+  // may have changed since the unit was leased. The worker is not at fault.
+  const bool is_wanted = job != nullptr && !HasEnded(job->state) && returned.farm == state_.id &&
+                         job->Has(returned.unit) && !IsBeyond(*job, returned.unit);
+  const Verdict verdict = is_wanted ? Decide(now, worker, *job, returned, reason) : Verdict::kObsolete;
   if (verdict == Verdict::kAccepted) {
     job->clock.render_s += returned.render_seconds;
   } else {
@@ -29,8 +43,7 @@ Verdict ResultAcceptance::Decide(Instant now, WorkerId worker, Job& job, Returne
     reason = fmt::format("result of {} refused: the worker is in quarantine", unit.Text());
     return Verdict::kRefused;
   }
-  if (unit.frame < job.spec->frames.size() && scheduler.IsComplete(job, unit.frame))
-    return Verdict::kDuplicate;
+  if (scheduler.IsComplete(job, unit.frame)) return Verdict::kDuplicate;
   if (!scheduler.IsKnown(unit)) {
     reason = "there is no such unit";
   } else if (const TileGoal& goal = scheduler.WorkOf(unit).Goal(unit.tile);

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <random>
 
+#include "renderer/util/check.h"
+
 namespace tessera {
 
 uint64_t RandomId() {
@@ -14,6 +16,13 @@ uint64_t RandomId() {
   const uint64_t high = device();
   const uint64_t low = device();
   return (high << 32 | low) | 1;
+}
+
+FarmId RandomFarmId() {
+  FarmId id;
+  // It cannot fail for so few bytes.
+  TESSERA_CHECK(::getentropy(&id, sizeof id) == 0);
+  return id;
 }
 
 bool CanConnect(const std::string& path) {

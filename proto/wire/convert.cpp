@@ -142,7 +142,9 @@ Result<WorkUnit> ReadWorkUnit(const proto::WorkUnit& message) {
   if (message.job() == 0) return BadField("job", "is missing");
   if (message.frame() >= static_cast<uint32_t>(kFramesPerJobMax))
     return BadField("frame", "is beyond the limit");
-  return WorkUnit{JobId{message.job()}, message.frame(), message.tile(), *range};
+  const auto scene = ReadDigest(message.scene(), "scene");
+  if (!scene) return scene.error();
+  return WorkUnit{JobId{message.job()}, message.frame(), message.tile(), *range, *scene};
 }
 
 void Write(const WorkUnit& value, proto::WorkUnit& message) {
@@ -150,6 +152,36 @@ void Write(const WorkUnit& value, proto::WorkUnit& message) {
   message.set_frame(value.frame);
   message.set_tile(value.tile);
   Write(value.range, *message.mutable_range());
+  message.set_scene(WriteDigest(value.scene));
+}
+
+Result<FarmId> ReadFarmId(const std::string& bytes) {
+  if (bytes.empty()) return FarmId{};
+  FarmId farm;
+  if (bytes.size() != sizeof farm.high + sizeof farm.low) return BadField("farm", "is not 16 bytes");
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    uint64_t& half = i < sizeof farm.high ? farm.high : farm.low;
+    half = half << 8 | static_cast<unsigned char>(bytes[i]);
+  }
+  return farm;
+}
+
+std::string WriteFarmId(FarmId farm) {
+  std::string bytes;
+  if (farm == FarmId{}) return bytes;
+  for (const uint64_t half : {farm.high, farm.low}) {
+    for (int shift = 56; shift >= 0; shift -= 8) bytes.push_back(static_cast<char>(half >> shift));
+  }
+  return bytes;
+}
+
+LeaseId ReadLeaseId(const proto::LeaseId& message) {
+  return {message.number(), message.session()};
+}
+
+void Write(LeaseId value, proto::LeaseId& message) {
+  message.set_number(value.number);
+  message.set_session(value.session);
 }
 
 Result<Lease> ReadLease(const proto::Lease& message) {
@@ -161,18 +193,15 @@ Result<Lease> ReadLease(const proto::Lease& message) {
     return BadField("bounds", "are too large");
   auto pixels = PixelMask::Read(message.pixels(), static_cast<size_t>(bounds->area()));
   if (!pixels) return BadField("pixels", "are wrong: " + pixels.error().message);
-  const auto scene = ReadDigest(message.scene(), "scene");
-  if (!scene) return scene.error();
-  return Lease{LeaseId{message.lease()}, *unit,  *bounds,
-               std::move(*pixels),       *scene, std::chrono::milliseconds(message.duration_ms())};
+  return Lease{ReadLeaseId(message.lease()), *unit, *bounds, std::move(*pixels),
+               std::chrono::milliseconds(message.duration_ms())};
 }
 
 void Write(const Lease& value, proto::Lease& message) {
-  message.set_lease(Number(value.id));
+  Write(value.id, *message.mutable_lease());
   Write(value.unit, *message.mutable_unit());
   Write(value.bounds, *message.mutable_bounds());
   message.set_pixels(value.pixels.Bytes());
-  message.set_scene(WriteDigest(value.scene));
   message.set_duration_ms(static_cast<uint32_t>(value.duration.count()));
 }
 
@@ -187,7 +216,7 @@ Result<SceneRequest> ReadSceneOrder(const proto::SceneRequest& message) {
   if (!frame) return frame.error();
   SceneRequest order{
       *key, *package, message.scene_file(), message.options(), std::move(*frame), message.needs_all()};
-  if (order.key != SceneKey(order.package, order.scene_file, order.options))
+  if (order.key != SceneKey(order.package, order.scene_file, order.options, order.frame))
     return BadField("scene", "is not its key");
   return order;
 }

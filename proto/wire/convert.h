@@ -15,6 +15,7 @@ class FramesAnswer;
 class JobSpec;
 class JobStatus;
 class Lease;
+class LeaseId;
 class PixelBounds;
 class ResultsRequest;
 class SampleRange;
@@ -28,12 +29,17 @@ class WorkerStatus;
 Result<Digest> ReadDigest(const std::string& bytes, const char* field);
 std::string WriteDigest(const Digest& digest);
 
+// Empty bytes are no farm.
+Result<FarmId> ReadFarmId(const std::string& bytes);
+std::string WriteFarmId(FarmId farm);
+LeaseId ReadLeaseId(const proto::LeaseId& message);
 Result<PixelBounds> ReadPixelBounds(const proto::PixelBounds& message);
 Result<SampleRange> ReadSampleRange(const proto::SampleRange& message);
 Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message);
 Result<WorkUnit> ReadWorkUnit(const proto::WorkUnit& message);
 Result<Lease> ReadLease(const proto::Lease& message);
 Result<SceneRequest> ReadSceneOrder(const proto::SceneRequest& message);
+// Of a worker with another protocol version only what tells who it is, so that it can be refused by name.
 Result<WorkerState> ReadWorkerState(const proto::WorkerState& message);
 Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& message);
 Result<int32_t> ReadPriority(int32_t priority);
@@ -44,6 +50,7 @@ Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message);
 // Words for people: control characters become spaces, longer than kReasonBytesMax is cut.
 std::string ReadReason(const std::string& text);
 
+void Write(LeaseId value, proto::LeaseId& message);
 void Write(const PixelBounds& value, proto::PixelBounds& message);
 void Write(SampleRange value, proto::SampleRange& message);
 void Write(const FrameSpec& value, proto::FrameSpec& message);
@@ -58,6 +65,6 @@ void Write(const std::vector<FrameStatus>& value, proto::FramesAnswer& message);
 void Write(const WorkerStatus& value, proto::WorkerStatus& message);
 
 // The message of ReturnResults that goes before `results`.
-proto::ResultsRequest Announcement(WorkerId worker, const proto::ResultsRequest& results);
+proto::ResultsRequest Announcement(WorkerId worker, FarmId farm, const proto::ResultsRequest& results);
 
 }  // namespace tessera

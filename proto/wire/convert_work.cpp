@@ -10,7 +10,7 @@ namespace {
 Result<HeldLease> ReadHeldLease(const proto::HeldLease& message) {
   const auto unit = ReadWorkUnit(message.unit());
   if (!unit) return unit.error();
-  HeldLease held{LeaseId{message.lease()}, *unit, LeaseStage::kWaiting,
+  HeldLease held{ReadLeaseId(message.lease()), *unit, LeaseStage::kWaiting,
                  std::chrono::milliseconds(message.stage_ms())};
   switch (message.stage()) {
     case proto::HeldLease::WAITING: held.stage = LeaseStage::kWaiting; break;
@@ -67,6 +67,25 @@ Result<void> CheckIdentity(const proto::WorkerState& message) {
   return {};
 }
 
+Result<void> ReadHoldings(const proto::WorkerState& message, WorkerState& state) {
+  const auto farm = ReadFarmId(message.farm());
+  if (!farm) return farm.error();
+  state.farm = *farm;
+  for (const auto& scene : message.scenes()) {
+    const auto key = ReadDigest(scene.scene(), "scene");
+    if (!key) return key.error();
+    state.scenes.push_back(
+        {*key, scene.state() == proto::HeldScene::READY, scene.state() == proto::HeldScene::FETCHING});
+  }
+  for (const auto& lease : message.leases()) {
+    const auto held = ReadHeldLease(lease);
+    if (!held) return held.error();
+    state.leases.push_back(*held);
+  }
+  for (const auto& lease : message.returned_leases()) state.returned_leases.push_back(ReadLeaseId(lease));
+  return {};
+}
+
 }  // namespace
 
 Result<WorkerState> ReadWorkerState(const proto::WorkerState& message) {
@@ -83,18 +102,8 @@ Result<WorkerState> ReadWorkerState(const proto::WorkerState& message) {
   auto tags = ReadTags(message.tags(), "tags");
   if (!tags) return tags.error();
   state.tags = std::move(*tags);
-  for (const auto& scene : message.scenes()) {
-    const auto key = ReadDigest(scene.scene(), "scene");
-    if (!key) return key.error();
-    state.scenes.push_back(
-        {*key, scene.state() == proto::HeldScene::READY, scene.state() == proto::HeldScene::FETCHING});
-  }
-  for (const auto& lease : message.leases()) {
-    const auto held = ReadHeldLease(lease);
-    if (!held) return held.error();
-    state.leases.push_back(*held);
-  }
-  for (const uint64_t lease : message.returned_leases()) state.returned_leases.push_back(LeaseId{lease});
+  if (state.protocol != kProtocolVersion) return state;
+  if (const auto read = ReadHoldings(message, state); !read) return read.error();
   state.draining = message.draining();
   state.leaving = message.leaving();
   state.wait = std::min(std::chrono::milliseconds(message.wait_ms()), kSynchronizeWaitMax);
@@ -105,6 +114,7 @@ Result<WorkerState> ReadWorkerState(const proto::WorkerState& message) {
 void Write(const WorkerState& value, proto::WorkerState& message) {
   message.set_protocol(value.protocol);
   message.set_worker(Number(value.worker));
+  message.set_farm(WriteFarmId(value.farm));
   message.set_sequence(value.sequence);
   message.set_name(value.name);
   message.set_slots(static_cast<uint32_t>(value.slots));
@@ -119,12 +129,12 @@ void Write(const WorkerState& value, proto::WorkerState& message) {
   }
   for (const HeldLease& lease : value.leases) {
     auto& written = *message.add_leases();
-    written.set_lease(Number(lease.id));
+    Write(lease.id, *written.mutable_lease());
     Write(lease.unit, *written.mutable_unit());
     written.set_stage(WriteStage(lease.stage));
     written.set_stage_ms(static_cast<uint32_t>(lease.stage_duration.count()));
   }
-  for (const LeaseId lease : value.returned_leases) message.add_returned_leases(Number(lease));
+  for (const LeaseId lease : value.returned_leases) Write(lease, *message.add_returned_leases());
   message.set_draining(value.draining);
   message.set_leaving(value.leaving);
   message.set_wait_ms(static_cast<uint32_t>(value.wait.count()));
@@ -133,6 +143,9 @@ void Write(const WorkerState& value, proto::WorkerState& message) {
 
 Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& message) {
   WorkerDirective directive;
+  const auto farm = ReadFarmId(message.farm());
+  if (!farm) return farm.error();
+  directive.farm = *farm;
   if (message.scenes_size() > kScenesPerWorkerMax) return BadField("scenes", "are too many");
   for (const auto& scene : message.scenes()) {
     auto order = ReadSceneOrder(scene);
@@ -145,7 +158,7 @@ Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& messag
     if (!read) return read.error();
     directive.leases.push_back(*read);
   }
-  for (const uint64_t lease : message.drop()) directive.drop.push_back(LeaseId{lease});
+  for (const auto& lease : message.drop()) directive.drop.push_back(ReadLeaseId(lease));
   if (message.prefetch_size() > kScenesPerWorkerMax) return BadField("prefetch", "are too many");
   for (const std::string& bytes : message.prefetch()) {
     const auto package = ReadDigest(bytes, "prefetch");
@@ -158,17 +171,19 @@ Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& messag
 }
 
 void Write(const WorkerDirective& value, proto::WorkerDirective& message) {
+  message.set_farm(WriteFarmId(value.farm));
   for (const SceneRequest& scene : value.scenes) Write(scene, *message.add_scenes());
   for (const Lease& lease : value.leases) Write(lease, *message.add_leases());
-  for (const LeaseId lease : value.drop) message.add_drop(Number(lease));
+  for (const LeaseId lease : value.drop) Write(lease, *message.add_drop());
   for (const Digest& package : value.prefetch) message.add_prefetch(WriteDigest(package));
   message.set_call_again_ms(static_cast<uint32_t>(value.call_again.count()));
   message.set_notice(value.notice);
 }
 
-proto::ResultsRequest Announcement(WorkerId worker, const proto::ResultsRequest& results) {
+proto::ResultsRequest Announcement(WorkerId worker, FarmId farm, const proto::ResultsRequest& results) {
   proto::ResultsRequest message;
   message.set_worker(Number(worker));
+  message.set_farm(WriteFarmId(farm));
   message.set_bytes(results.ByteSizeLong());
   uint64_t decoded_bytes = 0;
   for (const proto::UnitResult& result : results.results()) decoded_bytes += DecodedSize(result.tile());

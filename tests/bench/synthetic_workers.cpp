@@ -88,7 +88,7 @@ class SyntheticWorkers::One {
    public:
     ResultsCall(One& one, std::vector<LeaseId> sent, proto::ResultsRequest results)
         : one_(one), sent_(std::move(sent)), results_(std::move(results)) {
-      announcement_ = Announcement(one_.state_.worker, results_);
+      announcement_ = Announcement(one_.state_.worker, one_.farm(), results_);
       SetDeadline(context_, kPatience);
       one_.stub_->async()->ReturnResults(&context_, &answer_, this);
       StartWrite(&announcement_);
@@ -139,9 +139,15 @@ class SyntheticWorkers::One {
                                 });
   }
 
+  FarmId farm() {
+    const std::lock_guard lock(mutex_);
+    return state_.farm;
+  }
+
   // Every scene is in memory at once.
   void Apply(const proto::WorkerDirective& directive) {
     const std::lock_guard lock(mutex_);
+    if (const auto farm = ReadFarmId(directive.farm())) state_.farm = *farm;
     for (const proto::SceneRequest& message : directive.scenes()) {
       const auto order = ReadSceneOrder(message);
       if (order) state_.scenes = {{order->key, true}};
@@ -175,7 +181,7 @@ class SyntheticWorkers::One {
 
   void AddResult(const Lease& lease, proto::ResultsRequest& request) {
     proto::UnitResult& result = *request.add_results();
-    result.set_lease(Number(lease.id));
+    Write(lease.id, *result.mutable_lease());
     Write(lease.unit, *result.mutable_unit());
     result.set_tile(EncodeRadianceTile(MakeTile(lease)));
     result.set_render_seconds(unit_seconds_ * lease.unit.range.size);

@@ -113,7 +113,8 @@ TEST_F(Services, ABrokenConnectionReturnsTheLeasesOfTheWorker) {
   ASSERT_TRUE(Synchronize(state, directive).ok());
   EXPECT_EQ(Status(job).workers(), 1u);
   for (const auto& lease : directive.leases()) {
-    state.leases.push_back({LeaseId{lease.lease()}, *ReadWorkUnit(lease.unit()), LeaseStage::kRunning, {}});
+    state.leases.push_back(
+        {ReadLeaseId(lease.lease()), *ReadWorkUnit(lease.unit()), LeaseStage::kRunning, {}});
   }
   state.sequence = ++sequence;
   state.wait = milliseconds(10'000);
@@ -171,6 +172,43 @@ TEST_F(Services, JobsSurviveARestart) {
   Start();
   EXPECT_EQ(Status(job).name(), "job");
   EXPECT_EQ(Submit(), job) << "the same submission";
+}
+
+TEST_F(Services, AFarmKeepsItsIdentityAndEachDirectoryHasItsOwn) {
+  LearnFarm();
+  const FarmId first = farm;
+  EXPECT_NE(first, FarmId{});
+  coordinator.reset();
+  Start();
+  LearnFarm();
+  EXPECT_EQ(farm, first);
+  coordinator.reset();
+  current_dir = "other";
+  Start();
+  LearnFarm();
+  EXPECT_NE(farm, first);
+  EXPECT_NE(farm, FarmId{});
+}
+
+TEST_F(Services, ResultsAndFailuresOfAnotherFarmChangeNothing) {
+  const uint64_t job = Submit();
+  proto::WorkerDirective directive;
+  ASSERT_TRUE(Synchronize(Worker(milliseconds(0)), directive).ok());
+  farm.low ^= 1;
+  proto::ResultsAnswer answer;
+  ASSERT_TRUE(Return(job, 0, {0, 4}, answer).ok());
+  EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::OBSOLETE);
+  EXPECT_EQ(Status(job).samples_done(), 0u);
+  proto::FailureRequest failure;
+  failure.set_worker(7);
+  failure.set_farm(WriteFarmId(farm));
+  failure.set_scene(WriteDigest(scene_key));
+  failure.set_reason("another farm's");
+  proto::FailureAnswer acknowledged;
+  for (int i = 0; i < 5; ++i)
+    ASSERT_TRUE(Call(*work, &proto::Work::Stub::ReturnFailure, failure, acknowledged).ok());
+  EXPECT_NE(acknowledged.farm(), failure.farm());
+  EXPECT_NE(Status(job).state(), proto::JOB_STATE_FAILED);
 }
 
 TEST_F(Services, TwoCoordinatorsCannotShareASocket) {

@@ -35,11 +35,22 @@ class Services : public testing::Test {
   }
   // Starts the coordinator and connects to it.
   void Start(AccessPolicy policy = AdmitEveryone) {
-    coordinator = std::move(*Coordinator::Start(OptionsOf("data"), std::move(policy)));
+    coordinator = std::move(*Coordinator::Start(OptionsOf(current_dir), std::move(policy)));
     channel = OpenChannel(coordinator->addresses().front());
     jobs = proto::Jobs::NewStub(channel);
     blobs = proto::Blobs::NewStub(channel);
     work = proto::Work::NewStub(channel);
+    farm = {};
+  }
+  // Sets `farm` as a worker learns it.
+  void LearnFarm() {
+    if (farm != FarmId{}) return;
+    proto::WorkerDirective directive;
+    WorkerState state;
+    state.worker = WorkerId{99};
+    state.leaving = true;
+    const grpc::Status status = Synchronize(state, directive);
+    if (status.ok()) farm = *ReadFarmId(directive.farm());
   }
   // One unary call.
   template <typename Stub, typename Method, typename Request, typename Answer>
@@ -84,6 +95,7 @@ class Services : public testing::Test {
     frame.samples_per_pixel = 4;
     frame.exr_type = ExrType::kFloat;
     spec.frames = {{"scene.pbrt", "", frame, 0}};
+    scene_key = SceneKey(spec.package, "scene.pbrt", "", frame);
     proto::JobSpec message;
     Write(spec, message);
     return message;
@@ -104,17 +116,18 @@ class Services : public testing::Test {
     }
     return Return(ResultOf(job, tile, range, EncodeRadianceTile(radiance)), answer);
   }
-  static proto::ResultsRequest ResultOf(uint64_t job, uint32_t tile, SampleRange range,
-                                        const std::string& encoded) {
+  proto::ResultsRequest ResultOf(uint64_t job, uint32_t tile, SampleRange range,
+                                 const std::string& encoded) const {
     proto::ResultsRequest request;
     proto::UnitResult& result = *request.add_results();
-    Write(WorkUnit{JobId{job}, 0, tile, range}, *result.mutable_unit());
+    Write(WorkUnit{JobId{job}, 0, tile, range, scene_key}, *result.mutable_unit());
     result.set_tile(encoded);
     result.set_render_seconds(0.01);
     return request;
   }
   grpc::Status Return(const proto::ResultsRequest& results, proto::ResultsAnswer& answer) {
-    return Return(Announcement(WorkerId{7}, results), results, answer);
+    LearnFarm();
+    return Return(Announcement(WorkerId{7}, farm, results), results, answer);
   }
   grpc::Status Return(const proto::ResultsRequest& announcement, const proto::ResultsRequest& results,
                       proto::ResultsAnswer& answer) {
@@ -149,10 +162,12 @@ class Services : public testing::Test {
     return status;
   }
   WorkerState Worker(milliseconds wait) {
+    LearnFarm();
     WorkerState state;
     state.worker = WorkerId{7};
     state.sequence = ++sequence;
     state.name = "tester";
+    state.farm = farm;
     state.wait = wait;
     return state;
   }
@@ -173,6 +188,9 @@ class Services : public testing::Test {
   std::unique_ptr<proto::Jobs::Stub> jobs;
   std::unique_ptr<proto::Blobs::Stub> blobs;
   std::unique_ptr<proto::Work::Stub> work;
+  std::string current_dir = "data";  // that Start uses
+  FarmId farm;
+  Digest scene_key;  // of the prepared job
   uint64_t sequence = 0;
 };
 

@@ -95,7 +95,7 @@ TEST_F(HostileMessages, TilesThatNobodyRequestedAreNotUnpacked) {
     writer->Write(announcement);
     writer->WriteLast(results, {});
     EXPECT_TRUE(writer->Finish().ok());
-    EXPECT_THAT(answer.verdicts(), testing::Each(proto::ResultsAnswer::REFUSED));
+    EXPECT_THAT(answer.verdicts(), testing::Each(testing::Ne(proto::ResultsAnswer::ACCEPTED)));
   }
   EXPECT_LT(PeakBytes(coordinator().pid()), size_t{100} << 20);
 }

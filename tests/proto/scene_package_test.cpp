@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "proto/terms.h"
 
 namespace tessera {
@@ -89,11 +91,47 @@ TEST(ScenePackage, WhateverAManifestHoldsNoPathLeavesThePackage) {
 
 TEST(SceneKey, TellsApartWhateverDiffers) {
   const Digest a = Sha256("a"), b = Sha256("b");
-  const Digest key = SceneKey(a, "file", "options");
-  EXPECT_EQ(key, SceneKey(a, "file", "options"));
-  EXPECT_NE(key, SceneKey(b, "file", "options"));
-  EXPECT_NE(key, SceneKey(a, "fil", "eoptions"));
-  EXPECT_NE(key, SceneKey(a, "file", "option"));
+  FrameSpec frame;
+  frame.width = frame.height = 8;
+  frame.crop = {0, 0, 8, 8};
+  frame.samples_per_pixel = 4;
+  frame.attributes = {{"sampler", "sobol"}};
+  const Digest key = SceneKey(a, "file", "options", frame);
+  EXPECT_EQ(key, SceneKey(a, "file", "options", frame));
+  EXPECT_NE(key, SceneKey(b, "file", "options", frame));
+  EXPECT_NE(key, SceneKey(a, "fil", "eoptions", frame));
+  EXPECT_NE(key, SceneKey(a, "file", "option", frame));
+}
+
+TEST(SceneKey, CoversEverySettingOfTheFrame) {
+  FrameSpec frame;
+  frame.attributes = {{"sampler", "sobol"}};
+  std::set<Digest> keys;
+  const auto add = [&](const auto& change) {
+    FrameSpec changed = frame;
+    change(changed);
+    keys.insert(SceneKey({}, "file", "", changed));
+  };
+  add([](FrameSpec&) {});
+  add([](FrameSpec& f) { f.width = 7; });
+  add([](FrameSpec& f) { f.height = 7; });
+  add([](FrameSpec& f) { f.crop.x0 = 7; });
+  add([](FrameSpec& f) { f.crop.y0 = 7; });
+  add([](FrameSpec& f) { f.crop.x1 = 7; });
+  add([](FrameSpec& f) { f.crop.y1 = 7; });
+  add([](FrameSpec& f) { f.samples_per_pixel = 7; });
+  add([](FrameSpec& f) { f.tile_size = 7; });
+  add([](FrameSpec& f) { f.exr_type = ExrType::kFloat; });
+  add([](FrameSpec& f) { f.noise_threshold = 0.5; });
+  add([](FrameSpec& f) { f.channels.pop_back(); });
+  add([](FrameSpec& f) { f.channels[0].name = "X"; });
+  add([](FrameSpec& f) { f.channels[0].type = ChannelType::kFloat; });
+  add([](FrameSpec& f) { f.channels[0].rule = MergeRule::kNearest; });
+  add([](FrameSpec& f) { f.channels[0].is_written = false; });
+  add([](FrameSpec& f) { f.attributes["sampler"] = "halton"; });
+  add([](FrameSpec& f) { f.attributes = {{"samplers", "obol"}}; });
+  add([](FrameSpec& f) { f.attributes["more"] = ""; });
+  EXPECT_EQ(keys.size(), 19u);
 }
 
 }  // namespace

@@ -11,6 +11,12 @@ class EndChecker : public Checker {
   using Checker::Checker;
   void OnEnd(const Farm* farm, Instant now) override {
     for (const JobModel& job : world_.jobs) {
+      if (job.directory != world_.directory) {
+        JobStatus last;
+        last.state = job.told;
+        Check(job, last);
+        continue;
+      }
       const auto status = farm != nullptr ? farm->Status(now, job.id) : std::nullopt;
       if (status) {
         Check(job, *status);

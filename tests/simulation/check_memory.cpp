@@ -11,7 +11,7 @@ class MemoryChecker : public Checker {
   using Checker::Checker;
   void OnRestart(const Farm& farm, Instant now) override {
     for (const JobModel& job : world_.jobs) {
-      if (!job.is_acknowledged) continue;
+      if (!job.is_acknowledged || job.directory != world_.directory) continue;
       const auto status = farm.Status(now, job.id);
       if (!status) {
         world_.Violation("a job is forgotten: " + job.spec->name);

@@ -16,10 +16,11 @@ class RerenderChecker : public Checker {
   void OnFact(const Fact& fact) override {
     const auto* const finished = std::get_if<FrameFinished>(&fact);
     if (finished == nullptr) return;
-    const FrameSpec& spec = world_.ModelOf(finished->job)->spec->frames[finished->frame].spec;
+    const JobModel& job = *world_.ModelOf(finished->job);
+    const FrameSpec& spec = job.spec->frames[finished->frame].spec;
     for (uint32_t tile = 0; tile < static_cast<uint32_t>(spec.TileCount()); ++tile) {
       for (const SampleRange range : DyadicPartition(spec.samples_per_pixel))
-        OnAcknowledged({finished->job, finished->frame, tile, range});
+        OnAcknowledged({finished->job, finished->frame, tile, range, job.scenes[finished->frame]});
     }
   }
   void OnLease(const Farm&, Instant, const Lease& lease) override {
@@ -28,9 +29,15 @@ class RerenderChecker : public Checker {
       world_.Violation("leased though acknowledged: " + lease.unit.Text());
   }
 
+  void OnRestored() override {
+    std::erase_if(acknowledged_, [&](const auto& each) {
+      return world_.FrameOf(std::get<Digest>(each.first)).job->directory == world_.directory;
+    });
+  }
+
  private:
-  SampleSet& SamplesOf(const WorkUnit& unit) { return acknowledged_[{unit.job, unit.frame, unit.tile}]; }
-  std::map<std::tuple<JobId, uint32_t, uint32_t>, SampleSet> acknowledged_;
+  SampleSet& SamplesOf(const WorkUnit& unit) { return acknowledged_[{unit.scene, unit.tile}]; }
+  std::map<std::tuple<Digest, uint32_t>, SampleSet> acknowledged_;
 };
 
 }  // namespace

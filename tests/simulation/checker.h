@@ -15,7 +15,7 @@ class Checker {
   explicit Checker(World& world) : world_(world) {}
   virtual ~Checker() = default;
 
-  // A worker was told that its result counts.
+  // A worker was told that its result counts. `unit` is what the worker rendered.
   virtual void OnAcknowledged(const WorkUnit&) {}
   // The fact is on stable storage, or was found there by a new process. The job models know of it already.
   virtual void OnFact(const Fact&) {}
@@ -24,6 +24,8 @@ class Checker {
   virtual void OnPicture(const FinishedPicture&) {}
   // A new process of the coordinator has read what former ones left.
   virtual void OnRestart(const Farm&, Instant) {}
+  // The directory in use is in an earlier state: what the farm had promised since is forgotten.
+  virtual void OnRestored() {}
   // The simulation is over; no farm if its process is dead.
   virtual void OnEnd(const Farm*, Instant) {}
 
@@ -35,6 +37,7 @@ std::vector<std::unique_ptr<Checker>> MakeCheckers(World& world);
 
 // ---- The checkers, one file each ----
 std::unique_ptr<Checker> MakePictureChecker(World& world);       // I2, I3: check_pictures.cpp
+std::unique_ptr<Checker> MakeOriginChecker(World& world);        // I6: check_origin.cpp
 std::unique_ptr<Checker> MakeMemoryChecker(World& world);        // I4: check_memory.cpp
 std::unique_ptr<Checker> MakeRerenderChecker(World& world);      // I4: check_rerender.cpp
 std::unique_ptr<Checker> MakeLeaseChecker(World& world);         // what may be leased: check_leases.cpp

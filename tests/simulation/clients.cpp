@@ -15,25 +15,41 @@ constexpr Instant kClientRetry = seconds(3);
 }  // namespace
 
 void Clients::Start() {
-  for (int j = 0; j < world_.options.jobs; ++j) MakeJob(j);
+  for (size_t directory = 0; directory < world_.options.directories(); ++directory) {
+    for (int j = 0; j < world_.options.jobs; ++j) MakeJob(j, directory);
+  }
   if (world_.options.cancel_one) world_.queue.After(world_.random.Duration(0, 20), [this] { Cancel(0); });
 }
 
-void Clients::MakeJob(int number) {
+// Jobs of a second directory, and some of the first, have the frames of another job: results that were mixed
+// up would fit.
+std::vector<FrameRequest> Clients::DrawFrames(int number) {
+  const auto made = static_cast<int>(world_.jobs.size());
+  if (made > number) return world_.jobs[static_cast<size_t>(number)].spec->frames;
+  if (made > 0 && world_.random.Chance(0.3)) return world_.jobs.back().spec->frames;
+  std::vector<FrameRequest> drawn;
+  const int frames = world_.random.Int(1, 2);
+  for (int f = 0; f < frames; ++f) drawn.push_back({fmt::format("scene{}.pbrt", f), "", DrawFrame(), f});
+  return drawn;
+}
+
+void Clients::MakeJob(int number, size_t directory) {
   JobModel model;
   auto spec = std::make_shared<JobSpec>();
-  spec->submission = static_cast<uint64_t>(number) + 1;
-  spec->name = fmt::format("job{}", number);
+  spec->submission = world_.jobs.size() + 1;
+  spec->name = fmt::format("job{}", world_.jobs.size());
+  spec->package = Sha256(spec->name);
   spec->priority = world_.random.Int(0, 1);
   spec->verify_share = world_.options.verify_share;
-  const int frames = world_.random.Int(1, 2);
-  for (int f = 0; f < frames; ++f) {
-    spec->frames.push_back({fmt::format("scene{}.pbrt", f), "", DrawFrame(), f});
-    const uint64_t seed = Hash(spec->submission, static_cast<uint64_t>(f));
-    model.reference.push_back(ReferenceMerger(seed, spec->frames.back().spec));
+  spec->frames = DrawFrames(number);
+  for (const FrameRequest& frame : spec->frames) {
+    const uint64_t seed = Hash(spec->submission, static_cast<uint64_t>(frame.number));
+    model.scenes.push_back(SceneKey(spec->package, frame.scene_file, frame.options, frame.spec));
+    model.reference.push_back(ReferenceMerger(seed, frame.spec));
     model.pictures.push_back(model.reference.back().Picture());
     world_.report.samples_needed += model.reference.back().samples_total();
   }
+  model.directory = directory;
   model.spec = spec;
   model.cost = world_.random.Real(0.00005, 0.001);
   model.is_poisoned = world_.options.poison && number == 0;
@@ -55,32 +71,34 @@ FrameSpec Clients::DrawFrame() {
 
 // A client submits the same again until it is told that the farm has it.
 void Clients::Submit(size_t j) {
+  world_.queue.After(kClientRetry, [this, j] { Submit(j); });
   if (world_.jobs[j].is_acknowledged) return;
   world_.Send([this, j] {
     Farm* const farm = coordinator_.farm();
-    if (farm == nullptr || world_.jobs[j].is_acknowledged) return;
+    const bool is_mine = world_.jobs[j].directory == world_.directory;
+    if (farm == nullptr || !is_mine || world_.jobs[j].is_acknowledged) return;
     const auto id = farm->Submit(coordinator_.now(), world_.jobs[j].spec);
     if (!id) return world_.Violation("a job is refused: " + id.error().message);
-    coordinator_.AfterSync([this, j, id = *id] {
-      world_.Send([this, j, id] {
+    coordinator_.AfterSync([this, j, id = *id, restored = world_.restored] {
+      world_.Send([this, j, id, restored] {
+        if (world_.restored != restored) return;
         world_.Trace(fmt::format("client job={} id={}", world_.jobs[j].spec->name, Number(id)));
         world_.jobs[j].is_acknowledged = true;
       });
     });
     coordinator_.Touch();
   });
-  world_.queue.After(kClientRetry, [this, j] { Submit(j); });
 }
 
 void Clients::Cancel(size_t j) {
   JobModel& job = world_.jobs[j];
   if (HasEnded(job.told)) return;
   world_.queue.After(kClientRetry, [this, j] { Cancel(j); });
-  if (!job.is_acknowledged) return;
+  if (!job.is_acknowledged || job.directory != world_.directory) return;
   job.is_cancelled = true;
-  world_.Send([this, j] {
+  world_.Send([this, j, history = world_.history()] {
     Farm* const farm = coordinator_.farm();
-    if (farm == nullptr) return;
+    if (farm == nullptr || world_.history() != history) return;
     if (!farm->Cancel(coordinator_.now(), world_.jobs[j].id)) world_.Violation("a job cannot be cancelled");
     coordinator_.Touch();
   });
@@ -90,8 +108,8 @@ void Clients::Cancel(size_t j) {
 JobModel* Clients::SomeOpenJob() {
   JobModel& job = world_.jobs[static_cast<size_t>(world_.random.Int(0, world_.options.jobs - 1))];
   Farm* const farm = coordinator_.farm();
-  const auto status =
-      farm != nullptr && job.is_acknowledged ? farm->Status(coordinator_.now(), job.id) : std::nullopt;
+  const bool is_here = job.directory == world_.directory && job.is_acknowledged;
+  const auto status = farm != nullptr && is_here ? farm->Status(coordinator_.now(), job.id) : std::nullopt;
   return status && !HasEnded(status->state) ? &job : nullptr;
 }
 
@@ -117,6 +135,8 @@ void Clients::ResumeAll() {
   Farm* const farm = coordinator_.farm();
   bool are_resumed = farm != nullptr;
   for (const JobModel& job : world_.jobs) {
+    if (job.directory != world_.directory) continue;
+    are_resumed = are_resumed && job.is_acknowledged;  // a restored farm may have it, paused
     if (farm == nullptr || !job.is_acknowledged) continue;
     const auto status = farm->Status(coordinator_.now(), job.id);
     if (status && !HasEnded(status->state)) (void)farm->SetPaused(coordinator_.now(), job.id, false);
@@ -124,6 +144,21 @@ void Clients::ResumeAll() {
   }
   if (farm != nullptr) coordinator_.Touch();
   if (!are_resumed) world_.queue.After(kClientRetry, [this] { ResumeAll(); });
+}
+
+void Clients::NoteRestored() {
+  for (JobModel& job : world_.jobs) {
+    if (job.directory != world_.directory) continue;
+    job.id = {};
+    job.is_acknowledged = false;
+    job.told = JobState::kWaiting;
+  }
+}
+
+bool Clients::have_present_ended() const {
+  return std::ranges::all_of(world_.jobs, [&](const JobModel& job) {
+    return job.directory != world_.directory || (job.is_acknowledged && HasEnded(job.told));
+  });
 }
 
 bool Clients::have_all_ended() {

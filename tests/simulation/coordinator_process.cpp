@@ -23,15 +23,21 @@ void CoordinatorProcess::AwaitResults(CallId call, std::vector<WorkUnit> units,
 
 void CoordinatorProcess::Start() {
   uint32_t epoch = 1;
+  FarmId id;
   std::vector<Fact> facts;
-  for (const std::string& bytes : journal_.facts()) {
+  for (const std::string& bytes : journal().facts()) {
     auto fact = DecodeFact(bytes);
     if (!fact) return world_.Violation("a fact cannot be read back");
-    if (const auto* started = std::get_if<CoordinatorStarted>(&*fact)) epoch = started->epoch + 1;
+    if (const auto* started = std::get_if<CoordinatorStarted>(&*fact)) {
+      epoch = started->epoch + 1;
+      id = started->farm;
+    }
     facts.push_back(std::move(*fact));
   }
   clock_ = world_.random.Duration(0, 1e6);  // another boot, another origin
-  farm_ = std::make_unique<Farm>(SchedulerOptions{epoch});
+  if (id == FarmId{}) id = {world_.random.Next(), world_.random.Next()};
+  const SchedulerOptions options{epoch, kAttemptsMaxDefault, Hash(++sessions_, id.low)};
+  farm_ = std::make_unique<Farm>(options, kKeptBytesMaxDefault, id);
   for (const Fact& fact : facts) farm_->Restore(fact);
   RestoreSpool();
   farm_->Begin(now());
@@ -42,12 +48,12 @@ void CoordinatorProcess::Start() {
 }
 
 void CoordinatorProcess::RestoreSpool() {
-  for (const FrameId frame : spool_.Frames()) {
-    switch (farm_->FoundInSpool(frame, spool_.HasBegun(frame))) {
-      case SpoolUse::kDrop: spool_.Drop(frame); break;
+  for (const FrameId frame : spool().Frames()) {
+    switch (farm_->FoundInSpool(frame, spool().HasBegun(frame))) {
+      case SpoolUse::kDrop: spool().Drop(frame); break;
       case SpoolUse::kKeep: break;
       case SpoolUse::kRestore:
-        for (TileNode& node : spool_.Nodes(frame)) farm_->RestoreNode(frame, std::move(node));
+        for (TileNode& node : spool().Nodes(frame)) farm_->RestoreNode(frame, std::move(node));
     }
   }
 }
@@ -56,8 +62,8 @@ void CoordinatorProcess::Crash() {
   if (!farm_) return;
   world_.Trace("crash");
   ++world_.report.crashes;
-  journal_.Crash(world_.random);
-  spool_.Crash(world_.random);
+  journal().Crash(world_.random);
+  spool().Crash(world_.random);
   crash_point_ = CrashPoint::kNone;
   farm_.reset();
   unsynced_.clear();
@@ -88,8 +94,8 @@ void CoordinatorProcess::Step() {
   if (!farm_) return;
   farm_->Advance(now());
   FarmOutput& output = unsynced_.emplace_back(farm_->TakeOutput());
-  for (auto& [frame, node] : std::exchange(output.accepted, {})) spool_.Append(frame, std::move(node));
-  for (const Fact& fact : output.facts) journal_.Append(fact);
+  for (auto& [frame, node] : std::exchange(output.accepted, {})) spool().Append(frame, std::move(node));
+  for (const Fact& fact : output.facts) journal().Append(fact);
   NoteLeases(output);
   for (const std::string& line : output.log) world_.Trace(line);
   if (CrashesAt(CrashPoint::kBeforeSync)) return;
@@ -99,16 +105,16 @@ void CoordinatorProcess::Step() {
   if (!synced) return;
   for (FarmOutput& each : std::exchange(unsynced_, {})) Answer(std::move(each));
   for (const auto& answer : std::exchange(after_sync_, {})) answer();
-  if (journal_.IsLarge()) (void)journal_.Replace(farm_->Snapshot());
+  if (journal().IsLarge()) (void)journal().Replace(farm_->Snapshot());
 }
 
 Result<void> CoordinatorProcess::Sync() {
-  for (const FrameId frame : spool_.Grown()) {
-    if (auto nodes = farm_->Sums(frame)) spool_.Replace(frame, std::move(*nodes));
+  for (const FrameId frame : spool().Grown()) {
+    if (auto nodes = farm_->Sums(frame)) spool().Replace(frame, std::move(*nodes));
   }
-  auto synced = spool_.Sync();
+  auto synced = spool().Sync();
   if (synced && CrashesAt(CrashPoint::kBetweenSpoolAndJournal)) return {};
-  if (synced) synced = journal_.Sync();
+  if (synced) synced = journal().Sync();
   if (CrashesAt(CrashPoint::kBeforeAnswers)) return {};
   farm_->StorageDelayed(synced ? "" : synced.error().message);
   return synced;
@@ -128,8 +134,8 @@ void CoordinatorProcess::Answer(FarmOutput output) {
     Check([&](Checker& checker) { checker.OnPicture(finished); });
     WritePicture(finished.job, finished.frame);
   }
-  for (auto& [frame, nodes] : output.sums) spool_.Replace(frame, std::move(nodes));
-  for (const FrameId frame : output.dropped) spool_.Drop(frame);
+  for (auto& [frame, nodes] : output.sums) spool().Replace(frame, std::move(nodes));
+  for (const FrameId frame : output.dropped) spool().Drop(frame);
 }
 
 void CoordinatorProcess::AnswerResults(const FarmOutput::Results& answer) {
@@ -177,7 +183,7 @@ void CoordinatorProcess::NoteLeases(const FarmOutput& output) {
   const auto note = [&](const std::vector<Lease>& leases) {
     for (const Lease& lease : leases) {
       if (!leases_seen_.insert(lease.id).second) continue;
-      world_.Trace(fmt::format("lease {} {}", Number(lease.id), lease.unit.Text()));
+      world_.Trace(fmt::format("lease {} {}", lease.id.number, lease.unit.Text()));
       Check([&](Checker& checker) { checker.OnLease(*farm_, now(), lease); });
     }
   };
@@ -187,8 +193,34 @@ void CoordinatorProcess::NoteLeases(const FarmOutput& output) {
 
 void CoordinatorProcess::SetDiskFull(bool is_full) {
   is_disk_full_ = is_full;
-  journal_.set_full(is_full);
-  spool_.set_full(is_full);
+  for (Directory& each : directories_) {
+    each.contents.journal.set_full(is_full);
+    each.contents.spool.set_full(is_full);
+  }
+}
+
+void CoordinatorProcess::SwapDirectory() {
+  Crash();
+  world_.directory = 1 - world_.directory;
+  world_.Trace(fmt::format("directory {}", world_.directory));
+}
+
+void CoordinatorProcess::BackUp() {
+  auto backup = std::make_unique<Contents>(directory().contents);
+  backup->journal.Crash(world_.random);
+  backup->spool.Crash(world_.random);
+  directory().backup = std::move(backup);
+}
+
+bool CoordinatorProcess::RestoreBackup() {
+  if (directory().backup == nullptr) return false;
+  Crash();
+  directory().contents = *directory().backup;
+  SetDiskFull(is_disk_full_);
+  ++world_.restored;
+  world_.Trace(fmt::format("restored directory={}", world_.directory));
+  Check([&](Checker& checker) { checker.OnRestored(); });
+  return true;
 }
 
 void CoordinatorProcess::Cut(CallId call) {

@@ -3,6 +3,7 @@
 // start again.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -39,6 +40,13 @@ class CoordinatorProcess {
   void CrashAt(CrashPoint point) { crash_point_ = point; }
   void Crash();
   void SetDiskFull(bool is_full);
+  // The process crashes, and the next runs on another data directory: the one that is not in use.
+  void SwapDirectory();
+  // Keeps a copy of the directory in use as it is on stable storage.
+  void BackUp();
+  // The process crashes, and the next finds the directory as it was backed up. Returns false if there is no
+  // backup.
+  bool RestoreBackup();
   void AdvanceClock(Instant jump) { clock_ += jump; }
   // The farm learns that the other end of a waiting call is gone.
   void Cut(CallId call);
@@ -52,6 +60,18 @@ class CoordinatorProcess {
   void RestoreSpool();
   void PlanStep(Instant delay);
   void Step();
+  // What a data directory holds.
+  struct Contents {
+    SimulatedJournal journal;
+    SimulatedSpool spool;
+  };
+  struct Directory {
+    Contents contents;
+    std::unique_ptr<Contents> backup;
+  };
+  Directory& directory() { return directories_[world_.directory]; }
+  SimulatedJournal& journal() { return directory().contents.journal; }
+  SimulatedSpool& spool() { return directory().contents.spool; }
   Result<void> Sync();
   bool CrashesAt(CrashPoint point);
   void Answer(FarmOutput output);
@@ -67,8 +87,7 @@ class CoordinatorProcess {
   World& world_;
   std::vector<std::unique_ptr<Checker>> checkers_;
   std::unique_ptr<Farm> farm_;
-  SimulatedJournal journal_;
-  SimulatedSpool spool_;
+  std::array<Directory, 2> directories_;
   bool is_disk_full_ = false;
   Instant clock_{};  // ahead of simulated time; each process has its own origin
   CrashPoint crash_point_ = CrashPoint::kNone;
@@ -80,6 +99,7 @@ class CoordinatorProcess {
   std::map<CallId, ResultsCall> results_calls_;
   std::vector<std::function<void()>> after_sync_;
   std::set<LeaseId> leases_seen_;
+  uint64_t sessions_ = 0;
 };
 
 }  // namespace tessera

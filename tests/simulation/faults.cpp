@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 namespace tessera {
 namespace {
 
 // After which the coordinator's keepalive finds that a worker does not answer.
 constexpr Instant kKeepalive = seconds(20);
+constexpr Instant kOtherDirectoryPoll = seconds(1);
 
 void Die(const Faults::Parts& on) {
   on.machines.Die(on.machines.Some());
@@ -76,6 +78,21 @@ void Blackout(const Faults::Parts& on) {
   on.machines.KillAll();
 }
 
+// Another farm comes to the address that the workers know.
+void SwapDirectory(const Faults::Parts& on) {
+  on.coordinator.SwapDirectory();
+}
+
+// Now and then a backup is made, and now and then one is restored.
+void BackUpOrRestore(const Faults::Parts& on) {
+  if (on.world.random.Chance(0.5) || !on.coordinator.RestoreBackup()) {
+    on.world.Trace("backup");
+    on.coordinator.BackUp();
+  } else {
+    on.clients.NoteRestored();
+  }
+}
+
 void PauseOrResume(const Faults::Parts& on) {
   on.clients.PauseOrResumeSome();
 }
@@ -102,6 +119,8 @@ constexpr FaultKind kFaultKinds[] = {
     {"blackout", 0.15, 10, 40, Blackout},
     {"pause", 0.3, 1, 10, PauseOrResume},
     {"priority", 0.3, 1, 10, ChangePriority},
+    {"swap", 0.25, 5, 25, SwapDirectory},
+    {"restore", 0.25, 3, 15, BackUpOrRestore},
 };
 
 }  // namespace
@@ -118,6 +137,11 @@ std::vector<PlannedFault> DrawFaults(uint64_t seed, double until_s) {
   }
   std::ranges::stable_sort(plan, {}, &PlannedFault::at_s);
   return plan;
+}
+
+size_t FaultKindOf(const char* name) {
+  const auto found = std::ranges::find(kFaultKinds, std::string_view(name), &FaultKind::name);
+  return static_cast<size_t>(found - std::begin(kFaultKinds));
 }
 
 std::string FaultsText(const std::vector<PlannedFault>& plan) {
@@ -145,6 +169,20 @@ void Faults::Heal() {
   parts_.coordinator.CrashAt(CoordinatorProcess::CrashPoint::kNone);
   parts_.machines.Heal(parts_.world.options.verify_share > 0 ? 3 : 1);
   parts_.clients.ResumeAll();
+  FinishOtherDirectory();
+}
+
+// When the jobs of one directory have ended, those of the other are finished.
+void Faults::FinishOtherDirectory() {
+  if (parts_.world.options.directories() < 2) return;
+  parts_.world.queue.After(kOtherDirectoryPoll, [this] {
+    if (parts_.coordinator.farm() != nullptr && parts_.clients.have_present_ended() &&
+        !parts_.clients.have_all_ended()) {
+      parts_.coordinator.SwapDirectory();
+      parts_.clients.ResumeAll();
+    }
+    FinishOtherDirectory();
+  });
 }
 
 }  // namespace tessera

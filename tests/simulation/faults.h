@@ -25,6 +25,7 @@ class Faults {
 
  private:
   void Heal();
+  void FinishOtherDirectory();
   Parts parts_;
 };
 

@@ -17,8 +17,9 @@ constexpr size_t kBatchBytesMax = 4096;  // some results travel together, some a
 
 // Tiles differ in cost by a factor of up to 4.
 double Machines::CostOf(const WorkUnit& unit) {
-  const JobModel& job = *world_.ModelOf(unit.job);
-  const PixelBounds bounds = job.spec->frames[unit.frame].spec.TileBounds(static_cast<int>(unit.tile));
+  const auto [model, frame] = world_.FrameOf(unit.scene);
+  const JobModel& job = *model;
+  const PixelBounds bounds = job.spec->frames[frame].spec.TileBounds(static_cast<int>(unit.tile));
   return job.cost * static_cast<double>(1 + unit.tile % 4) * static_cast<double>(bounds.area()) *
          unit.range.size;
 }
@@ -77,15 +78,16 @@ void Machines::FinishUnit(size_t m, const UnitTask& task, double seconds) {
   WorkerModel& worker = *machines_[m].worker;
   const Lease& lease = task.lease;
   worker.SlotFreed();
-  const JobModel& job = *world_.ModelOf(lease.unit.job);
-  const bool poisoned = job.is_poisoned && lease.unit.frame == 0 && lease.unit.tile == 0;
+  const auto [model, frame] = world_.FrameOf(lease.unit.scene);
+  const JobModel& job = *model;
+  const bool poisoned = job.is_poisoned && frame == 0 && lease.unit.tile == 0;
   if (*task.stop) {
     worker.load().UnitStopped(lease.id);
   } else if (poisoned || world_.random.Chance(world_.is_healthy() ? 0 : worker.traits().failure_chance)) {
     worker.load().UnitFailed(lease, "no luck");
   } else {
-    const uint64_t seed = Hash(job.spec->submission, lease.unit.frame);
-    const FrameSpec& spec = job.spec->frames[lease.unit.frame].spec;
+    const uint64_t seed = Hash(job.spec->submission, frame);
+    const FrameSpec& spec = job.spec->frames[frame].spec;
     RadianceTile sums = RenderModel(seed, spec, lease.unit.tile, lease.pixels, lease.unit.range);
     world_.report.samples_rendered += PixelSamples(sums);
     if (world_.random.Chance(world_.is_healthy() ? 0 : worker.traits().lie_chance)) {
@@ -149,11 +151,13 @@ void Machines::SendResults(size_t m, uint64_t batch, std::vector<FinishedUnit> r
       const auto request = job != nullptr ? RequestOf(*job, each.unit) : Failed("there is no such job");
       returned.push_back(
           {each.lease, each.unit, each.render_seconds,
-           request ? DecodeRadianceTile(each.tile, *request) : Result<RadianceTile>(request.error())});
+           request ? DecodeRadianceTile(each.tile, *request) : Result<RadianceTile>(request.error()),
+           each.farm});
     }
     const auto on_answer = [=, this](const FarmOutput::Results& answer) {
       BatchAnswered(m, batch, [=, this](Machine& at) {
-        at.worker->load().AddLeases(answer.grants.leases, answer.grants.drop, WorkerModel::At(Now(m)));
+        at.worker->load().AddLeases(answer.farm, answer.grants.leases, answer.grants.drop,
+                                    WorkerModel::At(Now(m)));
         at.worker->load().ResultsAnswered(results);
       });
     };
@@ -169,9 +173,11 @@ void Machines::SendFailure(size_t m, uint64_t batch, const FailureReport& failur
     Farm* const farm = coordinator_.farm();
     if (farm == nullptr) return;
     world_.Trace(fmt::format("failure worker={} {}", Number(worker), failure.unit.Text()));
-    farm->FailUnit(coordinator_.now(), worker, failure.lease, failure.unit, failure.reason);
-    coordinator_.AfterSync(
-        [=, this] { BatchAnswered(m, batch, [](Machine& at) { at.worker->load().FailureAnswered(); }); });
+    if (failure.farm == farm->id())
+      farm->FailUnit(coordinator_.now(), worker, failure.lease, failure.unit, failure.reason);
+    coordinator_.AfterSync([=, this] {
+      BatchAnswered(m, batch, [failure](Machine& at) { at.worker->load().FailureAnswered(failure); });
+    });
     coordinator_.Touch();
   });
 }

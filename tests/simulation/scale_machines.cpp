@@ -134,7 +134,8 @@ void ScaleFarm::ReturnResults(size_t m) {
       Machine& at = machines_[m];
       if (at.incarnation != incarnation || !at.worker) return;
       at.returning = false;
-      at.worker->load().AddLeases(results.grants.leases, results.grants.drop, WorkerModel::At(queue_.now()));
+      at.worker->load().AddLeases(results.farm, results.grants.leases, results.grants.drop,
+                                  WorkerModel::At(queue_.now()));
       at.worker->load().ResultsAnswered(sent);
       StopUnwanted(m);
       StartUnit(m);

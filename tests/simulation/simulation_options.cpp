@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "tests/simulation/random.h"
 
 namespace tessera {
@@ -30,6 +32,11 @@ SimulationOptions DrawOptions(uint64_t seed) {
   options.noise_threshold = maybe(0.5, 0.02, 0.3);
   options.faults = DrawFaults(seed, options.faults_s);
   return options;
+}
+
+size_t SimulationOptions::directories() const {
+  const size_t swap = FaultKindOf("swap");
+  return std::ranges::any_of(faults, [&](const PlannedFault& each) { return each.kind == swap; }) ? 2 : 1;
 }
 
 std::string SimulationOptions::Text() const {

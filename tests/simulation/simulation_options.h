@@ -14,6 +14,8 @@ struct PlannedFault {
 };
 // The faults of a seed, by time.
 std::vector<PlannedFault> DrawFaults(uint64_t seed, double until_s);
+// The kind of this name, for simulations of chosen faults.
+size_t FaultKindOf(const char* name);
 // How many there are of each kind.
 std::string FaultsText(const std::vector<PlannedFault>& plan);
 
@@ -29,6 +31,8 @@ struct SimulationOptions {
   double slow_share = 0;  // of the workers: ten times slower
   std::vector<PlannedFault> faults;
   double faults_s = 40;  // then all that is broken heals
+  // Data directories that have the address in turn: 2 if there are faults that swap them.
+  size_t directories() const;
   // ---- Work
   double noise_threshold = 0;  // of half the frames, which are adaptive then; 0: of none
   bool one_fails_units = false;

@@ -22,7 +22,7 @@ void WorkerModel::Apply(Instant now, const WorkerState& sent, const WorkerDirect
   if (sent.sequence == sequence_) {
     load_.Apply(directive, At(now));
   } else {
-    load_.AddLeases(directive.leases, directive.drop, At(now));
+    load_.ApplyOvertaken(directive, At(now));
   }
 }
 

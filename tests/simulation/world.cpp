@@ -31,8 +31,17 @@ void World::Send(Deliver deliver) {
 }
 
 JobModel* World::ModelOf(JobId id) {
-  const auto found = std::ranges::find(jobs, id, [](const JobModel& job) { return job.id; });
+  const auto found = std::ranges::find_if(
+      jobs, [&](const JobModel& job) { return job.id == id && job.directory == directory; });
   return found == jobs.end() ? nullptr : &*found;
+}
+
+World::FrameModel World::FrameOf(const Digest& scene) const {
+  for (const JobModel& job : jobs) {
+    const auto found = std::ranges::find(job.scenes, scene);
+    if (found != job.scenes.end()) return {&job, static_cast<uint32_t>(found - job.scenes.begin())};
+  }
+  return {};
 }
 
 SimulationReport World::TakeReport() {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "proto/terms.h"
@@ -18,8 +19,10 @@ namespace tessera {
 
 // A job and what an observer knows of it.
 struct JobModel {
-  JobId id{};  // as the farm last journalled it
+  size_t directory = 0;  // the data directory whose farm its client uses
+  JobId id{};            // as the farm last journalled it; 0: it has not
   std::shared_ptr<const JobSpec> spec;
+  std::vector<Digest> scenes;          // SceneKey of each frame
   std::vector<Merger> reference;       // of each frame: everything merged by one machine
   std::vector<FramePicture> pictures;  // of the reference
   double cost = 0;                     // seconds per pixel sample
@@ -50,14 +53,25 @@ class World {
   bool is_healthy() const { return Seconds(queue.now()) >= options.faults_s; }
   // A message: loses, repeats, reorders and delays it until the farm heals.
   void Send(Deliver deliver);
-  // Returns nullptr if no job has the id.
+  // The job of the data directory that is in use. Returns nullptr if no job has the id.
   JobModel* ModelOf(JobId id);
+  // A frame of any job, by what it is rendered from.
+  struct FrameModel {
+    const JobModel* job = nullptr;
+    uint32_t frame = 0;
+  };
+  FrameModel FrameOf(const Digest& scene) const;
+  // Names the present contents of the directory in use: what was said about them may be wrong in another
+  // history.
+  std::pair<size_t, uint64_t> history() const { return {directory, restored}; }
   SimulationReport TakeReport();
 
   const SimulationOptions options;
   Random random;
   EventQueue queue;
   std::vector<JobModel> jobs;
+  size_t directory = 0;               // the data directory in use
+  uint64_t restored = 0;              // how often any has been restored to an earlier state
   std::set<WorkerId> faulty_workers;  // that fail units, damage results or return wrong ones
   SimulationReport report;
 

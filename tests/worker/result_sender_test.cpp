@@ -78,8 +78,8 @@ TEST(ResultSender, WhatIsRefusedDoesNotDelayWhatComesAfterIt) {
   workload.Change()->SceneLoaded(started->key, *LoadOrderedScene(*started, blobs.Fetcher()));
   uint64_t id = 0;
   for (const char* tile : {"refused", "first", "second"}) {
-    const Lease lease{LeaseId{++id}, {JobId{1}, 0, 0, {0, 4}}, {0, 0, 8, 8}, {}, order.key, 3000ms};
-    workload.Change()->AddLeases({lease}, {}, Clock::now());
+    const Lease lease{LeaseId{++id}, {JobId{1}, 0, 0, {0, 4}, order.key}, {0, 0, 8, 8}, {}, 3000ms};
+    workload.Change()->AddLeases({}, {lease}, {}, Clock::now());
     const auto task = workload.AwaitUnit({});
     workload.Change()->UnitFinished({task->lease.id, task->lease.unit, tile, 0.1}, Clock::now());
   }

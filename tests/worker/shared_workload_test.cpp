@@ -25,7 +25,7 @@ class SharedWorkloadTest : public testing::Test {
     workload_.Change(kNews)->SceneLoaded(order->key, *LoadOrderedScene(*order, blobs_.Fetcher()));
   }
   Lease MakeLease(uint64_t id) const {
-    return {LeaseId{id}, {JobId{1}, 0, 0, {0, 4}}, {0, 0, 8, 8}, {}, order_.key, milliseconds(3000)};
+    return {LeaseId{id}, {JobId{1}, 0, 0, {0, 4}, order_.key}, {0, 0, 8, 8}, {}, milliseconds(3000)};
   }
   void Finish(const UnitTask& task) {
     workload_.Change()->UnitFinished({task.lease.id, task.lease.unit, "sums", 0.1}, Clock::now());
@@ -47,7 +47,7 @@ class SharedWorkloadTest : public testing::Test {
 
 TEST_F(SharedWorkloadTest, AUnitGoesFromLeaseToAcknowledgedResult) {
   EXPECT_EQ(news_, 1);  // the scene is ready
-  workload_.Change()->AddLeases({MakeLease(1)}, {}, Clock::now());
+  workload_.Change()->AddLeases({}, {MakeLease(1)}, {}, Clock::now());
   const auto task = workload_.AwaitUnit({});
   ASSERT_TRUE(task);
   EXPECT_NE(task->scene, nullptr);
@@ -64,18 +64,59 @@ TEST_F(SharedWorkloadTest, AUnitGoesFromLeaseToAcknowledgedResult) {
 }
 
 TEST_F(SharedWorkloadTest, ResultsAreSentInBatchesOfBoundedSize) {
-  for (uint64_t id : {1, 2, 3}) workload_.Change()->AddLeases({MakeLease(id)}, {}, Clock::now());
+  for (uint64_t id : {1, 2, 3}) workload_.Change()->AddLeases({}, {MakeLease(id)}, {}, Clock::now());
   for (int i = 0; i < 3; ++i) Finish(*workload_.AwaitUnit({}));
   EXPECT_EQ(Results(8).size(), 3u);  // 4 bytes each beyond the first
   EXPECT_EQ(Results(7).size(), 2u);
   EXPECT_EQ(Results(0).size(), 1u);
 }
 
+TEST_F(SharedWorkloadTest, AtAnotherFarmAllWorkOfTheFirstIsForgotten) {
+  WorkerDirective directive{
+      {order_}, {MakeLease(1), MakeLease(2), MakeLease(3), MakeLease(4)}, {}, {}, {}, {}, {1, 1}};
+  workload_.Change()->Apply(directive, Clock::now());
+  EXPECT_EQ(State().farm, (FarmId{1, 1}));
+  const auto running = workload_.AwaitUnit({});
+  const auto failing = workload_.AwaitUnit({});
+  Finish(*workload_.AwaitUnit({}));
+  const auto results = Results();
+  EXPECT_EQ(results.at(0).farm, (FarmId{1, 1}));
+
+  workload_.Change()->AddLeases({2, 2}, {MakeLease(5)}, {LeaseId{1}}, Clock::now());
+  EXPECT_EQ(State().leases.size(), 4u) << "answers to results do not change the farm";
+
+  directive.leases = {MakeLease(3)};  // the same number
+  directive.farm = {2, 2};
+  workload_.Change()->Apply(directive, Clock::now());
+  EXPECT_EQ(State().farm, (FarmId{2, 2}));
+  EXPECT_TRUE(*running->stop);
+  ASSERT_EQ(State().leases.size(), 1u);
+  EXPECT_EQ(State().leases[0].id, LeaseId{3});
+  EXPECT_EQ(State().leases[0].stage, LeaseStage::kWaiting) << "it is a new lease";
+  EXPECT_TRUE(State().scenes.at(0).ready) << "scenes are named by what they are made of";
+  // What was under way is of no interest any more.
+  Finish(*running);
+  workload_.Change()->UnitFailed(failing->lease, "too late");
+  workload_.Change()->ResultsAnswered(results);
+  EXPECT_FALSE(workload_.Change()->HasBatch());
+}
+
+TEST_F(SharedWorkloadTest, AnAcknowledgedFailureIsForgottenAndNoOther) {
+  workload_.Change()->AddLeases({}, {MakeLease(1), MakeLease(2)}, {}, Clock::now());
+  const auto one = workload_.AwaitUnit({}), two = workload_.AwaitUnit({});
+  workload_.Change()->UnitFailed(one->lease, "first");
+  const auto first = std::get<FailureReport>(workload_.AwaitBatch(0, {}));
+  workload_.Change()->UnitFailed(two->lease, "second");
+  workload_.Change()->FailureAnswered(first);
+  workload_.Change()->FailureAnswered(first);  // copies are harmless
+  EXPECT_EQ(std::get<FailureReport>(workload_.AwaitBatch(0, {})).reason, "second");
+}
+
 TEST_F(SharedWorkloadTest, ADroppedLeaseIsForgottenAtEveryStage) {
-  workload_.Change()->AddLeases({MakeLease(1), MakeLease(2), MakeLease(3)}, {}, Clock::now());
+  workload_.Change()->AddLeases({}, {MakeLease(1), MakeLease(2), MakeLease(3)}, {}, Clock::now());
   const auto running = workload_.AwaitUnit({});
   Finish(*workload_.AwaitUnit({}));
-  workload_.Change()->AddLeases({}, {LeaseId{1}, LeaseId{2}, LeaseId{3}}, Clock::now());
+  workload_.Change()->AddLeases({}, {}, {LeaseId{1}, LeaseId{2}, LeaseId{3}}, Clock::now());
   EXPECT_TRUE(*running->stop);
   Finish(*running);  // too late
   EXPECT_TRUE(State().leases.empty());
@@ -84,8 +125,8 @@ TEST_F(SharedWorkloadTest, ADroppedLeaseIsForgottenAtEveryStage) {
 
 TEST_F(SharedWorkloadTest, ALeaseForASceneThatIsNotExpectedIsReturned) {
   Lease lease = MakeLease(1);
-  lease.scene = {};
-  workload_.Change()->AddLeases({lease}, {}, Clock::now());
+  lease.unit.scene = {};
+  workload_.Change()->AddLeases({}, {lease}, {}, Clock::now());
   EXPECT_TRUE(State().leases.empty());
   EXPECT_THAT(State().returned_leases, ElementsAre(LeaseId{1}));
   workload_.Change()->ReturnsAcknowledged({LeaseId{1}});
@@ -96,8 +137,8 @@ TEST_F(SharedWorkloadTest, ASceneThatFailsReturnsItsLeasesAndIsReported) {
   const SceneRequest bad = MakeOrder(blobs_, "WorldBegin\nnonsense\n");
   workload_.Change()->Apply({{order_, bad}, {}, {}, {}, {}, {}}, Clock::now());
   Lease lease = MakeLease(1);
-  lease.scene = bad.key;
-  workload_.Change()->AddLeases({lease}, {}, Clock::now());
+  lease.unit.scene = bad.key;
+  workload_.Change()->AddLeases({}, {lease}, {}, Clock::now());
   EXPECT_EQ(workload_.AwaitSceneOrder({})->key, bad.key);
   workload_.Change(kNews)->SceneFailed(bad.key, "nonsense in it", Clock::now());
   EXPECT_THAT(State().returned_leases, ElementsAre(LeaseId{1}));
@@ -108,12 +149,12 @@ TEST_F(SharedWorkloadTest, ASceneThatFailsReturnsItsLeasesAndIsReported) {
 }
 
 TEST_F(SharedWorkloadTest, DrainingReturnsWhatWaitsAndFinishesWhatRuns) {
-  workload_.Change()->AddLeases({MakeLease(1), MakeLease(2)}, {}, Clock::now());
+  workload_.Change()->AddLeases({}, {MakeLease(1), MakeLease(2)}, {}, Clock::now());
   const auto task = workload_.AwaitUnit({});
   workload_.Change(kNews)->Drain();
   EXPECT_TRUE(State().draining);
   EXPECT_THAT(State().returned_leases, ElementsAre(LeaseId{2}));
-  workload_.Change()->AddLeases({MakeLease(3)}, {}, Clock::now());  // was on its way
+  workload_.Change()->AddLeases({}, {MakeLease(3)}, {}, Clock::now());  // was on its way
   EXPECT_THAT(State().returned_leases, ElementsAre(LeaseId{2}, LeaseId{3}));
   workload_.Change()->ReturnsAcknowledged({LeaseId{2}, LeaseId{3}});
   EXPECT_FALSE(*task->stop);
@@ -124,7 +165,7 @@ TEST_F(SharedWorkloadTest, DrainingReturnsWhatWaitsAndFinishesWhatRuns) {
 }
 
 TEST_F(SharedWorkloadTest, StoppingReturnsWhatRuns) {
-  workload_.Change()->AddLeases({MakeLease(1)}, {}, Clock::now());
+  workload_.Change()->AddLeases({}, {MakeLease(1)}, {}, Clock::now());
   const auto task = workload_.AwaitUnit({});
   workload_.Change(kNews)->StopRendering();
   EXPECT_TRUE(*task->stop);
@@ -133,7 +174,7 @@ TEST_F(SharedWorkloadTest, StoppingReturnsWhatRuns) {
 
 TEST_F(SharedWorkloadTest, TheStateIsReportedSeveralTimesDuringALease) {
   EXPECT_EQ(State().wait, kSynchronizeWaitMax);
-  workload_.Change()->AddLeases({MakeLease(1)}, {}, Clock::now());
+  workload_.Change()->AddLeases({}, {MakeLease(1)}, {}, Clock::now());
   EXPECT_EQ(State().wait, milliseconds(1000));  // a third of its 3 s
 }
 

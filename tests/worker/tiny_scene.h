@@ -44,11 +44,11 @@ inline SceneRequest MakeOrder(BlobMap& blobs, const std::string& scene, const Re
   order.package = blobs.Add(EncodeScenePackage(package));
   order.scene_file = "scene.pbrt";
   order.options = EncodeRenderOptions(options);
-  order.key = SceneKey(order.package, order.scene_file, order.options);
   PackageFileSource files(package, "", blobs.Fetcher());
   const auto loaded = Scene::Load(files, "scene.pbrt", options, Scene::Depth::kCheck);
   if (loaded) order.frame = (*loaded)->frame();
   order.frame.attributes[kSceneDigestAttribute] = order.package.Hex();
+  order.key = SceneKey(order.package, order.scene_file, order.options, order.frame);
   return order;
 }
 

@@ -19,7 +19,7 @@ bool HeldLeases::Add(const Lease& lease, TimePoint now) {
 std::optional<HeldLeases::Started> HeldLeases::Start(const std::function<bool(const Digest&)>& is_ready,
                                                      TimePoint now) {
   for (Entry& entry : entries_) {
-    if (entry.stage != LeaseStage::kWaiting || !is_ready(entry.lease.scene)) continue;
+    if (entry.stage != LeaseStage::kWaiting || !is_ready(entry.lease.unit.scene)) continue;
     entry.stage = LeaseStage::kRunning;
     entry.since = now;
     return Started{entry.lease, entry.stop};
@@ -46,6 +46,13 @@ void HeldLeases::Forget(LeaseId id) {
   Remember(id);
 }
 
+void HeldLeases::Clear() {
+  for (const Entry& entry : entries_) *entry.stop = true;
+  entries_.clear();
+  past_.clear();
+  past_order_.clear();
+}
+
 std::vector<LeaseId> HeldLeases::Take(const std::function<bool(const Entry&)>& which) {
   std::vector<LeaseId> taken;
   for (const Entry& entry : entries_) {
@@ -65,7 +72,7 @@ std::vector<LeaseId> HeldLeases::TakeRunning() {
 
 std::vector<LeaseId> HeldLeases::TakeScene(const Digest& scene) {
   return Take([&](const Entry& entry) {
-    return entry.lease.scene == scene && entry.stage != LeaseStage::kReturning;
+    return entry.lease.unit.scene == scene && entry.stage != LeaseStage::kReturning;
   });
 }
 
@@ -86,7 +93,7 @@ bool HeldLeases::Holds(LeaseId id) const {
 }
 
 bool HeldLeases::Uses(const Digest& scene) const {
-  return std::ranges::any_of(entries_, [&](const Entry& entry) { return entry.lease.scene == scene; });
+  return std::ranges::any_of(entries_, [&](const Entry& entry) { return entry.lease.unit.scene == scene; });
 }
 
 size_t HeldLeases::running() const {

@@ -34,6 +34,8 @@ class HeldLeases {
   bool Finish(LeaseId id, TimePoint now);
   // The result or failure is acknowledged, or the unit is not wanted. Stops its rendering.
   void Forget(LeaseId id);
+  // Forgets every lease that is or was here, and stops those that are being rendered.
+  void Clear();
   // Forgets and returns the leases that have not been started.
   std::vector<LeaseId> TakeWaiting();
   // Forgets, stops and returns the leases that are being rendered.

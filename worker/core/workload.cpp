@@ -16,15 +16,39 @@ void Append(std::vector<LeaseId>& to, const std::vector<LeaseId>& from) {
 
 }  // namespace
 
+// Leases of another farm mean nothing to this one, and its jobs may have the same numbers. Scenes are named
+// by what they are made of, so those in memory are as good as before.
+void Workload::JoinFarm(FarmId farm) {
+  if (farm == farm_) return;
+  leases_.Clear();
+  results_.clear();
+  failures_.clear();
+  results_first_ = false;
+  returned_.clear();
+  scenes_.Want({}, [](const Digest&) { return false; });
+  farm_ = farm;
+}
+
 void Workload::Apply(const WorkerDirective& directive, TimePoint now) {
+  JoinFarm(directive.farm);
   if (!draining_) scenes_.Want(directive.scenes, [this](const Digest& key) { return leases_.Uses(key); });
   AddLeases(directive.leases, directive.drop, now);
+}
+
+void Workload::ApplyOvertaken(const WorkerDirective& directive, TimePoint now) {
+  JoinFarm(directive.farm);
+  AddLeases(directive.leases, directive.drop, now);
+}
+
+void Workload::AddLeases(FarmId farm, const std::vector<Lease>& leases, const std::vector<LeaseId>& drop,
+                         TimePoint now) {
+  if (farm == farm_) AddLeases(leases, drop, now);
 }
 
 void Workload::AddLeases(const std::vector<Lease>& leases, const std::vector<LeaseId>& drop, TimePoint now) {
   for (const Lease& lease : leases) {
     if (!leases_.Add(lease, now)) continue;
-    if (!draining_ && scenes_.Expects(lease.scene)) continue;
+    if (!draining_ && scenes_.Expects(lease.unit.scene)) continue;
     leases_.Forget(lease.id);
     returned_.push_back(lease.id);
   }
@@ -35,6 +59,7 @@ void Workload::AddLeases(const std::vector<Lease>& leases, const std::vector<Lea
 }
 
 void Workload::FillState(WorkerState& state, TimePoint now) const {
+  state.farm = farm_;
   state.scenes = scenes_.Held();
   state.leases = leases_.Held(now);
   state.returned_leases = returned_;
@@ -52,18 +77,30 @@ std::optional<UnitTask> Workload::StartUnit(TimePoint now) {
   const auto is_ready = [this](const Digest& key) { return scenes_.IsReady(key); };
   const auto started = leases_.Start(is_ready, now);
   if (!started) return std::nullopt;
-  return UnitTask{started->lease, scenes_.Use(started->lease.scene), started->stop};
+  return UnitTask{started->lease, scenes_.Use(started->lease.unit.scene), started->stop};
 }
 
 bool Workload::UnitFinished(FinishedUnit unit, TimePoint now) {
   if (!leases_.Finish(unit.lease, now)) return false;
+  unit.farm = farm_;
   results_.push_back(std::move(unit));
   return true;
 }
 
 void Workload::UnitFailed(const Lease& lease, std::string reason) {
+  if (!leases_.Holds(lease.id)) return;  // it was dropped meanwhile
   leases_.Forget(lease.id);
-  failures_.push_back({lease.id, lease.unit, lease.scene, std::move(reason)});
+  AddFailure({lease.id, lease.unit, lease.unit.scene, std::move(reason)});
+}
+
+void Workload::AddFailure(FailureReport failure) {
+  failure.farm = farm_;
+  failure.number = ++failure_count_;
+  failures_.push_back(std::move(failure));
+}
+
+void Workload::FailureAnswered(const FailureReport& failure) {
+  std::erase_if(failures_, [&](const FailureReport& each) { return each.number == failure.number; });
 }
 
 std::optional<SceneRequest> Workload::StartScene(TimePoint now) {
@@ -78,7 +115,7 @@ void Workload::SceneLoaded(const Digest& key, SceneTable::ScenePointer scene) {
 void Workload::SceneFailed(const Digest& key, std::string reason, TimePoint now) {
   scenes_.Failed(key, now);
   Append(returned_, leases_.TakeScene(key));
-  failures_.push_back({LeaseId{}, {}, key, std::move(reason)});
+  AddFailure({LeaseId{}, {}, key, std::move(reason)});
 }
 
 Workload::Batch Workload::NextBatch(size_t bytes_max) const {

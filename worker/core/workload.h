@@ -21,14 +21,17 @@ struct FinishedUnit {
   WorkUnit unit;
   std::string tile;  // EncodeRadianceTile
   double render_seconds = 0;
+  FarmId farm{};  // set by the workload
 };
 
-// A unit that could not be rendered or, with a lease of 0, a scene that could not be loaded.
+// A unit that could not be rendered or, without a lease, a scene that could not be loaded.
 struct FailureReport {
   LeaseId lease{};
   WorkUnit unit;
   Digest scene;
   std::string reason;
+  FarmId farm{};
+  uint64_t number = 0;  // counts the reports of this process
 };
 
 // A unit to render and everything it needs.
@@ -45,10 +48,14 @@ class Workload {
 
   // ---- From the coordinator
   void Apply(const WorkerDirective& directive, TimePoint now);
-  // Leases that came with the answer to results or a failure.
-  void AddLeases(const std::vector<Lease>& leases, const std::vector<LeaseId>& drop, TimePoint now);
-  // Fills in what the coordinator is told: scenes, leases, returned leases and whether the worker drains. The
-  // wait is short enough to keep the leases.
+  // The same for the answer to a state that a later one has overtaken: its scenes are out of date.
+  void ApplyOvertaken(const WorkerDirective& directive, TimePoint now);
+  // Leases that came with the answer to results or a failure. Does nothing if they are of another farm: only
+  // the exchange of states decides to which farm this worker belongs.
+  void AddLeases(FarmId farm, const std::vector<Lease>& leases, const std::vector<LeaseId>& drop,
+                 TimePoint now);
+  // Fills in what the coordinator is told: farm, scenes, leases, returned leases and whether the worker
+  // drains. The wait is short enough to keep the leases.
   void FillState(WorkerState& state, TimePoint now) const;
   // The coordinator has answered a state that listed these leases as returned.
   void ReturnsAcknowledged(const std::vector<LeaseId>& returned);
@@ -76,8 +83,8 @@ class Workload {
   // they are acknowledged.
   using Batch = std::variant<std::monostate, FailureReport, std::vector<FinishedUnit>>;
   Batch NextBatch(size_t bytes_max) const;
-  // The oldest failure, or these results, have been acknowledged.
-  void FailureAnswered() { failures_.pop_front(); }
+  // This failure, or these results, have been acknowledged.
+  void FailureAnswered(const FailureReport& failure);
   void ResultsAnswered(const std::vector<FinishedUnit>& results);
   // This failure, or these results, could not be delivered: others go first now.
   void Postpone(const Batch& batch);
@@ -91,11 +98,17 @@ class Workload {
   void StopRendering();
 
  private:
+  void JoinFarm(FarmId farm);
+  void AddLeases(const std::vector<Lease>& leases, const std::vector<LeaseId>& drop, TimePoint now);
+  void AddFailure(FailureReport failure);
+
+  FarmId farm_;  // of everything below but the scenes
   HeldLeases leases_;
   SceneTable scenes_;
   std::deque<FinishedUnit> results_;
   std::deque<FailureReport> failures_;
   bool results_first_ = false;     // after a failure that could not be delivered
+  uint64_t failure_count_ = 0;
   std::vector<LeaseId> returned_;  // to be reported
   bool draining_ = false;
 };

@@ -41,7 +41,7 @@ void Dispatcher::GrantFrom(Instant now, WorkerRecord& worker, const FrameChoice&
       state_.idle.UnblockAll();  // others may render it as well
     }
   }
-  const WorkUnit unit{choice.job->id, choice.index, samples->tile, samples->range};
+  const WorkUnit unit{choice.job->id, choice.index, samples->tile, samples->range, frame.scene.key};
   leases_.Grant(now, worker, *choice.job, frame, unit, state_.leases.NextId());
 }
 

@@ -37,7 +37,7 @@ void FailureHandling::FailScene(Instant now, WorkerId worker_id, const Digest& s
                                    Number(worker_id), worker->name, scene.Hex(), reason));
   const std::vector<LeaseId> leases = state_.leases.OfWorker(worker_id);
   for (const LeaseId lease : leases) {
-    if (state_.leases.At(lease).lease.scene == scene) leases_.Return(lease);
+    if (state_.leases.At(lease).lease.unit.scene == scene) leases_.Return(lease);
   }
   for (const auto& [id, job] : state_.jobs.open()) {
     for (auto& [index, frame] : job->schedule.active) {

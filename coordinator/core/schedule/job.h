@@ -24,9 +24,9 @@ namespace tessera {
 // A frame that is begun and not complete, as the scheduler sees it.
 struct ActiveFrame {
   // The first `samples_done` samples of every pixel are done.
-  ActiveFrame(const JobSpec& submitted, uint32_t index, const FrameSpec& frame, uint32_t samples_done,
-              bool has_one_scene)
-      : scene(RequestFor(submitted, submitted.frames[index], has_one_scene)),
+  ActiveFrame(const JobSpec& submitted, uint32_t index, const Digest& scene_key, const FrameSpec& frame,
+              uint32_t samples_done, bool has_one_scene)
+      : scene(RequestFor(submitted, submitted.frames[index], scene_key, has_one_scene)),
         layout(frame.Layout()),
         work(frame, samples_done),
         verification(submitted.verify_share, Hash(submitted.submission, index)) {}
@@ -38,13 +38,9 @@ struct ActiveFrame {
   Verification verification;
 
  private:
-  static SceneRequest RequestFor(const JobSpec& job, const FrameRequest& order, bool has_one_scene) {
-    return {SceneKey(job.package, order.scene_file, order.options),
-            job.package,
-            order.scene_file,
-            order.options,
-            order.spec,
-            has_one_scene};
+  static SceneRequest RequestFor(const JobSpec& job, const FrameRequest& order, const Digest& scene_key,
+                                 bool has_one_scene) {
+    return {scene_key, job.package, order.scene_file, order.options, order.spec, has_one_scene};
   }
 };
 
@@ -116,13 +112,29 @@ struct Job {
   JobSchedule schedule;
   JobResults results;
   JobClock clock;
+  mutable std::map<uint32_t, Digest> scene_keys;  // of frames that it was asked for: SceneOf
+
+  // Names what the frame is rendered from, as it was submitted: an extended frame keeps its key, and its
+  // results.
+  const Digest& SceneOf(uint32_t frame) const {
+    const auto [known, is_new] = scene_keys.try_emplace(frame);
+    const FrameRequest& request = submitted->frames[frame];
+    if (is_new)
+      known->second = SceneKey(submitted->package, request.scene_file, request.options, request.spec);
+    return known->second;
+  }
+  // Whether the unit is of a frame of this job, not of what another data directory or another history of this
+  // one calls by the same numbers.
+  bool Has(const WorkUnit& unit) const {
+    return unit.frame < submitted->frames.size() && unit.scene == SceneOf(unit.frame);
+  }
 
   // Makes the frame active.
   ActiveFrame& Begin(uint32_t frame) {
     schedule.ahead.erase(frame);
     const auto done = in_spool.find(frame);
     return schedule.active
-        .try_emplace(frame, *submitted, frame, spec->frames[frame].spec,
+        .try_emplace(frame, *submitted, frame, SceneOf(frame), spec->frames[frame].spec,
                      done == in_spool.end() ? 0 : done->second, schedule.has_one_scene)
         .first->second;
   }

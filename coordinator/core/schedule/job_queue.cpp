@@ -63,6 +63,7 @@ bool JobQueue::IsKnown(const WorkUnit& unit) const {
   if (job == nullptr) return false;
   const JobSchedule& schedule = job->schedule;
   if (!schedule.active.contains(unit.frame) && !schedule.ahead.contains(unit.frame)) return false;
+  if (!job->Has(unit)) return false;
   const FrameSpec& spec = job->spec->frames[unit.frame].spec;
   return IsUnitRange(spec, unit.range) && unit.tile < static_cast<uint32_t>(spec.TileCount());
 }

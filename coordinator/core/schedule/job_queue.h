@@ -30,7 +30,7 @@ class JobQueue {
   const Job& At(JobId id) const { return *open_.at(id); }
   // The frame of the unit if it is open; begins it, as a result of a former process's lease may be the first.
   ActiveFrame* FindFrame(const WorkUnit& unit);
-  // Whether the unit can be a part of an open frame.
+  // Whether the unit can be a part of an open frame, and is of that frame's scene.
   bool IsKnown(const WorkUnit& unit) const;
   const std::map<JobId, Job*>& open() const { return open_; }
   // Jobs that are not paused.

@@ -8,10 +8,9 @@ LeaseRecord& LeaseControl::Grant(Instant now, WorkerRecord& worker, Job& job, Ac
                                  const WorkUnit& unit, LeaseId id) {
   constexpr auto kDuration = std::chrono::duration_cast<std::chrono::milliseconds>(kLeaseDuration);
   const PixelBounds bounds = job.spec->frames[unit.frame].spec.TileBounds(static_cast<int>(unit.tile));
-  LeaseRecord& record =
-      state_.leases.Add(now, {worker.id, worker.slots, worker.speed},
-                        {id, unit, bounds, frame.work.Pixels(unit.tile), frame.scene.key, kDuration},
-                        frame.work.Cost({unit.tile, unit.range}));
+  LeaseRecord& record = state_.leases.Add(now, {worker.id, worker.slots, worker.speed},
+                                          {id, unit, bounds, frame.work.Pixels(unit.tile), kDuration},
+                                          frame.work.Cost({unit.tile, unit.range}));
   state_.workers.Announce(worker, id);
   ++state_.counters.leases_granted;
   frame.verification.Hold({unit.tile, unit.range}, worker.id);

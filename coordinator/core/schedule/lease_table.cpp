@@ -16,8 +16,7 @@ Instant LeaseRecord::LikelyEnd(Instant now) const {
 }
 
 bool LeaseTable::MayHaveGiven(LeaseId id) const {
-  const bool is_ours = Number(id) >> 32 == epoch_;
-  return !is_ours || (Number(id) & 0xffffffff) < next_;
+  return id.session != session_ || id.number < next_;
 }
 
 double LeaseTable::Queue::Seconds(double speed) const {

@@ -63,10 +63,13 @@ class LeaseTable {
     std::unordered_map<WorkerId, uint32_t> holders;  // and how many leases each holds
   };
 
-  // `epoch` differs for every process that works on a data directory, so lease ids never meet again.
-  explicit LeaseTable(uint32_t epoch) : epoch_(epoch) {}
+  // `session` differs for every process of any coordinator, so lease ids never meet again, also not when a
+  // data directory is restored to an earlier state. `epoch` grows with every process that works on the
+  // directory.
+  LeaseTable(uint64_t session, uint32_t epoch)
+      : session_(session), next_(uint64_t{epoch} << kLeasesPerEpochBits | 1) {}
 
-  LeaseId NextId() { return LeaseId{uint64_t{epoch_} << 32 | next_++}; }
+  LeaseId NextId() { return {next_++, session_}; }
   // Whether this process or a former one may have given the id.
   bool MayHaveGiven(LeaseId id) const;
 
@@ -119,8 +122,12 @@ class LeaseTable {
   static void AddToJob(JobLeases& job, const LeaseRecord& record);
   static void RemoveFromJob(JobLeases& job, const LeaseRecord& record);
 
-  uint32_t epoch_;
-  uint64_t next_ = 1;
+  // Ids order leases by age across epochs; at a million leases a second they last for 12 days, then ages of
+  // different epochs mix while ids stay unique.
+  static constexpr int kLeasesPerEpochBits = 40;
+
+  uint64_t session_;
+  uint64_t next_;
   std::unordered_map<LeaseId, LeaseRecord> records_;
   std::unordered_map<WorkerId, Queue> queues_;
   std::map<JobId, JobLeases> jobs_;

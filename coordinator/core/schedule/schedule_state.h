@@ -20,7 +20,7 @@ struct GivenUpTime {
 };
 
 struct ScheduleState {
-  explicit ScheduleState(uint32_t epoch) : leases(epoch) {}
+  ScheduleState(uint64_t session, uint32_t epoch) : leases(session, epoch) {}
 
   JobQueue jobs;
   WorkerRoster workers;

@@ -14,7 +14,7 @@ constexpr Instant kIdleInterval = seconds(1);
 }  // namespace
 
 Scheduler::Scheduler(SchedulerOptions options)
-    : state_(options.epoch),
+    : state_(options.session, options.epoch),
       leases_(state_),
       scenes_(state_),
       dispatcher_(state_, leases_, scenes_),

@@ -24,10 +24,12 @@
 namespace tessera {
 
 struct SchedulerOptions {
-  // Differs for every process that works on a data directory, so that lease ids never meet again.
+  // Grows with every process that works on a data directory.
   uint32_t epoch = 1;
   // Different workers that may fail a unit before its job fails.
   int attempts_max = kAttemptsMaxDefault;
+  // Random: lease ids of different processes never meet.
+  uint64_t session = 0;
 };
 
 class Scheduler {

@@ -113,7 +113,7 @@ void WorkerSync::Expire(Instant now) {
   for (const LeaseId id : state_.leases.Expired(now)) {
     const LeaseRecord& record = state_.leases.At(id);
     ++state_.counters.leases_expired;
-    state_.log.push_back(fmt::format("lease_expired lease={} worker={:016x} unit=\"{}\"", Number(id),
+    state_.log.push_back(fmt::format("lease_expired lease={} worker={:016x} unit=\"{}\"", id.number,
                                      Number(record.worker), record.lease.unit.Text()));
     state_.workers.Drop(state_.workers.At(record.worker), id);
     leases_.Return(id);

@@ -44,8 +44,9 @@ TEST(Fact, SurvivesItsBytes) {
   EXPECT_EQ(read.spec->frames[0].options, "spp=3\n");
   EXPECT_EQ(read.spec->frames[1].spec, std::get<JobSubmitted>(Submitted()).spec->frames[1].spec);
 
-  const Fact started = *DecodeFact(EncodeFact(CoordinatorStarted{77}));
+  const Fact started = *DecodeFact(EncodeFact(CoordinatorStarted{77, {5, 6}}));
   EXPECT_EQ(std::get<CoordinatorStarted>(started).epoch, 77u);
+  EXPECT_EQ(std::get<CoordinatorStarted>(started).farm, (FarmId{5, 6}));
   const Fact finished = *DecodeFact(EncodeFact(FrameFinished{JobId{3}, 4, Sha256("f"), 1'000'000'000'000}));
   EXPECT_EQ(std::get<FrameFinished>(finished).file, Sha256("f"));
   EXPECT_EQ(std::get<FrameFinished>(finished).samples, 1'000'000'000'000u);
@@ -116,6 +117,15 @@ TEST(Fact, APriorityHasItsLimits) {
 
 TEST(Fact, AJobThatEndedCannotBeRunning) {
   EXPECT_FALSE(DecodeFact(EncodeFact(JobEnded{JobId{3}, JobState::kRunning, ""})));
+}
+
+// Releases before farms had identities wrote it.
+TEST(Fact, AStartWithoutAFarmIsRead) {
+  const std::string bytes{"\1\0\0\0\7\0\0\0", 8};
+  const auto fact = DecodeFact(bytes);
+  ASSERT_TRUE(fact);
+  EXPECT_EQ(std::get<CoordinatorStarted>(*fact).epoch, 7u);
+  EXPECT_EQ(std::get<CoordinatorStarted>(*fact).farm, FarmId{});
 }
 
 }  // namespace

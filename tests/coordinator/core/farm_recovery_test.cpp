@@ -137,8 +137,7 @@ TEST(FarmRecovery, NothingAcknowledgedIsLeasedAgain) {
   state.worker = WorkerId{5};
   state.sequence = 1;
   state.slots = 16;
-  const JobSpec& spec = *after.farm.Spec(job);
-  state.scenes = {{SceneKey(spec.package, spec.frames[0].scene_file, spec.frames[0].options), true}};
+  state.scenes = {{*after.farm.SceneOf({job, 0}), true}};
   after.farm.Synchronize(after.now, CallId{1}, state);
   after.farm.Advance(after.now);
   const FarmOutput output = after.farm.TakeOutput();

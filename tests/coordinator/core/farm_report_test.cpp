@@ -38,14 +38,14 @@ class ReportStage : public testing::Test {
     farm.Synchronize(now, CallId{++calls}, worker);
   }
   void SetScene(bool ready, bool fetching) {
-    worker.scenes = {{SceneKey(spec->package, "scene", ""), ready, fetching}};
+    worker.scenes = {{SceneKey(spec->package, "scene", "", spec->frames[0].spec), ready, fetching}};
     Say();
   }
   void Return(SampleRange range, double render_seconds) {
     RadianceTile tile{{0, 0, 8, 8}, range, {2}, {}};
     tile.sums.assign(128, static_cast<float>(range.size));
     farm.ReturnResults(now, CallId{++calls}, WorkerId{1},
-                       {{LeaseId{0}, {job, 0, 0, range}, render_seconds, tile}});
+                       {{LeaseId{}, {job, 0, 0, range, *farm.SceneOf({job, 0})}, render_seconds, tile}});
   }
   JobTimes Times() const { return farm.Status(now, job)->times; }
 

@@ -41,10 +41,13 @@ struct FarmStage {
   Verdict Return(JobId job, SampleRange range, Result<RadianceTile> tile, uint32_t frame = 0,
                  uint32_t tile_index = 0, uint64_t worker = 1) {
     farm.ReturnResults(now, CallId{++calls}, WorkerId{worker},
-                       {{LeaseId{0}, {job, frame, tile_index, range}, 0.1, tile}});
+                       {{LeaseId{}, Unit(job, frame, tile_index, range), 0.1, tile}});
     Step();
     reason = output.results[0].reasons.empty() ? "" : output.results[0].reasons[0];
     return output.results[0].verdicts[0];
+  }
+  WorkUnit Unit(JobId job, uint32_t frame, uint32_t tile_index, SampleRange range) const {
+    return {job, frame, tile_index, range, farm.SceneOf({job, frame}).value_or(Digest{})};
   }
   JobStatus Status(JobId job) const { return *farm.Status(now, job); }
   WorkerState Worker(uint64_t id) {

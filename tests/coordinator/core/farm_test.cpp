@@ -56,7 +56,6 @@ TEST(Farm, WrongResultsAreRefusedWithTheirReason) {
       {Ones({2, 2}), {0, 2}, 0, 0, "has samples [2,4), expected [0,2)"},
       {wrong_bounds, {0, 2}, 0, 0, "bounds of its tile"},
       {wrong_channels, {0, 2}, 0, 0, "4 channels, expected 2"},
-      {Ones({0, 2}), {0, 2}, 5, 0, "no such unit"},
       {Ones({0, 2}), {0, 2}, 0, 5, "no such unit"},
       {Ones({4, 4}), {4, 4}, 0, 0, "no such unit"},
   };

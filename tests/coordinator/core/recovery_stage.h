@@ -106,7 +106,8 @@ struct Process {
   Verdict Return(JobId job, uint32_t frame, uint32_t tile, SampleRange range, const PixelMask& pixels = {}) {
     const FrameSpec& spec = farm.Spec(job)->frames[frame].spec;
     const RadianceTile rendered = Rendered(spec, frame, tile, range, pixels);
-    farm.ReturnResults(now, CallId{1}, WorkerId{1}, {{LeaseId{0}, {job, frame, tile, range}, 0.1, rendered}});
+    farm.ReturnResults(now, CallId{1}, WorkerId{1},
+                       {{LeaseId{}, {job, frame, tile, range, *farm.SceneOf({job, frame})}, 0.1, rendered}});
     Step();
     return last[0].verdicts[0];
   }

@@ -35,7 +35,7 @@ struct JournalStage {
       ASSERT_TRUE(journal->Sync());
     }
   }
-  static constexpr size_t kHeader = 8, kRecord = 28;
+  static constexpr size_t kHeader = 8, kRecord = 44;
 
   TemporaryDir directory;
   std::string path = directory / "journal";
@@ -119,7 +119,7 @@ TEST(FileJournal, TheMessageSaysWhereAndHowToGoOn) {
   stage.Put(bytes);
   EXPECT_THAT(
       stage.Reopen().error().message,
-      testing::AllOf(HasSubstr("damaged at byte 36"), HasSubstr("truncate"), HasSubstr("move it away")));
+      testing::AllOf(HasSubstr("damaged at byte 52"), HasSubstr("truncate"), HasSubstr("move it away")));
 }
 
 // The disk may take the pages of a batch in any order before power fails.

@@ -33,7 +33,7 @@ JobSpec GoodJob() {
 }
 
 WorkUnit GoodUnit() {
-  return {JobId{3}, 1, 9, {4, 4}};
+  return {JobId{3}, 1, 9, {4, 4}, Sha256("s")};
 }
 
 WorkerState GoodState() {
@@ -43,8 +43,9 @@ WorkerState GoodState() {
   state.name = "machine";
   state.slots = 8;
   state.scenes = {{Sha256("s"), true}, {Sha256("t"), false}};
-  state.leases = {{LeaseId{1}, GoodUnit(), LeaseStage::kRunning, std::chrono::milliseconds(1500)}};
-  state.returned_leases = {LeaseId{2}};
+  state.farm = {~uint64_t{0} - 3, 0x0102030405060708};
+  state.leases = {{LeaseId{1, 99}, GoodUnit(), LeaseStage::kRunning, std::chrono::milliseconds(1500)}};
+  state.returned_leases = {LeaseId{2, 98}};
   state.tags = {"gpu", "big.memory"};
   state.wait = std::chrono::milliseconds(2000);
   return state;
@@ -81,15 +82,17 @@ TEST(Convert, WorkerStateSurvives) {
   const auto read = ReadWorkerState(message);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->worker, WorkerId{77});
+  EXPECT_EQ(read->farm, GoodState().farm);
   EXPECT_EQ(read->slots, 8);
   ASSERT_EQ(read->scenes.size(), 2u);
   EXPECT_TRUE(read->scenes[0].ready);
   EXPECT_FALSE(read->scenes[1].ready);
   ASSERT_EQ(read->leases.size(), 1u);
+  EXPECT_EQ(read->leases[0].id, (LeaseId{1, 99}));
   EXPECT_EQ(read->leases[0].unit, GoodUnit());
   EXPECT_EQ(read->leases[0].stage, LeaseStage::kRunning);
   EXPECT_EQ(read->leases[0].stage_duration.count(), 1500);
-  EXPECT_EQ(read->returned_leases, std::vector{LeaseId{2}});
+  EXPECT_EQ(read->returned_leases, (std::vector{LeaseId{2, 98}}));
   EXPECT_EQ(read->tags, GoodState().tags);
   EXPECT_EQ(read->wait.count(), 2000);
 }
@@ -97,24 +100,25 @@ TEST(Convert, WorkerStateSurvives) {
 TEST(Convert, DirectiveSurvives) {
   WorkerDirective directive;
   const Digest package = Sha256("p");
-  directive.scenes = {{SceneKey(package, "a.pbrt", "o"), package, "a.pbrt", "o", GoodFrame()}};
-  directive.leases = {{LeaseId{4},
+  directive.scenes = {{SceneKey(package, "a.pbrt", "o", GoodFrame()), package, "a.pbrt", "o", GoodFrame()}};
+  directive.farm = {5, 6};
+  directive.leases = {{LeaseId{4, 97},
                        GoodUnit(),
                        {0, 0, 4, 2},
                        PixelMask::Of(SomePixels()),
-                       Sha256("s"),
                        std::chrono::milliseconds(9000)}};
-  directive.drop = {LeaseId{8}, LeaseId{9}};
+  directive.drop = {LeaseId{8, 97}, LeaseId{9, 97}};
   directive.notice = "quarantined";
   proto::WorkerDirective message;
   Write(directive, message);
   const auto read = ReadWorkerDirective(message);
   ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->farm, (FarmId{5, 6}));
   ASSERT_EQ(read->leases.size(), 1u);
+  EXPECT_EQ(read->leases[0].id, (LeaseId{4, 97}));
   EXPECT_EQ(read->leases[0].unit, GoodUnit());
   EXPECT_EQ(read->leases[0].bounds, (PixelBounds{0, 0, 4, 2}));
   EXPECT_EQ(read->leases[0].pixels, PixelMask::Of(SomePixels()));
-  EXPECT_EQ(read->leases[0].scene, Sha256("s"));
   EXPECT_EQ(read->leases[0].duration.count(), 9000);
   EXPECT_EQ(read->drop, directive.drop);
   EXPECT_EQ(read->notice, "quarantined");
@@ -182,11 +186,11 @@ TEST(Convert, RefusesHostileLeases) {
       {"short mask", [](auto& m) { m.mutable_bounds()->set_x1(5); }},
       {"long mask", [](auto& m) { m.set_pixels(std::string(2, 'a')); }},
       {"mask of nothing", [](auto& m) { m.set_pixels(std::string(1, '\0')); }},
-      {"scene", [](auto& m) { m.set_scene("x"); }},
+      {"scene", [](auto& m) { m.mutable_unit()->set_scene("x"); }},
   };
   for (const auto& [what, spoil] : table) {
     proto::Lease message;
-    Write(Lease{LeaseId{4}, GoodUnit(), {0, 0, 4, 2}, PixelMask::Of(SomePixels()), Sha256("s"), {}}, message);
+    Write(Lease{LeaseId{4}, GoodUnit(), {0, 0, 4, 2}, PixelMask::Of(SomePixels()), {}}, message);
     ASSERT_TRUE(ReadLease(message));
     spoil(message);
     EXPECT_FALSE(ReadLease(message)) << what;
@@ -206,7 +210,7 @@ TEST(Convert, RefusesHostileWorkers) {
       {"range", [](auto& m) { m.mutable_leases(0)->mutable_unit()->clear_range(); }},
       {"returned_leases",
        [](auto& m) {
-         for (int i = 0; i < kLeasesPerWorkerMax; ++i) m.add_returned_leases(1);
+         for (int i = 0; i < kLeasesPerWorkerMax; ++i) m.add_returned_leases();
        }},
       {"scenes",
        [](auto& m) {
@@ -268,7 +272,8 @@ TEST(Convert, RefusesHostileJobs) {
 
 TEST(Convert, ASceneOrderMustHaveItsOwnKey) {
   const Digest package = Sha256("p");
-  SceneRequest order{SceneKey(package, "a.pbrt", "o"), package, "a.pbrt", "o", GoodFrame(), true};
+  SceneRequest order{
+      SceneKey(package, "a.pbrt", "o", GoodFrame()), package, "a.pbrt", "o", GoodFrame(), true};
   proto::SceneRequest message;
   Write(order, message);
   const auto read = ReadSceneOrder(message);
@@ -276,6 +281,37 @@ TEST(Convert, ASceneOrderMustHaveItsOwnKey) {
   EXPECT_TRUE(read->needs_all);
   message.set_options("other");
   EXPECT_FALSE(ReadSceneOrder(message));
+  message.set_options("o");
+  ASSERT_TRUE(ReadSceneOrder(message));
+  message.mutable_frame()->set_samples_per_pixel(GoodFrame().samples_per_pixel + 1);
+  EXPECT_FALSE(ReadSceneOrder(message)) << "the frame is a part of it";
+}
+
+TEST(Convert, AUnitWithoutItsSceneIsRefused) {
+  proto::WorkUnit message;
+  Write(GoodUnit(), message);
+  message.clear_scene();
+  EXPECT_FALSE(ReadWorkUnit(message));
+}
+
+TEST(Convert, AFarmIsSixteenBytesOrNone) {
+  EXPECT_EQ(*ReadFarmId(""), FarmId{});
+  EXPECT_EQ(*ReadFarmId(WriteFarmId({1, 2})), (FarmId{1, 2}));
+  EXPECT_FALSE(ReadFarmId(std::string(15, 'x')));
+  EXPECT_FALSE(ReadFarmId(std::string(17, 'x')));
+}
+
+// Its other fields may have changed their meaning, and admission refuses it by its name.
+TEST(Convert, OfAWorkerWithAnotherProtocolOnlyItsNameIsRead) {
+  proto::WorkerState message;
+  Write(GoodState(), message);
+  message.set_protocol(kProtocolVersion - 1);
+  message.mutable_leases(0)->mutable_unit()->clear_scene();
+  const auto read = ReadWorkerState(message);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->protocol, kProtocolVersion - 1);
+  EXPECT_EQ(read->name, "machine");
+  EXPECT_TRUE(read->leases.empty());
 }
 
 TEST(Convert, TagsAreSetsOfWords) {

@@ -20,8 +20,7 @@ Digest SceneKey(uint8_t number) {
 Lease MakeLease(uint64_t id, uint8_t scene = 1, milliseconds duration = milliseconds(9000)) {
   Lease lease;
   lease.id = LeaseId{id};
-  lease.unit = {JobId{1}, 0, static_cast<uint32_t>(id), {0, 4}};
-  lease.scene = SceneKey(scene);
+  lease.unit = {JobId{1}, 0, static_cast<uint32_t>(id), {0, 4}, SceneKey(scene)};
   lease.duration = duration;
   return lease;
 }

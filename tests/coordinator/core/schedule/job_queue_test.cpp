@@ -33,12 +33,14 @@ TEST(JobQueue, KnowsUnitsOfOpenFramesOnly) {
   JobStage stage;
   JobQueue queue;
   Job& job = stage.Make(1, 6);
-  EXPECT_FALSE(queue.IsKnown({job.id, 0, 0, {0, 4}})) << "the job is not open";
+  const Digest scene = job.SceneOf(0);
+  EXPECT_FALSE(queue.IsKnown({job.id, 0, 0, {0, 4}, scene})) << "the job is not open";
   queue.Add(job);
-  EXPECT_TRUE(queue.IsKnown({job.id, 0, 3, {0, 4}}));
-  EXPECT_FALSE(queue.IsKnown({job.id, 0, 4, {0, 4}})) << "no such tile";
-  EXPECT_FALSE(queue.IsKnown({job.id, 1, 0, {0, 4}})) << "no such frame";
-  EXPECT_FALSE(queue.IsKnown({job.id, 0, 0, {0, 8}})) << "more samples than the frame has";
+  EXPECT_TRUE(queue.IsKnown({job.id, 0, 3, {0, 4}, scene}));
+  EXPECT_FALSE(queue.IsKnown({job.id, 0, 4, {0, 4}, scene})) << "no such tile";
+  EXPECT_FALSE(queue.IsKnown({job.id, 1, 0, {0, 4}, scene})) << "no such frame";
+  EXPECT_FALSE(queue.IsKnown({job.id, 0, 0, {0, 8}, scene})) << "more samples than the frame has";
+  EXPECT_FALSE(queue.IsKnown({job.id, 0, 3, {0, 4}, Sha256("another scene")}));
   EXPECT_NE(queue.FindFrame({job.id, 0, 0, {0, 4}}), nullptr);
   EXPECT_TRUE(job.schedule.active.contains(0)) << "a result begins its frame";
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "coordinator/core/schedule/policy.h"
 
 namespace tessera {
@@ -21,7 +23,7 @@ struct TableStage {
     return id;
   }
   Instant now = seconds(100);
-  LeaseTable table{3};
+  LeaseTable table{77, 3};
 };
 
 TEST(LeaseTable, FindsLeasesByWorkerTileAndJob) {
@@ -121,12 +123,24 @@ TEST(LeaseTable, TheLastToEndIsTheOneThatIsLateLongest) {
   EXPECT_EQ(stage.table.LastToEnd(stage.now + seconds(10), 1), std::vector{shorter});
 }
 
+// Sessions are random, so they stay apart however directories are restored.
+TEST(LeaseTable, IdsOfDifferentSessionsNeverMeetAndThoseOfLaterEpochsAreLarger) {
+  LeaseTable one(77, 3), twin(78, 3), next(79, 4);
+  std::set<LeaseId> ids;
+  for (int i = 0; i < 100; ++i) {
+    for (LeaseTable* const table : {&one, &twin, &next}) EXPECT_TRUE(ids.insert(table->NextId()).second);
+  }
+  const LeaseId first = LeaseTable(80, 3).NextId();
+  constexpr uint64_t kMonthsOfLeases = uint64_t{1} << 33;  // 100 days at 1,000 a second
+  EXPECT_LT(first.number + kMonthsOfLeases, LeaseTable(80, 4).NextId().number);
+}
+
 TEST(LeaseTable, KnowsWhichIdsMayHaveBeenGiven) {
   TableStage stage;
   const LeaseId given = stage.Add(kAnn, 0, {0, 1});
   EXPECT_TRUE(stage.table.MayHaveGiven(given));
-  EXPECT_FALSE(stage.table.MayHaveGiven(LeaseId{Number(given) + 1}));
-  EXPECT_TRUE(stage.table.MayHaveGiven(LeaseId{uint64_t{2} << 32 | 99})) << "by a former process";
+  EXPECT_FALSE(stage.table.MayHaveGiven({given.number + 1, given.session}));
+  EXPECT_TRUE(stage.table.MayHaveGiven({given.number + 1, given.session + 1})) << "by a former process";
 }
 
 }  // namespace

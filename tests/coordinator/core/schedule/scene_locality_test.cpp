@@ -18,7 +18,7 @@ struct LocalityStage {
     return record;
   }
   JobStage jobs;
-  ScheduleState state{1};
+  ScheduleState state{1, 1};
   SceneLocality scenes{state};
   Instant now = seconds(100);
 };

@@ -51,7 +51,7 @@ class SchedulerStage {
   void RemoveJob(JobId job) { scheduler.RemoveJob(jobs.at(job)); }
   Digest SceneOf(JobId job, uint32_t frame = 0) const {
     const JobSpec& spec = *specs.at(job);
-    return SceneKey(spec.package, spec.frames[frame].scene_file, "");
+    return SceneKey(spec.package, spec.frames[frame].scene_file, "", spec.frames[frame].spec);
   }
 
   // The state that the worker sends next; tests change it before Send.

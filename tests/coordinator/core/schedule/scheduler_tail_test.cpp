@@ -56,12 +56,16 @@ TEST(SchedulerTail, AStragglersRangeIsSplitAmongManyIdleSlots) {
   WorkerState state = stage.states[1];
   // Worker 1 holds samples 32 to 64 of tile 0, from a former coordinator; all else is done, at 0.1 s per
   // sample.
-  state.leases = {{LeaseId{5}, {job, 0, 0, {32, 32}}, LeaseStage::kRunning, milliseconds(0)}};
+  state.leases = {
+      {LeaseId{5}, {job, 0, 0, {32, 32}, stage.SceneOf(job)}, LeaseStage::kRunning, milliseconds(0)}};
   state.sequence = 1;
   stage.scheduler.Synchronize(stage.now, state);
+  const auto unit = [&](uint32_t tile, SampleRange range) {
+    return WorkUnit{job, 0, tile, range, stage.SceneOf(job)};
+  };
   for (uint32_t tile = 0; tile < 16; ++tile) {
-    stage.scheduler.Finish(stage.now, WorkerId{1}, LeaseId{0}, {job, 0, tile, {0, 32}}, 3.2);
-    if (tile > 0) stage.scheduler.Finish(stage.now, WorkerId{1}, LeaseId{0}, {job, 0, tile, {32, 32}}, 3.2);
+    stage.scheduler.Finish(stage.now, WorkerId{1}, LeaseId{}, unit(tile, {0, 32}), 3.2);
+    if (tile > 0) stage.scheduler.Finish(stage.now, WorkerId{1}, LeaseId{}, unit(tile, {32, 32}), 3.2);
   }
   stage.Join(2, 4);
   for (int i = 0; i < 20; ++i) {

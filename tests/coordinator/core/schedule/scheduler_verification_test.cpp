@@ -240,7 +240,8 @@ TEST(SchedulerVerification, VotesAreRestored) {
   VerifyingStage stage(1);
   const JobId job = stage.AddJob(1);
   for (uint32_t tile = 0; tile < 16; ++tile) {
-    stage.scheduler.RestoreVote({job, 0, tile, {0, 1}}, {WorkerId{1}, "w1", Sha256("right")});
+    stage.scheduler.RestoreVote({job, 0, tile, {0, 1}, stage.SceneOf(job)},
+                                {WorkerId{1}, "w1", Sha256("right")});
   }
   stage.Join(1, 16);
   stage.Advance();

@@ -42,7 +42,7 @@ struct TailStage {
   JobStage jobs;
   Job& job = jobs.Make(1, 64);
   ActiveFrame& frame;
-  ScheduleState state{1};
+  ScheduleState state{1, 1};
   LeaseControl leases{state};
   TailRelief tail{state, leases};
   Instant now = seconds(100);
