@@ -14,7 +14,7 @@ namespace tessera {
 namespace {
 
 // Results are written to disk before they are acknowledged.
-constexpr std::chrono::seconds kAnswerPatience{60};
+constexpr std::chrono::seconds kResultsPatience{60};
 
 std::vector<Lease> ReadLeases(const google::protobuf::RepeatedPtrField<proto::Lease>& messages) {
   std::vector<Lease> leases;
@@ -114,7 +114,7 @@ class Calls {
   template <typename Method>
   grpc::Status Call(Method method) {
     grpc::ClientContext context;
-    SetDeadline(context, kAnswerPatience);
+    SetDeadline(context, kResultsPatience);
     const std::stop_callback on_stop(stop_, [&context] { context.TryCancel(); });
     return method(&context);
   }
