@@ -107,7 +107,7 @@ class Workload {
   SceneTable scenes_;
   std::deque<FinishedUnit> results_;
   std::deque<FailureReport> failures_;
-  bool results_first_ = false;     // after a failure that could not be delivered
+  bool results_first_ = false;  // after a failure that could not be delivered
   uint64_t failure_count_ = 0;
   std::vector<LeaseId> returned_;  // to be reported
   bool draining_ = false;
