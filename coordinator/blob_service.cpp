@@ -13,30 +13,40 @@
 namespace tessera {
 namespace {
 
-constexpr int kTransfersMax = 1024;  // running at the same time, each with an open file
+// Running at the same time, each with an open file and 2 MB of memory. They fill any network.
+constexpr int kTransfersMax = 64;
 
 // Deletes itself when the call is over.
 class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
-  UploadCall(const BlobStore& blobs, TransferLoad& load) : blobs_(blobs), load_(load) {
+  UploadCall(const BlobStore& blobs, TransferLoad& load, grpc::CallbackServerContext& context)
+      : blobs_(blobs), load_(load), watched_(load.stall_watch.Watch(context)) {
     if (++load_.transfers > kTransfersMax) {
       Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers are running; try again"});
       return;
     }
-    StartRead(&bytes_);
+    ReadNext();
   }
   ~UploadCall() override { --load_.transfers; }
 
  private:
+  void ReadNext() {
+    watched_->BeginWait();
+    StartRead(&bytes_);
+  }
   void OnReadDone(bool ok) override {
+    watched_->EndWait();
     const auto status = ok ? Take() : End();
     if (status) {
       Finish(*status);
     } else {
-      StartRead(&bytes_);
+      ReadNext();
     }
   }
-  void OnDone() override { delete this; }
+  void OnDone() override {
+    watched_->End();
+    delete this;
+  }
 
   // Stores a chunk. Returns the answer once it is known.
   std::optional<grpc::Status> Take() {
@@ -77,6 +87,7 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
 
   const BlobStore& blobs_;
   TransferLoad& load_;
+  const std::shared_ptr<StallWatch::Call> watched_;
   grpc::ByteBuffer bytes_;
   proto::UploadChunk chunk_;
   std::unique_ptr<BlobStore::Partial> upload_;
@@ -85,10 +96,11 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
 // Deletes itself when the call is over.
 class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk> {
  public:
-  DownloadCall(const BlobStore& blobs, const proto::DownloadRequest& request, TransferLoad& load)
-      : load_(load) {
+  DownloadCall(const BlobStore& blobs, const proto::DownloadRequest& request, TransferLoad& load,
+               grpc::CallbackServerContext& context)
+      : load_(load), watched_(load.stall_watch.Watch(context)) {
     if (++load_.transfers > kTransfersMax) {
-      Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers are running; try again"});
+      Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "too many transfers are running; try again"});
       return;
     }
     const grpc::Status status = Open(blobs, request);
@@ -125,9 +137,11 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
     }
     left_ -= data.size();
     load_.bytes_out += data.size();
+    watched_->BeginWait();
     StartWrite(&chunk_);
   }
   void OnWriteDone(bool ok) override {
+    watched_->EndWait();
     if (!ok) {
       Finish(grpc::Status::CANCELLED);
     } else if (left_ == 0) {
@@ -137,9 +151,13 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
       SendNext();
     }
   }
-  void OnDone() override { delete this; }
+  void OnDone() override {
+    watched_->End();
+    delete this;
+  }
 
   TransferLoad& load_;
+  const std::shared_ptr<StallWatch::Call> watched_;
   std::ifstream file_;
   uint64_t size_ = 0, left_ = 0;
   proto::DownloadChunk chunk_;
@@ -178,15 +196,16 @@ grpc::ServerUnaryReactor* BlobService::FindMissing(grpc::CallbackServerContext* 
 grpc::ServerReadReactor<grpc::ByteBuffer>* BlobService::Upload(grpc::CallbackServerContext* context,
                                                                proto::UploadAnswer*) {
   using Reactor = grpc::ServerReadReactor<grpc::ByteBuffer>;
-  return gate_.Serve<Reactor>(context, RuleFor("Blobs.Upload"),
-                              [this](const Principal&) { return new UploadCall(blobs_, load_); });
+  return gate_.Serve<Reactor>(context, RuleFor("Blobs.Upload"), [=, this](const Principal&) {
+    return new UploadCall(blobs_, load_, *context);
+  });
 }
 
 grpc::ServerWriteReactor<proto::DownloadChunk>* BlobService::Download(grpc::CallbackServerContext* context,
                                                                       const proto::DownloadRequest* request) {
   using Reactor = grpc::ServerWriteReactor<proto::DownloadChunk>;
   return gate_.Serve<Reactor>(context, RuleFor("Blobs.Download"), [=, this](const Principal&) {
-    return new DownloadCall(blobs_, *request, load_);
+    return new DownloadCall(blobs_, *request, load_, *context);
   });
 }
 

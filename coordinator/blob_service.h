@@ -3,6 +3,7 @@
 
 #include <atomic>
 
+#include "coordinator/stall_watch.h"
 #include "proto/blobs.grpc.pb.h"
 #include "proto/blobs/blob_store.h"
 
@@ -13,6 +14,7 @@ class CallGate;
 struct TransferLoad {
   std::atomic<int> transfers{0};  // running now
   std::atomic<uint64_t> bytes_in{0}, bytes_out{0};
+  StallWatch stall_watch;
 };
 
 class BlobService final : public proto::Blobs::Service {

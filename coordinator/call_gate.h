@@ -9,6 +9,7 @@
 
 #include "coordinator/access.h"
 #include "coordinator/core_thread.h"
+#include "coordinator/guarded.h"
 #include "coordinator/message_guard.h"
 #include "proto/wire/channel.h"
 
@@ -23,12 +24,15 @@ class UnaryCall {
   const Principal& caller() const { return caller_; }
   CoreThread& core() const { return *core_; }
 
-  void Finish(const grpc::Status& status) const { reactor_->Finish(status); }
+  void Finish(const grpc::Status& status) const { reactor_->Finish(Shortened(status)); }
 
-  // Runs `query`, a grpc::Status(CoreContext&), on the core thread and finishes with what it returns.
+  // Runs `query`, a grpc::Status(CoreContext&) that changes nothing, on the core thread and finishes with
+  // what it returns.
   template <typename Query>
   void Ask(Query query) const {
-    core_->Post([call = *this, query = std::move(query)](CoreContext& core) { call.Finish(query(core)); });
+    core_->Post([call = *this, query = std::move(query)](CoreContext& core) {
+      call.Finish(GuardedStatus([&] { return query(core); }));
+    });
   }
 
   // Runs `change`, a grpc::Status(CoreContext&), on the core thread. Finishes with its error, or, when
@@ -56,7 +60,8 @@ class CallGate {
   CallGate(CoreThread& core, AccessPolicy policy) : core_(core), policy_(std::move(policy)) {}
   CoreThread& core() const { return core_; }
 
-  // A call with one answer. `handler`, a void(const UnaryCall&), runs on gRPC's thread and must not block.
+  // A call with one answer. `handler`, a void(const UnaryCall&), runs on gRPC's thread and must not block. If
+  // it throws, it has not finished the call and has not passed it on.
   template <typename Handler>
   grpc::ServerUnaryReactor* Unary(grpc::CallbackServerContext* context, const CallRule& rule,
                                   Handler handler) const {
@@ -65,7 +70,12 @@ class CallGate {
     if (const grpc::Status admitted = Check(caller, rule); !admitted.ok()) {
       reactor->Finish(admitted);
     } else {
-      handler(UnaryCall(core_, std::move(caller), reactor));
+      const UnaryCall call(core_, std::move(caller), reactor);
+      const grpc::Status passed_on = GuardedStatus([&] {
+        handler(call);
+        return grpc::Status::OK;
+      });
+      if (!passed_on.ok()) call.Finish(passed_on);
     }
     return reactor;
   }

@@ -52,9 +52,9 @@ Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, Access
   gate = std::make_unique<CallGate>(*core, std::move(policy));
   work = std::make_unique<WorkService>(*gate);
   blob_service = std::make_unique<BlobService>(*gate, blobs);
-  jobs = std::make_unique<JobsService>(*gate, blobs, pictures);
+  jobs = std::make_unique<JobsService>(*gate, blobs, pictures, options.data_dir);
   if (options.http) {
-    auto started = WebServer::Start(*options.http, [this] { return LookAtAll(); });
+    auto started = WebServer::Start(*options.http, options.http_names, [this] { return LookAtAll(); });
     if (!started) return started.error();
     web = std::move(*started);
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "coordinator/call_gate.h"
+#include "coordinator/guarded.h"
 #include "coordinator/picture_stream.h"
 #include "coordinator/picture_writer.h"
 #include "coordinator/submission.h"
@@ -12,6 +13,11 @@
 
 namespace tessera {
 namespace {
+
+constexpr int kPictureStreamsMax = 64;  // with a file and a chunk each
+// That wait for the thread that makes previews and reads pictures. Each keeps sums that the frame has
+// replaced.
+constexpr int kPicturesWaitingMax = 16;
 
 grpc::Status NoJob(JobId job) {
   return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no job {}", Number(job))};
@@ -59,8 +65,10 @@ grpc::Status NotFinished(const JobStatus& status, uint32_t frame) {
 
 }  // namespace
 
-JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures)
+JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures,
+                         const std::string& data_dir)
     : gate_(gate), blobs_(blobs), pictures_(pictures) {
+  streams_.folder = data_dir;
   const auto serve = [this](auto method, const CallRule& rule) {
     MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
   };
@@ -91,7 +99,7 @@ grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* conte
     const auto shared = std::make_shared<const JobSpec>(std::move(*spec));
     call.Apply([=](CoreContext& core) {
       const auto job = core.farm.Submit(core.now, shared);
-      if (!job) return ToStatus(job.error());
+      if (!job) return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, job.error().message);
       answer->set_job(Number(*job));
       return grpc::Status::OK;
     });
@@ -240,7 +248,12 @@ grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::C
                                                                          const proto::FetchRequest* request) {
   using Reactor = grpc::ServerWriteReactor<proto::PictureChunk>;
   return gate_.Serve<Reactor>(context, RuleFor("Jobs.FetchPicture"), [=, this](const Principal&) {
-    auto* const stream = new PictureStream;
+    auto* const stream = new PictureStream(streams_, *context);
+    if (streams_.count > kPictureStreamsMax) {
+      stream->Refuse(
+          {grpc::StatusCode::RESOURCE_EXHAUSTED, "too many pictures are being fetched; try again"});
+      return stream;
+    }
     const JobId job{request->job()};
     const uint32_t frame = request->frame();
     gate_.core().Post([=, this, preview = request->preview()](CoreContext& core) {
@@ -251,13 +264,27 @@ grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::C
             {grpc::StatusCode::NOT_FOUND, fmt::format("job {} has no frame {}", Number(job), frame)});
       }
       if (core.farm.FinishedFile(job, frame))
-        return background_.Post([=, this] { stream->Send(pictures_.Read(job, frame)); });
+        return SendLater(stream, [=, this] { return pictures_.Read(job, frame); });
       auto picture = preview ? core.farm.Preview(job, frame) : std::nullopt;
       if (!picture) return stream->Refuse(NotFinished(*status, frame));
       const auto shared = std::make_shared<const FinishedPicture>(std::move(*picture));
-      background_.Post([=] { stream->Send(EncodePicture(*shared)); });
+      SendLater(stream, [=] { return EncodePreview(*shared); });
     });
     return stream;
+  });
+}
+
+void JobsService::SendLater(PictureStream* stream, std::function<Result<std::string>()> make) {
+  if (++streams_.waiting > kPicturesWaitingMax) {
+    --streams_.waiting;
+    return stream->Refuse(
+        {grpc::StatusCode::RESOURCE_EXHAUSTED, "too many pictures are waiting to be made; try again"});
+  }
+  background_.Post([=, this, make = std::move(make)] {
+    const bool is_wanted = !stream->is_cancelled();
+    auto bytes = is_wanted ? GuardedResult(make) : Result<std::string>(Failed("nobody reads the picture"));
+    stream->Send(std::move(bytes));
+    --streams_.waiting;
   });
 }
 

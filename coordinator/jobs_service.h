@@ -2,6 +2,7 @@
 #pragma once
 
 #include "coordinator/background_thread.h"
+#include "coordinator/picture_stream.h"
 #include "coordinator/store/picture_store.h"
 #include "proto/blobs/blob_store.h"
 #include "proto/jobs.grpc.pb.h"
@@ -14,7 +15,8 @@ class CallGate;
 
 class JobsService final : public proto::Jobs::Service {
  public:
-  JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures);
+  JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures,
+              const std::string& data_dir);
   // Finishes what runs in the background. Call it before the server is destroyed, so that every call is
   // answered.
   void Stop() { background_.Stop(); }
@@ -52,9 +54,13 @@ class JobsService final : public proto::Jobs::Service {
                                    proto::HealthAnswer* answer);
 
  private:
+  // Makes or reads the picture of a stream in the background and sends it.
+  void SendLater(PictureStream* stream, std::function<Result<std::string>()> make);
+
   const CallGate& gate_;
   const BlobStore& blobs_;
   const PictureStore& pictures_;
+  PictureStreams streams_;
   BackgroundThread background_;
 };
 

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "coordinator/access.h"
+#include "proto/wire/channel.h"
 
 namespace tessera {
 
@@ -29,7 +30,7 @@ grpc::Status ParseMessage(grpc::ByteBuffer& bytes, const MessageLimits& limits,
 template <typename Reactor>
 class RefusedCall final : public Reactor {
  public:
-  explicit RefusedCall(const grpc::Status& status) { this->Finish(status); }
+  explicit RefusedCall(const grpc::Status& status) { this->Finish(Shortened(status)); }
 
  private:
   void OnDone() override { delete this; }

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kListenMax = 16;
 constexpr int kAttemptsMax = 100;
+constexpr int kHttpNamesMax = 16;
 
 Result<Address> ParseLocalAddress(const std::string& flag, const std::string& text, bool insecure) {
   auto address = ParseAddress(text, flag);
@@ -43,6 +44,13 @@ void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
           Presence::kRequired);
   AddText(app, "--http", "HOST:PORT", "Serve a status page at / and Prometheus metrics at /metrics",
           words.http);
+  AddRepeatedWord(app, "--http-name", "NAME",
+                  "Also serve the status page under this host name, beside localhost and numeric addresses; "
+                  "may be repeated",
+                  kHttpNamesMax, [&options](const std::string& word) -> Result<void> {
+                    options.http_names.push_back(word);
+                    return {};
+                  });
   AddSize(app, "--blobs-size,--blob-bytes",
           "Size limit of the scene files kept; least recently used files are evicted first", kBlobBytesMin,
           options.blob_bytes);
@@ -86,6 +94,7 @@ std::string CoordinatorOptions::Text() const {
       blob_bytes, keep_sums_bytes, attempts_max, insecure, exit_with_parent);
   for (const Address& address : listen) text += fmt::format(" listen={}", address.Text());
   if (http) text += fmt::format(" http={}", http->Text());
+  for (const std::string& name : http_names) text += fmt::format(" http_name={}", name);
   return text;
 }
 

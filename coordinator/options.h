@@ -20,7 +20,8 @@ constexpr uint64_t kBlobBytesMin = uint64_t{1} << 20;
 // Parsed, checked and logged once, constant from then on.
 struct CoordinatorOptions {
   std::vector<Address> listen;
-  std::optional<Address> http;  // of the status page and the metrics
+  std::optional<Address> http;          // of the status page and the metrics
+  std::vector<std::string> http_names;  // under which browsers may ask for it
   std::string data_dir;
   uint64_t blob_bytes = kBlobBytesDefault;  // limit of the scene files kept
   // Limit of the sums kept of finished frames, for tessera extend.

@@ -1,35 +1,116 @@
 #include "coordinator/picture_stream.h"
 
-#include <algorithm>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+
+#include "coordinator/guarded.h"
 #include "proto/terms.h"
+#include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "renderer/util/digest.h"
 
 namespace tessera {
+namespace {
+
+// A new file that has no name any more.
+Result<int> TemporaryFile(const std::string& folder) {
+  std::string path = folder + "/fetch-XXXXXX";
+  const int file = ::mkostemp(path.data(), O_CLOEXEC);
+  if (file < 0) return Failed(fmt::format("{}: cannot be created: {}", path, std::strerror(errno)));
+  ::unlink(path.c_str());
+  return file;
+}
+
+bool WriteAll(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t size = ::write(file, bytes.data(), bytes.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size <= 0) return false;
+    bytes.remove_prefix(static_cast<size_t>(size));
+  }
+  return true;
+}
+
+bool ReadAllAt(int file, uint64_t offset, std::string& bytes) {
+  for (size_t done = 0; done < bytes.size();) {
+    const ssize_t size =
+        ::pread(file, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
+    if (size < 0 && errno == EINTR) continue;
+    if (size <= 0) return false;
+    done += static_cast<size_t>(size);
+  }
+  return true;
+}
+
+}  // namespace
+
+PictureStream::PictureStream(PictureStreams& streams, grpc::CallbackServerContext& context)
+    : streams_(streams), watched_(streams.stall_watch.Watch(context)) {
+  ++streams_.count;
+}
+
+PictureStream::~PictureStream() {
+  if (file_ >= 0) ::close(file_);
+  --streams_.count;
+}
+
+void PictureStream::OnDone() {
+  watched_->End();
+  delete this;
+}
+
+void PictureStream::Refuse(const grpc::Status& status) {
+  Finish(Shortened(status));
+}
 
 void PictureStream::Send(Result<std::string> bytes) {
-  if (!bytes) {
-    Finish({grpc::StatusCode::FAILED_PRECONDITION, bytes.error().message});
-    return;
-  }
-  bytes_ = std::move(*bytes);
-  chunk_.set_size(bytes_.size());
-  chunk_.set_digest(WriteDigest(Sha256(bytes_)));
+  if (!bytes) return Refuse({grpc::StatusCode::FAILED_PRECONDITION, bytes.error().message});
+  const auto kept = GuardedResult([&] { return Keep(std::move(*bytes)); });
+  if (!kept) return Refuse({grpc::StatusCode::RESOURCE_EXHAUSTED, kept.error().message});
   SendNext();
 }
 
+Result<void> PictureStream::Keep(std::string bytes) {
+  size_ = bytes.size();
+  chunk_.set_size(size_);
+  chunk_.set_digest(WriteDigest(Sha256(bytes)));
+  if (size_ <= static_cast<uint64_t>(kChunkBytesMax)) {
+    bytes_ = std::move(bytes);
+    return {};
+  }
+  const auto file = TemporaryFile(streams_.folder);
+  if (!file) return file.error();
+  file_ = *file;
+  if (!WriteAll(file_, bytes))
+    return Failed(fmt::format("no room for a copy of the picture: {}", std::strerror(errno)));
+  return {};
+}
+
 void PictureStream::SendNext() {
-  const size_t size = std::min(bytes_.size() - sent_, static_cast<size_t>(kChunkBytesMax));
-  chunk_.set_data(bytes_.data() + sent_, size);
-  sent_ += size;
+  std::string& data = *chunk_.mutable_data();
+  if (file_ < 0) {
+    data = std::move(bytes_);
+  } else {
+    data.resize(std::min(size_ - sent_, static_cast<uint64_t>(kChunkBytesMax)));
+    if (!ReadAllAt(file_, sent_, data))
+      return Refuse({grpc::StatusCode::UNAVAILABLE, "the copy of the picture cannot be read"});
+  }
+  sent_ += data.size();
+  watched_->BeginWait();
   StartWrite(&chunk_);
 }
 
 void PictureStream::OnWriteDone(bool ok) {
+  watched_->EndWait();
   if (!ok) {
     Finish(grpc::Status::CANCELLED);
-  } else if (sent_ == bytes_.size()) {
+  } else if (sent_ == size_) {
     Finish(grpc::Status::OK);
   } else {
     chunk_.Clear();

@@ -1,5 +1,6 @@
 #include "coordinator/picture_writer.h"
 
+#include "coordinator/guarded.h"
 #include "renderer/film/picture_file.h"
 
 namespace tessera {
@@ -18,7 +19,15 @@ Result<Digest> EncodeAndStore(const FinishedPicture& picture, PictureStore& stor
 }  // namespace
 
 Result<std::string> EncodePicture(const FinishedPicture& picture) {
-  return EncodeExr(picture.spec->frames[picture.frame].spec, picture.snapshot.Picture());
+  return GuardedResult(
+      [&] { return EncodeExr(picture.spec->frames[picture.frame].spec, picture.snapshot.Picture()); });
+}
+
+Result<std::string> EncodePreview(const FinishedPicture& picture) {
+  return GuardedResult([&] {
+    const FrameSnapshot::Preview preview = picture.snapshot.MakePreview(kPreviewValuesMax);
+    return EncodeExr(preview.spec, preview.picture);
+  });
 }
 
 void PictureWriter::Write(FinishedPicture picture, OnWritten report) {

@@ -20,6 +20,12 @@ struct WrittenPicture {
 
 // The bytes of an EXR file.
 Result<std::string> EncodePicture(const FinishedPicture& picture);
+// The same of a frame that is not finished. More than kPreviewValuesMax values are reduced to every second,
+// third,
+// ... pixel, so that a preview takes a bounded amount of memory.
+Result<std::string> EncodePreview(const FinishedPicture& picture);
+// 3840 x 2160 pixels in colour.
+constexpr int64_t kPreviewValuesMax = 25'000'000;
 
 // Thread safe.
 class PictureWriter {

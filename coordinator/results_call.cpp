@@ -6,6 +6,7 @@
 
 #include "coordinator/core/tile_request.h"
 #include "coordinator/core_thread.h"
+#include "coordinator/guarded.h"
 #include "coordinator/message_guard.h"
 #include "coordinator/results_intake.h"
 #include "proto/wire/channel.h"
@@ -92,28 +93,29 @@ void ResultsCall::OnReadDone(bool ok) {
   if (!ok) {
     return Finish(Refusal(bytes_ == 0 ? "the announcement is missing" : "the announced results are missing"));
   }
-  bytes_in_ += received_.Length();
-  if (bytes_ > 0 && received_.Length() > bytes_)
-    return Finish(Refusal("the results are larger than announced"));
-  proto::ResultsRequest request;
-  const auto parsed = ParseMessage(received_, RuleFor("Work.ReturnResults").limits, request);
-  if (!parsed.ok()) return Finish(parsed);
-  if (bytes_ == 0) {
-    Announced(request);
-  } else {
-    Received(request);
-  }
+  const grpc::Status read = GuardedStatus([this] { return Read(); });
+  if (!read.ok()) Finish(Shortened(read));
 }
 
-void ResultsCall::Announced(const proto::ResultsRequest& announcement) {
-  if (announcement.worker() == 0) return Finish(Refusal("worker is missing"));
-  if (announcement.bytes() == 0) return Finish(Refusal("bytes is missing"));
+// Returns an error unless the call goes on.
+grpc::Status ResultsCall::Read() {
+  bytes_in_ += received_.Length();
+  if (bytes_ > 0 && received_.Length() > bytes_) return Refusal("the results are larger than announced");
+  proto::ResultsRequest request;
+  const auto parsed = ParseMessage(received_, RuleFor("Work.ReturnResults").limits, request);
+  if (!parsed.ok()) return parsed;
+  return bytes_ == 0 ? Announced(request) : Received(request);
+}
+
+grpc::Status ResultsCall::Announced(const proto::ResultsRequest& announcement) {
+  if (announcement.worker() == 0) return Refusal("worker is missing");
+  if (announcement.bytes() == 0) return Refusal("bytes is missing");
   if (announcement.bytes() > static_cast<uint64_t>(kMessageBytesMax))
-    return Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "the results are larger than the message limit"});
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, "the results are larger than the message limit"};
   if (announcement.decoded_bytes() > kIntakeBytesMax - static_cast<uint64_t>(kMessageBytesMax))
-    return Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "the results are larger than the room for results"});
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, "the results are larger than the room for results"};
   const auto farm = ReadFarmId(announcement.farm());
-  if (!farm) return Finish(ToStatus(farm.error()));
+  if (!farm) return ToStatus(farm.error());
   worker_ = WorkerId{announcement.worker()};
   farm_ = *farm;
   bytes_ = announcement.bytes();
@@ -128,19 +130,21 @@ void ResultsCall::Announced(const proto::ResultsRequest& announcement) {
     if (canceller->context != nullptr) canceller->context->TryCancel();
   };
   intake_.Enter({id_, SenderOf(peer_, worker_), bytes_ + decoded_bytes_, admitted, expired});
+  return grpc::Status::OK;
 }
 
 // Decodes here rather than on the core thread, so that checking and copying pixels uses many threads.
-void ResultsCall::Received(const proto::ResultsRequest& results) {
+grpc::Status ResultsCall::Received(const proto::ResultsRequest& results) {
   intake_.Arrived(id_);
   auto units = ReadResults(core_.open_jobs(), results, farm_, decoded_bytes_);
-  if (!units) return Finish(ToStatus(units.error()));
+  if (!units) return ToStatus(units.error());
   intake_.Shrink(id_, decoded_bytes_);
   const auto shared = std::make_shared<std::vector<ReturnedUnit>>(std::move(*units));
   core_.Post([this, shared](CoreContext& core) {
     core.answers.AwaitResults(id_, [this](const FarmOutput::Results* answer) { Answer(answer); });
     core.farm.ReturnResults(core.now, id_, worker_, std::move(*shared));
   });
+  return grpc::Status::OK;
 }
 
 void ResultsCall::Answer(const FarmOutput::Results* results) {

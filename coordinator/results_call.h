@@ -36,8 +36,9 @@ class ResultsCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     grpc::CallbackServerContext* context = nullptr;  // null once the call is over; guarded by mutex
   };
 
-  void Announced(const proto::ResultsRequest& announcement);
-  void Received(const proto::ResultsRequest& results);
+  grpc::Status Read();
+  grpc::Status Announced(const proto::ResultsRequest& announcement);
+  grpc::Status Received(const proto::ResultsRequest& results);
   void Answer(const FarmOutput::Results* results);
 
   CoreThread& core_;

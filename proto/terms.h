@@ -24,6 +24,8 @@ constexpr const char* kSoftwareVersion = "0.1.0";  // one per farm: pictures are
 
 constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message
 constexpr int64_t kResultBytesMax = int64_t{16} << 20;  // of one unit's radiance tile
+// Of the sums and the picture of one frame in the memory of a coordinator: 16k x 16k pixels in colour.
+constexpr int64_t kFrameBytesMax = int64_t{8} << 30;
 // Of any message: one result of the largest size fits.
 constexpr int64_t kMessageBytesMax = int64_t{24} << 20;
 constexpr int64_t kResultsBatchBytes = int64_t{2} << 20;  // results returned in one call, beyond the first

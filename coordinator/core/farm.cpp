@@ -136,6 +136,13 @@ Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec) {
     return Failed(fmt::format(
         "the farm already has {} open jobs, which is its limit; wait for a job to end or cancel one",
         kOpenJobsMax));
+  const uint64_t bytes = state_.jobs.OpenSpecBytes();
+  if (bytes + MemoryOf(*spec) > kSpecBytesMax)
+    return Failed(
+        fmt::format("the descriptions of the farm's open jobs take {} MB and would exceed the limit of {} MB "
+                    "with this job; "
+                    "wait for a job to end or cancel one, or submit fewer frames",
+                    bytes >> 20, kSpecBytesMax >> 20));
   Job& job = state_.jobs.Add(state_.jobs.next_id(), spec);
   job.began = now;
   job.clock.begun = counters();

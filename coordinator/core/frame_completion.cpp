@@ -56,7 +56,7 @@ std::optional<FinishedPicture> FrameCompletion::Preview(JobId id, uint32_t frame
   if (state_.scheduler.IsComplete(*job, frame)) return std::nullopt;
   const auto merger = job->results.mergers.find(frame);
   FrameSnapshot snapshot = merger == job->results.mergers.end()
-                               ? Merger(job->spec->frames[frame].spec).Snapshot()
+                               ? FrameSnapshot(job->spec->frames[frame].spec, {})
                                : merger->second.Snapshot();
   return FinishedPicture{id, frame, job->spec, std::move(snapshot)};
 }

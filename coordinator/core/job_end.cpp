@@ -40,13 +40,14 @@ void JobEnd::DropSums(const Job& job) {
 void JobEnd::ForgetOldest() {
   size_t surplus = state_.jobs.all().size() - state_.jobs.open().size();
   surplus -= std::min(surplus, kEndedJobsMax);
-  for (auto each = state_.jobs.all().begin(); surplus > 0 && each != state_.jobs.all().end();) {
+  const auto is_too_much = [&] { return surplus > 0 || state_.jobs.spec_bytes() > kSpecBytesMax; };
+  for (auto each = state_.jobs.all().begin(); is_too_much() && each != state_.jobs.all().end();) {
     const auto& [id, job] = *each++;
     if (!HasEnded(job.state)) continue;
     DropSums(job);
     state_.output.forgotten.push_back(id);
     state_.jobs.Remove(JobId{id});
-    --surplus;
+    surplus -= std::min<size_t>(surplus, 1);
   }
 }
 

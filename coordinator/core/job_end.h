@@ -12,7 +12,7 @@ class JobEnd {
   explicit JobEnd(FarmState& state) : state_(state) {}
   // Does nothing if the job has ended already.
   void End(Instant now, Job& job, JobState end, const std::string& reason);
-  // Removes the oldest ended jobs beyond kEndedJobsMax.
+  // Removes the oldest ended jobs beyond kEndedJobsMax, and more while specifications take too much memory.
   void ForgetOldest();
 
  private:

@@ -12,6 +12,18 @@ Error NoSuchJob(JobId id) {
   return BadInput(fmt::format("there is no job {}; \"tessera jobs\" lists all jobs", Number(id)));
 }
 
+uint64_t MemoryOf(const JobSpec& spec) {
+  constexpr uint64_t kNodeBytes = 48;  // of a map, besides what it holds
+  uint64_t bytes = sizeof spec + spec.name.size();
+  for (const FrameRequest& frame : spec.frames) {
+    bytes += sizeof frame + frame.scene_file.size() + frame.options.size();
+    for (const Channel& channel : frame.spec.channels) bytes += sizeof channel + channel.name.size();
+    for (const auto& [name, value] : frame.spec.attributes)
+      bytes += kNodeBytes + sizeof name + sizeof value + name.size() + value.size();
+  }
+  return bytes;
+}
+
 Job& JobTable::Add(JobId id, std::shared_ptr<const JobSpec> spec) {
   Job& job = jobs_[id];
   job.id = id;
@@ -20,6 +32,8 @@ Job& JobTable::Add(JobId id, std::shared_ptr<const JobSpec> spec) {
   submissions_[spec->submission] = id;
   open_.insert(id);
   ReserveIds(id);
+  job.spec_bytes = MemoryOf(*spec);
+  spec_bytes_ += job.spec_bytes;
   job.submitted = job.spec = std::move(spec);
   return job;
 }
@@ -47,8 +61,15 @@ const Job* JobTable::FindSubmission(uint64_t submission) const {
   return found == submissions_.end() ? nullptr : &jobs_.at(found->second);
 }
 
+uint64_t JobTable::OpenSpecBytes() const {
+  uint64_t bytes = 0;
+  for (const JobId id : open_) bytes += jobs_.at(id).spec_bytes;
+  return bytes;
+}
+
 void JobTable::Remove(JobId id) {
   submissions_.erase(jobs_.at(id).spec->submission);
+  spec_bytes_ -= jobs_.at(id).spec_bytes;
   open_.erase(id);
   jobs_.erase(id);
 }

@@ -36,13 +36,20 @@ class JobTable {
   void MarkEnded(JobId id) { open_.erase(id); }
   void MarkOpen(JobId id) { open_.insert(id); }
   void Remove(JobId id);
+  // Memory that the specifications of all jobs, and of those that are open, take.
+  uint64_t spec_bytes() const { return spec_bytes_; }
+  uint64_t OpenSpecBytes() const;
 
  private:
   std::map<JobId, Job> jobs_;
   std::map<uint64_t, JobId> submissions_;
   std::set<JobId> open_;
   uint64_t next_ = 1;
+  uint64_t spec_bytes_ = 0;
 };
+
+// Memory that a specification takes, roughly.
+uint64_t MemoryOf(const JobSpec& spec);
 
 Error NoSuchJob(JobId id);
 

@@ -37,6 +37,23 @@ Result<void> CheckSystemLimits() {
 
 }  // namespace
 
+void ReportUncaughtExceptions(const std::string& name) {
+  static std::string program;
+  program = name;
+  std::set_terminate([] {
+    std::string reason = "unknown failure";
+    try {
+      if (const auto exception = std::current_exception()) std::rethrow_exception(exception);
+    } catch (const std::bad_alloc&) {
+      reason = "not enough memory";
+    } catch (const std::exception& e) {
+      reason = e.what();
+    } catch (...) {
+    }
+    std::_Exit(Report(program, Failed("ended by an error that it cannot recover from: " + reason)));
+  });
+}
+
 int Report(const std::string& name, const Error& error) {
   std::string message = error.message;
   std::ranges::replace(message, '\n', ' ');
@@ -46,6 +63,7 @@ int Report(const std::string& name, const Error& error) {
 
 int RunProgram(const std::string& name, int argc, char** argv, const ProgramBody& body) {
   RequireProcessor();
+  ReportUncaughtExceptions(name);
   // A reader of our output that goes away is a write error and does not end the program.
   ::signal(SIGPIPE, SIG_IGN);
   std::stop_source termination;

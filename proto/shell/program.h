@@ -22,6 +22,10 @@ using ProgramBody =
 // from main before any thread is started.
 int RunProgram(const std::string& name, int argc, char** argv, const ProgramBody& body);
 
+// From now on an exception that no thread catches, such as std::bad_alloc, ends the process with a message
+// and exit code 1. RunProgram calls it.
+void ReportUncaughtExceptions(const std::string& name);
+
 // Prints "NAME: MESSAGE" on one line of stderr. Returns the exit code of the error.
 int Report(const std::string& name, const Error& error);
 

@@ -35,6 +35,10 @@ constexpr size_t kServerMemoryBytes = size_t{192} << 20;
 constexpr int kReconnectFirst_ms = 100;
 constexpr int kReconnectMax_ms = 3'000;
 
+// Of a message as it is transferred, where a byte that is not printable takes three. gRPC accepts headers of
+// 8 KB at most.
+constexpr size_t kStatusBytesMax = 6000;
+
 }  // namespace
 
 std::shared_ptr<grpc::Channel> OpenChannel(const Address& address) {
@@ -86,6 +90,18 @@ grpc::Status ToStatus(const Error& error) {
     case ErrorKind::kFailed: break;
   }
   return {grpc::StatusCode::FAILED_PRECONDITION, error.message};
+}
+
+grpc::Status Shortened(const grpc::Status& status) {
+  const std::string& message = status.error_message();
+  size_t end = 0, escaped = 0, boundary = 0;
+  for (; end < message.size() && escaped <= kStatusBytesMax; ++end) {
+    const auto c = static_cast<unsigned char>(message[end]);
+    if ((c & 0xc0) != 0x80) boundary = end;
+    escaped += c >= 0x20 && c <= 0x7e && c != '%' ? 1 : 3;
+  }
+  if (escaped <= kStatusBytesMax) return status;
+  return {status.error_code(), message.substr(0, boundary) + " ..."};
 }
 
 Error ToError(const grpc::Status& status, const std::string& what) {

@@ -33,6 +33,9 @@ void SetDeadline(grpc::ClientContext& context, std::chrono::milliseconds duratio
 // The status that carries an error: kBadInput as INVALID_ARGUMENT, kFailed as FAILED_PRECONDITION,
 // kInterrupted as CANCELLED.
 grpc::Status ToStatus(const Error& error);
+// The status with its message shortened to what gRPC can transfer, at a boundary of UTF-8. Every status that
+// a server sends goes through here.
+grpc::Status Shortened(const grpc::Status& status);
 // The error of a failed call. `what` names what was tried, such as "submit the job". INVALID_ARGUMENT and
 // NOT_FOUND become kBadInput, CANCELLED kInterrupted, everything else kFailed.
 Error ToError(const grpc::Status& status, const std::string& what);

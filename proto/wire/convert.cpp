@@ -1,5 +1,7 @@
 #include "proto/wire/convert.h"
 
+#include <fmt/format.h>
+
 #include "proto/terms.pb.h"
 #include "proto/wire/fields.h"
 #include "proto/work.pb.h"
@@ -114,6 +116,15 @@ Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message) {
   const auto pixels = static_cast<size_t>(spec.tile_size) * static_cast<size_t>(spec.tile_size);
   if (pixels * spec.Layout().shape().floats_max() * sizeof(float) > static_cast<size_t>(kResultBytesMax)) {
     return BadField("tile_size", "times the number of channels is more than one message may hold");
+  }
+  const auto values =
+      static_cast<int64_t>(spec.Layout().shape().stride() + PictureChannels(spec.channels).size());
+  if (spec.crop.area() * values * static_cast<int64_t>(sizeof(float)) > kFrameBytesMax) {
+    return BadInput(
+        fmt::format("message refused: a frame of {}x{} pixels with {} values each needs more memory than the "
+                    "{} GB that the "
+                    "coordinator has for one frame; use fewer channels (--aov), a lower resolution or a crop",
+                    spec.crop.width(), spec.crop.height(), values, kFrameBytesMax >> 30));
   }
   return spec;
 }

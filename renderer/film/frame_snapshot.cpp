@@ -40,19 +40,37 @@ std::vector<float> FramePicture::Channel(const std::string& name) const {
   return plane;
 }
 
-FramePicture FrameSnapshot::Picture() const {
+FramePicture FrameSnapshot::PictureOf(const FrameSpec& spec, int step) const {
   const ChannelLayout layout = spec_.Layout();
   const TilePainter painter(spec_.channels, layout);
   FramePicture picture;
-  picture.bounds = spec_.crop;
+  picture.bounds = spec.crop;
   picture.channels = painter.Names();
-  picture.samples_min = spec_.samples_per_pixel;
-  picture.values.assign(static_cast<size_t>(spec_.crop.area()) * picture.channels.size(), 0.0f);
-  for (int tile = 0; tile < spec_.TileCount(); ++tile) Paint(tile, painter, picture);
+  picture.samples_min = tiles_.empty() ? 0 : spec_.samples_per_pixel;
+  picture.values.assign(static_cast<size_t>(spec.crop.area()) * picture.channels.size(), 0.0f);
+  for (int tile = 0; tile < static_cast<int>(tiles_.size()); ++tile) Paint(tile, painter, step, picture);
   return picture;
 }
 
-void FrameSnapshot::Paint(int tile, const TilePainter& painter, FramePicture& picture) const {
+FrameSnapshot::Preview FrameSnapshot::MakePreview(int64_t values_max) const {
+  const auto channels = static_cast<int64_t>(PictureChannels(spec_.channels).size());
+  const auto reduced = [](int size, int step) { return (size + step - 1) / step; };
+  Preview preview;
+  preview.spec = spec_;
+  int step = 1;
+  while (preview.spec.crop.area() * channels > values_max) {
+    ++step;
+    const int x0 = spec_.crop.x0 / step, y0 = spec_.crop.y0 / step;
+    preview.spec.crop = {x0, y0, x0 + reduced(spec_.crop.width(), step),
+                         y0 + reduced(spec_.crop.height(), step)};
+    preview.spec.width = std::max(reduced(spec_.width, step), preview.spec.crop.x1);
+    preview.spec.height = std::max(reduced(spec_.height, step), preview.spec.crop.y1);
+  }
+  preview.picture = PictureOf(preview.spec, step);
+  return preview;
+}
+
+void FrameSnapshot::Paint(int tile, const TilePainter& painter, int step, FramePicture& picture) const {
   const PixelBounds bounds = spec_.TileBounds(tile);
   const auto pixels = static_cast<size_t>(bounds.area());
   const ChannelLayout& layout = painter.layout();
@@ -62,14 +80,14 @@ void FrameSnapshot::Paint(int tile, const TilePainter& painter, FramePicture& pi
     return;
   }
   PixelSource pixel(layout, pixels, shown.values, shown.samples);
-  for (int y = bounds.y0; y < bounds.y1; ++y) {
-    const size_t place = static_cast<size_t>(y - spec_.crop.y0) * static_cast<size_t>(spec_.crop.width()) +
-                         static_cast<size_t>(bounds.x0 - spec_.crop.x0);
-    float* out = &picture.values[place * picture.channels.size()];
-    for (int x = bounds.x0; x < bounds.x1; ++x, out += picture.channels.size()) {
+  for (int y = bounds.y0 - spec_.crop.y0; y < bounds.y1 - spec_.crop.y0; ++y) {
+    for (int x = bounds.x0 - spec_.crop.x0; x < bounds.x1 - spec_.crop.x0; ++x) {
       pixel.Next();
       picture.samples_min = std::min(picture.samples_min, static_cast<uint32_t>(pixel.samples()));
-      painter.Paint(pixel, out);
+      if (x % step != 0 || y % step != 0) continue;
+      const auto row = static_cast<size_t>(y / step) * static_cast<size_t>(picture.bounds.width());
+      const size_t place = row + static_cast<size_t>(x / step);
+      painter.Paint(pixel, &picture.values[place * picture.channels.size()]);
     }
   }
 }

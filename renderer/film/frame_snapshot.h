@@ -32,15 +32,24 @@ class FrameSnapshot {
   using TileNodes = std::vector<std::pair<SampleRange, SharedSums>>;
 
   FrameSnapshot() = default;
-  // `tiles` has an entry for every tile of the frame.
+  // `tiles` has an entry for every tile of the frame, or none if nothing of it is merged.
   FrameSnapshot(FrameSpec spec, std::vector<TileNodes> tiles)
       : spec_(std::move(spec)), tiles_(std::move(tiles)) {}
 
   // A tile with a complete prefix [0, n) shows that, any other what it has; black where it has nothing.
-  FramePicture Picture() const;
+  FramePicture Picture() const { return PictureOf(spec_, 1); }
+
+  // A picture of at most `values_max` values that has every n-th pixel of each row and column, and the frame
+  // that it is a picture of. n is 1 if the whole picture has no more values.
+  struct Preview {
+    FrameSpec spec;
+    FramePicture picture;
+  };
+  Preview MakePreview(int64_t values_max) const;
 
  private:
-  void Paint(int tile, const TilePainter& painter, FramePicture& picture) const;
+  FramePicture PictureOf(const FrameSpec& spec, int step) const;
+  void Paint(int tile, const TilePainter& painter, int step, FramePicture& picture) const;
 
   FrameSpec spec_;
   std::vector<TileNodes> tiles_;

@@ -1,6 +1,8 @@
 // Blobs up and down.
 #include <gtest/gtest.h>
 
+#include <list>
+
 #include "proto/blobs/blob_store.h"
 #include "tests/coordinator/services_fixture.h"
 
@@ -81,6 +83,43 @@ TEST_F(Services, BlobsAreDownloadedFromAnyOffset) {
     EXPECT_FALSE(reader->Read(&chunk));
     EXPECT_EQ(reader->Finish().error_code(), code);
   }
+}
+
+// Downloads that nobody reads.
+TEST_F(Services, TransfersBeyondTheLimitAreToldToTryAgain) {
+  // More than the buffers of a connection take.
+  const std::string blob(64 << 20, 'x');
+  const auto upload = coordinator->blobs().Begin(Sha256(blob), blob.size(), 0);
+  ASSERT_TRUE(upload && (*upload)->Add(blob) && (*upload)->Finish());
+  proto::DownloadRequest request;
+  request.set_digest(WriteDigest(Sha256(blob)));
+  struct Unread {
+    grpc::ClientContext context;
+    std::unique_ptr<grpc::ClientReader<proto::DownloadChunk>> reader;
+  };
+  std::list<Unread> unread;
+  proto::DownloadChunk chunk;
+  for (int i = 0; i < 64; ++i) {
+    Unread& each = unread.emplace_back();
+    each.reader = blobs->Download(&each.context, request);
+    ASSERT_TRUE(each.reader->Read(&chunk));
+  }
+  const auto next = [&] {
+    grpc::ClientContext context;
+    const auto reader = blobs->Download(&context, request);
+    while (reader->Read(&chunk)) {
+    }
+    return reader->Finish().error_code();
+  };
+  EXPECT_EQ(next(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  for (Unread& each : unread) {
+    each.context.TryCancel();
+    each.reader->Finish();
+  }
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  auto code = next();
+  while (code != grpc::StatusCode::OK && std::chrono::steady_clock::now() < end) code = next();
+  EXPECT_EQ(code, grpc::StatusCode::OK);
 }
 
 }  // namespace

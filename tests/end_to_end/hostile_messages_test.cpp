@@ -3,6 +3,7 @@
 
 #include <thread>
 
+#include "proto/jobs.grpc.pb.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
@@ -98,6 +99,61 @@ TEST_F(HostileMessages, TilesThatNobodyRequestedAreNotUnpacked) {
     EXPECT_THAT(answer.verdicts(), testing::Each(testing::Ne(proto::ResultsAnswer::ACCEPTED)));
   }
   EXPECT_LT(PeakBytes(coordinator().pid()), size_t{100} << 20);
+}
+
+// 275 GB.
+TEST_F(HostileMessages, AFrameThatNoMemoryHoldsIsRefusedWhenItIsSubmitted) {
+  Submit(BoxScene(), {"--spp", "1"});
+  proto::JobSpec job;
+  job.set_submission(99);
+  job.set_package(std::string(32, 'x'));
+  FrameSpec frame;
+  frame.width = frame.height = 16384;
+  frame.crop = {0, 0, frame.width, frame.height};
+  frame.samples_per_pixel = 1;
+  std::vector<std::string> names;
+  for (int i = 0; i < 250; ++i) names.push_back("c" + std::to_string(i));
+  frame.channels = ColorsAndWeight(names);
+  frame.tile_size = 32;
+  proto::FrameRequest& request = *job.add_frames();
+  request.set_scene_file("scene.pbrt");
+  tessera::Write(frame, *request.mutable_spec());
+  grpc::ClientContext context;
+  proto::SubmitAnswer answer;
+  const auto jobs = proto::Jobs::NewStub(OpenChannel(*ParseAddress(address(), "test")));
+  const auto status = jobs->Submit(&context, job, &answer);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), testing::HasSubstr("needs more memory"));
+}
+
+TEST_F(HostileMessages, APreviewOfAHugeFrameTakesLittleMemory) {
+  const std::string job =
+      Submit(BoxScene(), {"--spp", "1", "--resolution", "16384x16384", "--tile-size", "256"});
+  const Outcome fetched = Ask({"fetch", job, "--preview", "-o", Path("preview.exr")});
+  EXPECT_EQ(fetched.code, 0) << fetched.errors;
+}
+
+TEST_F(HostileMessages, PreviewsThatNobodyReadsAreNotMade) {
+  const std::string job = Submit(BoxScene(), {"--spp", "1", "--resolution", "3840x2160"});
+  const auto jobs = proto::Jobs::NewStub(OpenChannel(*ParseAddress(address(), "test")));
+  proto::FetchRequest request;
+  request.set_job(std::stoull(job));
+  request.set_preview(true);
+  for (int i = 0; i < 150; ++i) {
+    grpc::ClientContext context;
+    const auto reader = jobs->FetchPicture(&context, request);
+    context.TryCancel();
+    reader->Finish();
+  }
+  // Slow readers hold nothing but a chunk each.
+  std::vector<std::unique_ptr<grpc::ClientContext>> contexts;
+  std::vector<std::unique_ptr<grpc::ClientReader<proto::PictureChunk>>> readers;
+  for (int i = 0; i < 40; ++i) {
+    contexts.push_back(std::make_unique<grpc::ClientContext>());
+    readers.push_back(jobs->FetchPicture(contexts.back().get(), request));
+  }
+  EXPECT_EQ(Ask({"jobs"}).code, 0);
+  for (const auto& context : contexts) context->TryCancel();
 }
 
 }  // namespace

@@ -101,6 +101,7 @@ struct Job {
   JobId id{};
   std::shared_ptr<const JobSpec> submitted;
   std::shared_ptr<const JobSpec> spec;  // as submitted, or extended since
+  uint64_t spec_bytes = 0;              // MemoryOf(*submitted)
   JobState state = JobState::kWaiting;
   std::string reason;
   bool is_paused = false;  // by the user

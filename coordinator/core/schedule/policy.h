@@ -96,6 +96,9 @@ constexpr size_t kFailuresKeptMax = 1000;
 
 // ---- Jobs ----
 constexpr size_t kOpenJobsMax = 10'000;
+// Specifications of open jobs in memory: 10,000 jobs of some 25 frames each. Ended jobs are forgotten, oldest
+// first, while all jobs take more.
+constexpr uint64_t kSpecBytesMax = uint64_t{128} << 20;
 // Ended jobs that are kept, with their pictures.
 constexpr size_t kEndedJobsMax = 10'000;
 

@@ -60,5 +60,27 @@ TEST(FrameSnapshot, OutlivesItsMerger) {
   EXPECT_EQ(snapshot.Picture().values, (std::vector<float>{7, 7, 0, 0, 7, 7, 0, 0}));
 }
 
+TEST(FrameSnapshot, APreviewOfManyValuesHasEveryNthPixel) {
+  Merger merger(TwoTiles());
+  for (const uint32_t tile : {0u, 1u})
+    ASSERT_TRUE(merger.Add(Node(tile, {0, 4}, 5 + static_cast<float>(tile))));
+  const FrameSnapshot snapshot = merger.Snapshot();
+  const auto whole = snapshot.MakePreview(8);
+  EXPECT_EQ(whole.spec, TwoTiles());
+  EXPECT_EQ(whole.picture.values, snapshot.Picture().values);
+  const auto half = snapshot.MakePreview(7);
+  EXPECT_EQ(half.spec.crop, (PixelBounds{0, 0, 2, 1}));
+  EXPECT_EQ(half.picture.values, (std::vector<float>{5, 6}));
+  EXPECT_TRUE(half.spec.Check());
+  const auto least = snapshot.MakePreview(1);
+  EXPECT_EQ(least.picture.values, (std::vector<float>{5}));
+}
+
+TEST(FrameSnapshot, WithoutTilesItIsBlack) {
+  const FramePicture picture = FrameSnapshot(TwoTiles(), {}).Picture();
+  EXPECT_EQ(picture.values, std::vector<float>(8, 0.0f));
+  EXPECT_EQ(picture.samples_min, 0u);
+}
+
 }  // namespace
 }  // namespace tessera
