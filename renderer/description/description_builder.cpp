@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -46,8 +47,14 @@ bool DescriptionBuilder::Fail(const SourceLocation& where, const std::string& me
 
 bool DescriptionBuilder::Charge(const SourceLocation& where, uint64_t size) {
   description_size_ += size;
-  if (description_size_ <= kDescriptionSizeMax) return true;
-  return Fail(where, fmt::format("the scene describes more than {} bytes of data", kDescriptionSizeMax));
+  // What is not read from text counts no files.
+  const uint64_t for_files =
+      std::clamp(files_size_ * kDescriptionExpansionMax, kDescriptionFloor, kDescriptionSizeMax);
+  const uint64_t allowed = files_size_ == 0 ? kDescriptionSizeMax : for_files;
+  if (description_size_ <= allowed) return true;
+  const std::string limit =
+      files_size_ == 0 ? std::string() : fmt::format(", the limit for files of {} bytes", files_size_);
+  return Fail(where, fmt::format("the scene describes more than {} bytes of data{}", allowed, limit));
 }
 
 bool DescriptionBuilder::Charge(const Entity& entity) {

@@ -12,8 +12,12 @@
 
 namespace tessera {
 
-// Bytes in memory, roughly: a bound for small files that describe much, such as defaults copied to shapes.
+// Bytes in memory, roughly: bounds for small files that describe much, such as compressed ones, files
+// included many times and defaults copied to shapes. Whatever the files, at most kDescriptionSizeMax; per
+// byte of them at most kDescriptionExpansionMax, but kDescriptionFloor in any case.
 constexpr uint64_t kDescriptionSizeMax = uint64_t{64} << 30;
+constexpr uint64_t kDescriptionExpansionMax = 200;
+constexpr uint64_t kDescriptionFloor = uint64_t{512} << 20;
 // Bytes of defaults that are copied to entities.
 constexpr uint64_t kCopiedSizeMax = uint64_t{4} << 30;
 // Bytes of the name of a material, medium, kind or parameter.
@@ -32,7 +36,9 @@ class DescriptionBuilder {
   // Shorthand for diagnostics().Fail: always false.
   bool Fail(const SourceLocation& where, const std::string& message);
 
-  // Counts `size` bytes of what is described at `where`; fails beyond kDescriptionSizeMax.
+  // Counts `size` bytes of a file that describes the scene, as it is stored.
+  void CountFile(uint64_t size) { files_size_ += size; }
+  // Counts `size` bytes of what is described at `where`; fails beyond what the files counted so far allow.
   bool Charge(const SourceLocation& where, uint64_t size);
   bool Charge(const Entity& entity);
   // The same for bytes that are copied; fails beyond kCopiedSizeMax, too.
@@ -64,6 +70,7 @@ class DescriptionBuilder {
   SceneDescription scene_;
   std::map<std::string, SourceLocation> media_, objects_;
   std::map<std::pair<bool, std::string>, SourceLocation> textures_;  // by (is spectrum, name)
+  uint64_t files_size_ = 0;
   uint64_t description_size_ = 0;
   uint64_t copied_size_ = 0;
 };

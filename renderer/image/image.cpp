@@ -1,5 +1,6 @@
 #include "renderer/image/image.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -8,6 +9,7 @@
 
 #include "renderer/image/color_encoding.h"
 #include "renderer/image/image_format.h"
+#include "renderer/image/image_limits.h"
 #include "renderer/image/library_formats.h"
 #include "renderer/image/pfm.h"
 #include "renderer/image/qoi.h"
@@ -92,6 +94,15 @@ Result<ImageFormat> RecogniseFormat(const std::string& bytes, const std::string&
   return content;
 }
 
+Result<void> CheckImagesSize(const std::string& name, uint64_t file_bytes, uint64_t decoded_bytes) {
+  const uint64_t allowed = std::max<uint64_t>(kImagesBytesFloor, file_bytes * kImagesExpansionMax);
+  if (decoded_bytes <= allowed) return {};
+  return BadInput(
+      fmt::format("{}: the pictures up to this one hold {} bytes when decoded, at most {} are read from "
+                  "files of {} bytes",
+                  name, decoded_bytes, allowed, file_bytes));
+}
+
 std::string CacheKey(const std::string& name, const std::optional<ColorEncoding>& encoding) {
   return name + '\n' + EncodingText(encoding);
 }
@@ -126,6 +137,10 @@ Result<std::shared_ptr<const Image>> ImageCache::Get(const std::string& name,
     if (!bytes) return bytes.error();
     Result<Image> image = DecodeImage(*bytes, name, encoding);
     if (!image) return image.error();
+    file_bytes_ += bytes->size();
+    decoded_bytes_ += image->bytes.size();
+    if (Result<void> checked = CheckImagesSize(name, file_bytes_, decoded_bytes_); !checked)
+      return checked.error();
     shared = std::make_shared<const Image>(std::move(image).value());
     files_.Keep(name, what, shared, shared->bytes.size());
   }

@@ -61,7 +61,8 @@ Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
 // A different text for each encoding, for cache keys.
 std::string EncodingText(const std::optional<ColorEncoding>& encoding);
 
-// Images by file name and encoding, each read once. Thread safe.
+// Images by file name and encoding, each read once, and together no larger than image_limits.h allows. Thread
+// safe.
 class ImageCache {
  public:
   explicit ImageCache(FileSource& files) : files_(files) {}
@@ -73,6 +74,7 @@ class ImageCache {
   FileSource& files_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const Image>> images_;
+  uint64_t file_bytes_ = 0, decoded_bytes_ = 0;  // of those decoded here
 };
 
 }  // namespace tessera

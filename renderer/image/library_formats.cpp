@@ -11,6 +11,8 @@
 
 #include "renderer/description/source_location.h"
 #include "renderer/image/container_check.h"
+#include "renderer/image/declared_size.h"
+#include "renderer/image/exr_header.h"
 #include "renderer/image/image_limits.h"
 #include "renderer/image/orientation.h"
 
@@ -174,7 +176,9 @@ Result<Image> Decode(ImageFormat format, const std::string& bytes, const std::st
 Result<Image> DecodeWithLibrary(ImageFormat format, const std::string& bytes, const std::string& name,
                                 std::optional<ColorEncoding> encoding) {
   SetUpLibrary();
-  Result<void> checked;
+  Result<void> checked = CheckDeclaredSize(format, bytes, name);
+  if (!checked) return checked.error();
+  if (format == ImageFormat::kExr) checked = CheckExr(bytes, name);
   if (format == ImageFormat::kPng) checked = CheckPng(bytes, name);
   if (format == ImageFormat::kJpeg) checked = CheckJpeg(bytes, name);
   if (!checked) return checked.error();

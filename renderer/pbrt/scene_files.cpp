@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "renderer/util/file.h"
@@ -10,6 +11,10 @@ namespace tessera {
 
 Result<std::string> SceneFiles::Read(const std::string& name) {
   Result<std::string> text = source_->Read(name);
+  if (text && names_.insert(name).second) {
+    stored_size_ += text->size();
+    builder_->CountFile(text->size());
+  }
   if (text && name.ends_with(".gz")) return Gunzip(*text, name, kSceneFileSizeMax);
   return text;
 }
@@ -17,9 +22,13 @@ Result<std::string> SceneFiles::Read(const std::string& name) {
 std::unique_ptr<Lexer> SceneFiles::Lex(const SourceLocation& where, const std::string& name, std::string text,
                                        Diagnostics& diagnostics) {
   text_size_ += text.size();
-  if (text_size_ > kSceneTextSizeMax) {
+  const uint64_t allowed =
+      std::clamp(stored_size_ * kSceneTextExpansionMax, kSceneTextFloor, kSceneTextSizeMax);
+  if (text_size_ > allowed) {
     diagnostics.Fail(
-        where, fmt::format("the scene's files hold more than {} bytes of text together", kSceneTextSizeMax));
+        where, fmt::format("the scene's files of {} bytes hold more than {} bytes of text, as often as they "
+                           "are included",
+                           stored_size_, allowed));
     return nullptr;
   }
   auto file = *top_.file == name ? top_.file : std::make_shared<const std::string>(name);

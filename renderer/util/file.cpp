@@ -73,6 +73,7 @@ Result<std::string> ReadFile(const std::string& path, uint64_t size_max) {
 }
 
 Result<std::string> Gunzip(std::string_view compressed, const std::string& path, uint64_t size_max) {
+  const uint64_t limit = std::min(size_max, std::max(kGunzipFloor, compressed.size() * kGunzipRatioMax));
   z_stream stream{};
   constexpr int kGzipOnly = 15 + 16;  // the largest window, with a gzip header
   if (inflateInit2(&stream, kGzipOnly) != Z_OK) return Failed(path + ": cannot start to decompress");
@@ -81,7 +82,7 @@ Result<std::string> Gunzip(std::string_view compressed, const std::string& path,
   std::string bytes;
   int status = Z_OK;
   char piece[1 << 16];
-  while (status == Z_OK && bytes.size() <= size_max) {
+  while (status == Z_OK && bytes.size() <= limit) {
     if (stream.avail_in == 0) {
       constexpr size_t kFeedMax = size_t{1} << 30;  // zlib counts in 32 bits
       stream.avail_in = static_cast<uInt>(std::min(rest, kFeedMax));
@@ -93,8 +94,9 @@ Result<std::string> Gunzip(std::string_view compressed, const std::string& path,
     bytes.append(piece, sizeof piece - stream.avail_out);
   }
   inflateEnd(&stream);
-  if (bytes.size() > size_max) {
-    return BadInput(fmt::format("{}: unpacks to more than the limit of {} bytes", path, size_max));
+  if (bytes.size() > limit) {
+    return BadInput(fmt::format("{}: unpacks to more than the limit of {} bytes{}", path, limit,
+                                limit < size_max ? " for a file of its size" : ""));
   }
   if (status != Z_STREAM_END) return BadInput(path + ": the compressed data is damaged or cut short");
   return bytes;

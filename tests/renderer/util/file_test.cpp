@@ -1,8 +1,11 @@
 #include "renderer/util/file.h"
 
 #include <gtest/gtest.h>
+#include <zlib.h>
+
 #include <sys/stat.h>
 #include <unistd.h>
+#include <random>
 
 #include <filesystem>
 
@@ -76,6 +79,33 @@ TEST(Gunzip, UnpacksWhole) {
   const std::string_view packed(reinterpret_cast<const char*>(kPacked), sizeof kPacked);
   EXPECT_EQ(*Gunzip(packed, "f.gz", 17), "hello hello hello");
   EXPECT_EQ(Gunzip(packed, "f.gz", 16).error().message, "f.gz: unpacks to more than the limit of 16 bytes");
+}
+
+std::string Zipped(const std::string& text) {
+  z_stream stream{};
+  deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
+  std::string packed(deflateBound(&stream, text.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
+TEST(Gunzip, StopsAtTheSizeThatTheFileCanReasonablyHave) {
+  const std::string bomb = Zipped(std::string(kGunzipFloor + 1, ' '));  // some 16 kB
+  EXPECT_EQ(Gunzip(bomb, "f.gz", uint64_t{4} << 30).error().message,
+            "f.gz: unpacks to more than the limit of 16777216 bytes for a file of its size");
+  const std::string blank(kGunzipFloor, ' ');
+  EXPECT_EQ(*Gunzip(Zipped(blank), "f.gz", uint64_t{4} << 30), blank);
+  // Of bytes that do not shrink, a larger file is fine.
+  std::mt19937 engine(1);
+  std::string noise(kGunzipFloor + 1000, ' ');
+  for (char& c : noise) c = static_cast<char>(engine());
+  EXPECT_EQ(Gunzip(Zipped(noise), "f.gz", uint64_t{4} << 30)->size(), noise.size());
 }
 
 TEST(Gunzip, DamageIsToldByThePath) {

@@ -1,0 +1,146 @@
+#include "renderer/image/declared_size.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "renderer/description/number.h"
+#include "renderer/image/header_reader.h"
+#include "renderer/image/image_limits.h"
+
+namespace tessera {
+namespace {
+
+using Size = std::optional<DeclaredSize>;
+
+// Two integers of `bytes` bytes each from `at`.
+Size PairAt(std::string_view file, size_t at, int bytes, bool is_little) {
+  HeaderReader in(file);
+  if (!in.SkipBytes(at)) return std::nullopt;
+  const auto width = in.Integer(bytes, is_little), height = in.Integer(bytes, is_little);
+  if (!width || !height) return std::nullopt;
+  return DeclaredSize{*width, *height};
+}
+
+Size PngSize(std::string_view file) {
+  return PairAt(file, 16, 4, false);
+}
+
+Size TgaSize(std::string_view file) {
+  return PairAt(file, 12, 2, true);
+}
+
+// Rows from the top have a negative height.
+Size BmpSize(std::string_view file) {
+  constexpr size_t kHeaderAt = 14;
+  constexpr uint32_t kOldHeaderSize = 12;
+  HeaderReader in(file);
+  const auto header_size = in.SkipBytes(kHeaderAt) ? in.Little32() : std::nullopt;
+  if (!header_size) return std::nullopt;
+  if (*header_size == kOldHeaderSize) return PairAt(file, kHeaderAt + 4, 2, true);
+  Size size = PairAt(file, kHeaderAt + 4, 4, true);
+  if (size) size->width = std::abs(int64_t{static_cast<int32_t>(size->width)});
+  if (size) size->height = std::abs(int64_t{static_cast<int32_t>(size->height)});
+  return size;
+}
+
+// The segments up to the first start of a frame.
+Size JpegSize(std::string_view file) {
+  HeaderReader in(file);
+  in.SkipBytes(2);
+  while (const auto mark = in.Big(1)) {
+    if (*mark != 0xff) return std::nullopt;
+    auto kind = in.Big(1);
+    while (kind && *kind == 0xff) kind = in.Big(1);  // fill bytes
+    const auto length = kind ? in.Big(2) : std::nullopt;
+    if (!length || *length < 2) return std::nullopt;
+    const bool is_frame = *kind >= 0xc0 && *kind <= 0xcf && *kind != 0xc4 && *kind != 0xc8 && *kind != 0xcc;
+    if (is_frame) {
+      const Size size = PairAt(in.Rest(), 1, 2, false);
+      return size ? Size(DeclaredSize{size->height, size->width}) : size;
+    }
+    if (!in.SkipBytes(*length - 2)) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+// Of its first picture. Values of other types than 16- and 32-bit integers are left to the library.
+Size TiffSize(std::string_view file) {
+  constexpr uint32_t kWidthTag = 256, kHeightTag = 257, kShort = 3;
+  const bool is_little = file.starts_with("II");
+  HeaderReader in(file);
+  if (!in.SkipBytes(4)) return std::nullopt;
+  const auto directory = in.Integer(4, is_little);
+  HeaderReader entries(file);
+  if (!directory || !entries.SkipBytes(*directory)) return std::nullopt;
+  const auto count = entries.Integer(2, is_little);
+  DeclaredSize size;
+  for (uint32_t i = 0; count && i < *count; ++i) {
+    const auto tag = entries.Integer(2, is_little), type = entries.Integer(2, is_little);
+    const auto values = entries.Integer(4, is_little);
+    const std::optional<std::string_view> value = entries.Take(4);
+    if (!tag || !type || !values || !value) break;
+    const auto number = HeaderReader(*value).Integer(*type == kShort ? 2 : 4, is_little);
+    if (*tag == kWidthTag) size.width = *number;
+    if (*tag == kHeightTag) size.height = *number;
+  }
+  return size.width > 0 && size.height > 0 ? Size(size) : std::nullopt;
+}
+
+Size WebpSize(std::string_view file) {
+  constexpr size_t kChunkAt = 12, kDataAt = 20;
+  const std::string_view kind = file.size() > kDataAt ? file.substr(kChunkAt, 4) : std::string_view();
+  if (kind == "VP8X") {
+    const Size size = PairAt(file, kDataAt + 4, 3, true);
+    return size ? Size(DeclaredSize{size->width + 1, size->height + 1}) : size;
+  }
+  if (kind == "VP8 ") {
+    constexpr int64_t kSideMask = 0x3fff;  // the upper bits are a scale
+    const Size size = PairAt(file, kDataAt + 6, 2, true);
+    return size ? Size(DeclaredSize{size->width & kSideMask, size->height & kSideMask}) : size;
+  }
+  if (kind == "VP8L") {
+    HeaderReader in(file);
+    in.SkipBytes(kDataAt + 1);
+    const auto bits = in.Little32();
+    if (bits) return DeclaredSize{(*bits & 0x3fff) + 1, (*bits >> 14 & 0x3fff) + 1};
+  }
+  return std::nullopt;
+}
+
+// The resolution line after the empty line: "-Y 480 +X 640".
+Size HdrSize(std::string_view file) {
+  const size_t end_of_header = file.find("\n\n");
+  if (end_of_header == std::string_view::npos) return std::nullopt;
+  std::string_view line = file.substr(end_of_header + 2);
+  line = line.substr(0, line.find('\n'));
+  int64_t sides[2] = {};
+  for (int64_t& side : sides) {
+    line.remove_prefix(std::min(line.find_first_of("XY"), line.size()));
+    line.remove_prefix(std::min(line.find_first_of("0123456789"), line.size()));
+    ReadNumber(line.data(), line.data() + line.size(), side);
+  }
+  return DeclaredSize{sides[1], sides[0]};
+}
+
+}  // namespace
+
+std::optional<DeclaredSize> FindDeclaredSize(ImageFormat format, std::string_view bytes) {
+  switch (format) {
+    case ImageFormat::kPng: return PngSize(bytes);
+    case ImageFormat::kJpeg: return JpegSize(bytes);
+    case ImageFormat::kTga: return TgaSize(bytes);
+    case ImageFormat::kHdr: return HdrSize(bytes);
+    case ImageFormat::kTiff: return TiffSize(bytes);
+    case ImageFormat::kBmp: return BmpSize(bytes);
+    case ImageFormat::kWebp: return WebpSize(bytes);
+    default: return std::nullopt;
+  }
+}
+
+Result<void> CheckDeclaredSize(ImageFormat format, const std::string& bytes, const std::string& name) {
+  const std::optional<DeclaredSize> size = FindDeclaredSize(format, bytes);
+  if (!size) return {};
+  return CheckImageSize(name, size->width, size->height, 1, 1, bytes.size());
+}
+
+}  // namespace tessera
