@@ -31,22 +31,25 @@ Result<void> FrameFetcher::SaveFinished() {
 }
 
 Result<void> FrameFetcher::Save(size_t index, const FrameStatus& frame) {
-  const std::string path = names_.Exr(frame.number);
+  const std::string path = names_.Picture(frame.number);
   if (names_.Png(frame.number).empty() && HasDigest(path, *frame.file)) {
     saved_.push_back({frame.number, path, *frame.file});
     return {};
   }
-  return Fetch(index, frame.number, false);
+  return Keep(client_.FetchPicture(job_, static_cast<uint32_t>(index), false), frame.number);
 }
 
-Result<void> FrameFetcher::SavePreview(size_t index, int frame) {
-  return Fetch(index, frame, true);
+Result<bool> FrameFetcher::SavePreview(size_t index, int frame) {
+  const auto exr = client_.FetchPicture(job_, static_cast<uint32_t>(index), true);
+  // The coordinator has no such picture: it knew the job and the frame a moment ago.
+  if (!exr && exr.error().kind == ErrorKind::kBadInput) return false;
+  if (auto kept = Keep(exr, frame); !kept) return kept.error();
+  return true;
 }
 
-Result<void> FrameFetcher::Fetch(size_t index, int frame, bool preview) {
-  const auto exr = client_.FetchPicture(job_, static_cast<uint32_t>(index), preview);
+Result<void> FrameFetcher::Keep(const Result<std::string>& exr, int frame) {
   if (!exr) return exr.error();
-  auto saved = SavePicture(*exr, frame, names_);
+  auto saved = SavePicture(*exr, frame, names_, stop_);
   if (!saved) return saved.error();
   saved_.push_back(std::move(*saved));
   return {};

@@ -1,6 +1,7 @@
 // Fetches the pictures of a job from a farm into files here.
 #pragma once
 
+#include <stop_token>
 #include <vector>
 
 #include "client/coordinator/coordinator_client.h"
@@ -13,24 +14,27 @@ namespace tessera {
 // Fetches each picture once. Not thread safe.
 class FrameFetcher {
  public:
-  FrameFetcher(CoordinatorClient& client, JobId job, PictureNames names)
-      : client_(client), job_(job), names_(std::move(names)) {}
+  // `stop` as in WriteOutput.
+  FrameFetcher(CoordinatorClient& client, JobId job, PictureNames names, std::stop_token stop)
+      : client_(client), job_(job), names_(std::move(names)), stop_(std::move(stop)) {}
 
   // Saves every picture that is finished and has not been saved yet.
   Result<void> SaveFinished();
   // Saves a finished frame, given by its index in the job. A file that already has the right bytes is left as
   // it is, and nothing is transferred.
   Result<void> Save(size_t index, const FrameStatus& frame);
-  // Saves what has been rendered so far of a frame that is not finished.
-  Result<void> SavePreview(size_t index, int frame);
+  // Saves what has been rendered so far of a frame that is not finished. Returns false if its job ended
+  // before anything was rendered of it.
+  Result<bool> SavePreview(size_t index, int frame);
   const std::vector<SavedPicture>& saved() const { return saved_; }
 
  private:
-  Result<void> Fetch(size_t index, int frame, bool preview);
+  Result<void> Keep(const Result<std::string>& exr, int frame);
 
   CoordinatorClient& client_;
   JobId job_;
   PictureNames names_;
+  std::stop_token stop_;
   std::vector<bool> is_saved_;  // by index
   std::vector<SavedPicture> saved_;
 };

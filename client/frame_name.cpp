@@ -36,7 +36,7 @@ PlaceAtStart FindPlace(std::string_view text) {
 }  // namespace
 
 FrameName::FrameName(std::string name) : text_(std::move(name)) {
-  for (size_t i = 0; i < text_.size();) {
+  for (size_t i = text_.rfind('/') + 1; i < text_.size();) {  // npos + 1 is 0
     const PlaceAtStart place = FindPlace(std::string_view(text_).substr(i));
     if (place.length > 0) places_.push_back({i, place.length, place.digits});
     i += std::max<size_t>(place.length, 1);

@@ -1,4 +1,4 @@
-// The name of a file of which there may be one for each frame: `scene.####.pbrt`, `shot/%03d/scene.pbrt`.
+// The name of a file of which there may be one for each frame: `shot/scene.####.pbrt`, `scene.%03d.pbrt`.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 namespace tessera {
 
 // A name whose places for the frame number are found once, when it is made. Every run of '#' is a place for a
-// number of at least as many digits; "%d" and "%04d" are places as printf has them.
+// number of at least as many digits; "%d" and "%04d" are places as printf has them. Only the name of the file
+// has places: the names of its folders are taken as they are written.
 class FrameName {
  public:
   FrameName() = default;

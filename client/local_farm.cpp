@@ -9,7 +9,10 @@
 #include <chrono>
 #include <filesystem>
 
+#include "proto/shell/console.h"
 #include "proto/shell/system.h"
+#include "proto/terms.h"
+#include "renderer/text/unicode.h"
 #include "renderer/util/file.h"
 
 namespace tessera {
@@ -122,7 +125,8 @@ void LocalFarm::Monitor() {
       events[i] = {-1, 0, 0};  // ignored by poll
       if (--alive == 0)
         return cancellation_.Cancel(Failed(fmt::format("no worker is left: {}", ended.message)));
-      fmt::print(stderr, "\ntessera: warning: {}; the other workers continue\n", ended.message);
+      PrintNote("\ntessera: warning: {}; the other workers continue\n",
+                CleanText(ended.message, kReasonBytesMax));
     }
   }
 }

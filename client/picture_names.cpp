@@ -1,48 +1,59 @@
 #include "client/picture_names.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <filesystem>
+#include "client/output/files_in_use.h"
+#include "client/output/output_target.h"
+#include "client/output/picture_format.h"
 
 namespace tessera {
 namespace {
 
-Result<void> CheckFile(const std::string& path) {
-  const std::filesystem::path file(path);
-  const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
-  std::error_code error;
-  if (!std::filesystem::is_directory(folder, error)) {
-    return BadInput(fmt::format("{}: the folder {} does not exist", path, folder));
-  }
-  if (std::filesystem::is_directory(file, error)) return BadInput(fmt::format("{}: is a folder", path));
-  if (::access(folder.c_str(), W_OK) != 0) {
-    return BadInput(fmt::format("{}: no permission to write to the folder {}", path, folder));
-  }
-  return {};
+// Whether the name is that of a device, a pipe or an open file, which is no pattern for names of files.
+bool IsStream(const std::string& name) {
+  const auto target = ExamineOutput(name);
+  return target &&
+         (target->kind == OutputTarget::Kind::kStream || target->kind == OutputTarget::Kind::kDescriptor);
 }
 
 FrameName NameWith(const std::string& text, PictureNames::Numbers numbers) {
   const FrameName name(text);
-  return numbers == PictureNames::Numbers::kAlways && !name.empty() ? name.WithPlace() : name;
+  if (numbers != PictureNames::Numbers::kAlways || name.empty() || IsStream(text)) return name;
+  return name.WithPlace();
+}
+
+// A copy that is called a PNG is one. A device has no ending.
+Result<void> CheckPngName(const std::string& name) {
+  const auto format = PictureFormatOf(name);
+  const bool has_ending = name.substr(name.rfind('/') + 1).find('.') != std::string::npos;
+  if (!has_ending || (format && *format == PictureFormat::kPng)) return {};
+  return BadInput(fmt::format("--png {}: the name must end in .png; -o writes other formats", name));
 }
 
 }  // namespace
 
-PictureNames::PictureNames(const std::string& exr, const std::string& png, Numbers numbers)
-    : exr_(NameWith(exr, numbers)), png_(NameWith(png, numbers)), numbers_(numbers) {}
+PictureNames::PictureNames(const std::string& picture, const std::string& png, Numbers numbers)
+    : picture_(NameWith(picture, numbers)), png_(NameWith(png, numbers)), numbers_(numbers) {}
 
 std::string PictureNames::NameOf(const FrameName& name, int frame) const {
   return numbers_ == Numbers::kNone ? name.text() : name.Of(frame);
 }
 
-Result<void> PictureNames::CheckWritable(const std::vector<int>& frames) const {
+Result<void> PictureNames::Check(const std::vector<int>& frames, const std::set<std::string>& inputs) const {
+  if (const auto format = PictureFormatOf(picture_.text()); !format) return format.error();
+  if (auto named = png_.empty() ? Result<void>() : CheckPngName(png_.text()); !named) return named;
+  FilesInUse files;
+  for (const std::string& input : inputs) files.AddInput(input);
   for (const int frame : frames) {
-    if (auto writable = CheckFile(Exr(frame)); !writable) return writable;
+    if (auto added = files.AddOutput(Picture(frame)); !added) return added;
     if (png_.empty()) continue;
-    if (auto writable = CheckFile(Png(frame)); !writable) return writable;
+    if (auto added = files.AddOutput(Png(frame)); !added) return added;
   }
   return {};
+}
+
+Result<void> PictureNames::CheckSize(int width, int height) const {
+  return CheckFormatSize(picture_.text(), width, height);
 }
 
 }  // namespace tessera

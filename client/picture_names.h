@@ -1,6 +1,7 @@
 // Where the pictures of a job's frames are written.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,21 +17,24 @@ class PictureNames {
     kInPlace,  // a frame number goes into a name that has a place for it
     kAlways,   // and into any other name before its extension
   };
-  // `exr` and `png` are names as the user wrote them; an empty `png` means none.
-  PictureNames(const std::string& exr, const std::string& png, Numbers numbers);
-  std::string Exr(int frame) const { return NameOf(exr_, frame); }
+  // `picture` and `png` are names as the user wrote them; an empty `png` means none.
+  PictureNames(const std::string& picture, const std::string& png, Numbers numbers);
+  std::string Picture(int frame) const { return NameOf(picture_, frame); }
   // Returns "" if no PNG is wanted.
   std::string Png(int frame) const { return NameOf(png_, frame); }
-  // The EXR name of all frames, with a place for the number if it has one.
-  const std::string& exr() const { return exr_.text(); }
-  // Fails if the folder of a picture of these frames does not exist or cannot be written to. Called before
-  // any work is done.
-  Result<void> CheckWritable(const std::vector<int>& frames) const;
+  // The name of the picture of all frames, with a place for the number if it has one.
+  const std::string& picture() const { return picture_.text(); }
+  // Fails if a picture of these frames cannot be written: its ending names no format, its folder does not
+  // exist or permits no writing, it would overwrite one of the files `inputs`, or two pictures have the same
+  // file. Called before any work is done.
+  Result<void> Check(const std::vector<int>& frames, const std::set<std::string>& inputs = {}) const;
+  // Fails if pictures of this size do not fit the formats.
+  Result<void> CheckSize(int width, int height) const;
 
  private:
   std::string NameOf(const FrameName& name, int frame) const;
 
-  FrameName exr_, png_;
+  FrameName picture_, png_;
   Numbers numbers_;
 };
 

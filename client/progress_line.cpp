@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "proto/shell/console.h"
+
 namespace tessera {
 namespace {
 
@@ -69,7 +71,7 @@ ProgressLine::ProgressLine(const char* worker_noun)
       next_(std::chrono::steady_clock::now()) {}
 
 ProgressLine::~ProgressLine() {
-  if (open_) fmt::print(stderr, "\n");
+  if (open_) PrintNote("\n");
 }
 
 void ProgressLine::Show(const Progress& progress) {
@@ -81,19 +83,18 @@ void ProgressLine::Show(const Progress& progress) {
 
 void ProgressLine::Finish(const Progress& progress) {
   Print(progress);
-  if (open_) fmt::print(stderr, "\n");
+  if (open_) PrintNote("\n");
   open_ = false;
 }
 
 void ProgressLine::Print(const Progress& progress) {
   const std::string text = ProgressText(progress, worker_noun_);
   if (terminal_) {
-    fmt::print(stderr, "\r{}\x1b[K", text);  // clears the rest of a longer line
+    PrintNote("\r{}\x1b[K", text);  // clears the rest of a longer line
   } else {
-    fmt::print(stderr, "{}\n", text);
+    PrintNote("{}\n", text);
   }
   open_ = terminal_;
-  std::fflush(stderr);
 }
 
 }  // namespace tessera

@@ -1,24 +1,40 @@
 #include "client/saved_picture.h"
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
-#include "client/png_file.h"
+#include "client/output/output_file.h"
+#include "client/output/picture_encoder.h"
+#include "client/output/picture_format.h"
 #include "renderer/film/picture_file.h"
-#include "renderer/util/file.h"
 
 namespace tessera {
 
-Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureNames& names) {
-  const std::string path = names.Exr(frame), png = names.Png(frame);
-  if (auto written = WriteFileAtomically(path, exr); !written) return written.error();
-  if (!png.empty()) {
-    const auto picture = DecodeExr(exr, path);
-    if (!picture) return picture.error();
-    const auto encoded = EncodePng(*picture, png);
-    if (!encoded) return encoded.error();
-    if (auto written = WriteFileAtomically(png, *encoded); !written) return written.error();
+Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureNames& names,
+                                 std::stop_token stop) {
+  const std::string path = names.Picture(frame), png = names.Png(frame);
+  const auto format = PictureFormatOf(path);
+  if (!format) return format.error();
+  std::optional<LoadedPicture> picture;
+  if (*format != PictureFormat::kExr || !png.empty()) {
+    auto decoded = DecodeExr(exr, path);
+    if (!decoded) return decoded.error();
+    picture = std::move(*decoded);
   }
-  return SavedPicture{frame, path, Sha256(exr)};
+  std::string encoded;
+  if (*format != PictureFormat::kExr) {
+    auto other = EncodeAs(*format, *picture, path);
+    if (!other) return other.error();
+    encoded = std::move(*other);
+  }
+  const std::string_view bytes = *format == PictureFormat::kExr ? exr : encoded;
+  if (auto written = WriteOutput(path, bytes, stop); !written) return written.error();
+  if (!png.empty()) {
+    const auto copy = EncodeAs(PictureFormat::kPng, *picture, png);
+    if (!copy) return copy.error();
+    if (auto written = WriteOutput(png, *copy, stop); !written) return written.error();
+  }
+  return SavedPicture{frame, path, Sha256(bytes)};
 }
 
 std::string PicturesJson(const std::vector<SavedPicture>& pictures, bool is_sequence, double seconds) {

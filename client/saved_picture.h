@@ -1,6 +1,7 @@
 // Finished pictures in files.
 #pragma once
 
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,13 +14,15 @@ namespace tessera {
 
 struct SavedPicture {
   int frame = 0;
-  std::string path;  // of the EXR
-  Digest digest;     // of its bytes
+  std::string path;
+  Digest digest;  // of the file's bytes
 };
 
-// Writes the bytes of an OpenEXR file and, if `names` asks for one, a PNG of what they hold. Whether the
-// picture was rendered here or fetched from a farm, both files are made of the same bytes.
-Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureNames& names);
+// Writes the bytes of an OpenEXR file, or what they hold in the format that the picture's name asks for, and
+// a PNG if `names` asks for one. Whether the picture was rendered here or fetched from a farm, all files are
+// made of the same bytes. `stop` as in WriteOutput.
+Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureNames& names,
+                                 std::stop_token stop);
 
 // {"output": ..., "sha256": ..., "seconds": ...}, or for a sequence {"frames": [{"frame": ..., "output": ...,
 // ...}], ...}.

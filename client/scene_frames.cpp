@@ -1,12 +1,81 @@
 #include "client/scene_frames.h"
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 
 #include "client/frame_name.h"
+#include "renderer/pbrt/parser.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
+namespace {
+
+constexpr const char* kStandardInput = "-";            // as users write it
+constexpr const char* kStandardInputName = "<stdin>";  // in messages and packages
+constexpr std::string_view kGzipMagic = "\x1f\x8b";
+constexpr int kStopProbe_ms = 100;
+
+Result<std::string> ReadAll(int descriptor, std::stop_token stop) {
+  std::string bytes;
+  char piece[1 << 16];
+  while (true) {
+    if (stop.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
+    pollfd event{descriptor, POLLIN, 0};
+    if (::poll(&event, 1, kStopProbe_ms) == 0) continue;
+    const ssize_t got = ::read(descriptor, piece, sizeof piece);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return BadInput(fmt::format("standard input cannot be read: {}", std::strerror(errno)));
+    if (got == 0) return bytes;
+    bytes.append(piece, static_cast<size_t>(got));
+    if (bytes.size() > kSceneFileSizeMax)
+      return BadInput(fmt::format("standard input holds more than the limit of {} bytes", kSceneFileSizeMax));
+  }
+}
+
+// Loads a scene that is not in a file. A worker reads its bytes under its name.
+Result<LoadedFrame> LoadText(const SceneFrame& frame, Scene::Depth depth, DiskFileSource& files) {
+  auto text = frame.text->starts_with(kGzipMagic) ? Gunzip(*frame.text, frame.name(), kSceneFileSizeMax)
+                                                  : Result<std::string>(*frame.text);
+  if (!text) return text.error();
+  auto description = ParseSceneText(files, frame.name(), std::move(*text));
+  if (!description) return description.error();
+  auto scene = Scene::Build(std::move(*description), files, frame.name(), frame.options, depth);
+  if (!scene) return scene.error();
+  LoadedFrame loaded{std::move(*scene), files.FilesRead()};
+  loaded.files[frame.name()] = {"", Sha256(*frame.text), frame.text->size()};
+  return loaded;
+}
+
+}  // namespace
+
+bool IsStandardInput(const SceneOptions& options) {
+  return options.path == kStandardInput;
+}
+
+std::string SceneName(const SceneOptions& options) {
+  if (IsStandardInput(options)) return "stdin";
+  std::filesystem::path name = std::filesystem::path(options.path).filename();
+  if (name.extension() == ".gz") name.replace_extension();
+  return name.replace_extension().string();
+}
+
+Result<void> ReadStandardInput(std::vector<SceneFrame>& frames, std::stop_token stop) {
+  auto bytes = ReadAll(STDIN_FILENO, stop);
+  if (!bytes) return bytes.error();
+  // A worker unpacks files whose names end like this.
+  const char* const ending = bytes->starts_with(kGzipMagic) ? ".gz" : "";
+  const auto text = std::make_shared<const std::string>(std::move(*bytes));
+  for (SceneFrame& frame : frames) {
+    frame.path = std::string(kStandardInputName) + ending;
+    frame.text = text;
+  }
+  return {};
+}
 
 std::string SceneFrame::folder() const {
   return std::filesystem::path(path).parent_path().string();
@@ -41,6 +110,10 @@ Result<std::vector<SceneFrame>> ListFrames(const SceneOptions& options) {
 Result<LoadedFrame> LoadFrame(const SceneFrame& frame, Scene::Depth depth,
                               const std::shared_ptr<SharedCache>& cache) {
   DiskFileSource files(frame.folder(), cache);
+  if (frame.text != nullptr) return LoadText(frame, depth, files);
+  // Only files that a scene refers to are searched for. The scene itself is the file that the user named.
+  if (::access(frame.path.c_str(), R_OK) != 0)
+    return BadInput(fmt::format("{}: cannot be opened: {}", frame.path, std::strerror(errno)));
   auto scene = Scene::Load(files, frame.name(), frame.options, depth);
   if (!scene) return scene.error();
   return LoadedFrame{std::move(*scene), files.FilesRead()};

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -22,14 +23,26 @@ struct SceneFrame {
   RenderOptions options;
   // All frames come from one scene file, whose moving parts are shown at the time of the frame.
   bool is_animated = false;
+  // If not null, what is read instead of the file: the scene came from standard input.
+  std::shared_ptr<const std::string> text = nullptr;
 
   std::string folder() const;
   std::string name() const;  // of the file in its folder
 };
 
+// Whether the scene is read from standard input.
+bool IsStandardInput(const SceneOptions& options);
+
+// The name of the scene without its folder and extensions: "box" of "shots/box.pbrt.gz", "stdin" of "-".
+std::string SceneName(const SceneOptions& options);
+
 // The frames of a sequence, or the one frame of a scene without --frames. Fails before any file is read if
 // the options do not name scene files.
 Result<std::vector<SceneFrame>> ListFrames(const SceneOptions& options);
+
+// Reads standard input to its end and makes it the scene file of the frames, which may be compressed by gzip.
+// Returns kInterrupted if a stop is requested first.
+Result<void> ReadStandardInput(std::vector<SceneFrame>& frames, std::stop_token stop);
 
 struct LoadedFrame {
   std::unique_ptr<Scene> scene;

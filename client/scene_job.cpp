@@ -10,6 +10,8 @@
 #include <set>
 
 #include "proto/package_names.h"
+#include "proto/shell/console.h"
+#include "renderer/text/unicode.h"
 #include "renderer/util/cores.h"
 #include "renderer/util/threads.h"
 
@@ -87,7 +89,8 @@ class FrameReader {
 void PrintWarnings(const SceneJob& job, const std::vector<ReadFrame>& frames) {
   std::set<std::string> printed;
   const auto print = [&](const std::string& warning) {
-    if (printed.insert(warning).second) fmt::print(stderr, "tessera: warning: {}\n", warning);
+    if (printed.insert(warning).second)
+      PrintNote("tessera: warning: {}\n", CleanText(warning, kReasonBytesMax));
   };
   for (const ReadFrame& frame : frames) {
     for (const std::string& warning : frame.warnings) print(warning);
@@ -98,62 +101,54 @@ void PrintWarnings(const SceneJob& job, const std::vector<ReadFrame>& frames) {
   }
 }
 
-// Puts the files of all frames into one package. Each folder with scene files becomes a folder of the
-// package, unless there is only one.
-class Packer {
- public:
-  explicit Packer(const std::vector<SceneFrame>& frames) {
-    for (const SceneFrame& frame : frames) folders_.emplace(frame.folder(), "");
-    if (folders_.size() == 1) return;
-    int count = 0;
-    for (auto& [folder, packed] : folders_) packed = fmt::format("folder-{}/", ++count);
-  }
-
-  Result<void> Add(const SceneFrame& frame, const ReadFrame& read, PackedScene& packed) {
-    const std::string& folder = folders_.at(frame.folder());
-    ScenePackage alone;
-    for (const auto& [name, file] : read.files) {
-      const std::string path = PackagePath(name);
-      if (path.empty() || !IsPackagePath(folder + path)) {
-        return BadInput(fmt::format("{}: the file name is too long for a farm", name));
-      }
-      alone.files[path] = {file.digest, file.size};
-      const auto [entry, is_new] = packed.package.files.emplace(folder + path, alone.files[path]);
-      if (!is_new && entry->second.digest != file.digest) {
-        return Failed(
-            fmt::format("{}: changed while the frames were being read; run the command again", file.path));
-      }
+// Puts the files of a frame into the package. The frames of a sequence are in one folder, so that a name
+// means the same file in all of them.
+Result<void> Pack(const SceneFrame& frame, const ReadFrame& read, SceneJob& job) {
+  PackedScene& packed = job.packed;
+  ScenePackage alone;
+  for (const auto& [name, file] : read.files) {
+    const std::string path = PackagePath(name);
+    if (path.empty()) return BadInput(fmt::format("{}: the file name is too long for a farm", name));
+    alone.files[path] = {file.digest, file.size};
+    const auto [entry, is_new] = packed.package.files.emplace(path, alone.files[path]);
+    if (!is_new && entry->second.digest != file.digest) {
+      return Failed(
+          fmt::format("{}: changed while the frames were being read; run the command again", file.path));
+    }
+    if (file.path.empty()) {
+      packed.in_memory.emplace(file.digest, frame.text);
+    } else {
       packed.disk_paths.emplace(file.digest, file.path);
+      job.input_paths.insert(file.path);
     }
-    if (packed.package.files.size() > kFilesPerPackageMax) {
-      return BadInput(fmt::format("{}: the job refers to {} files up to this frame; the limit is {}",
-                                  frame.path, packed.package.files.size(), kFilesPerPackageMax));
-    }
-    FrameRequest order{folder + PackagePath(frame.name()), EncodeRenderOptions(frame.options), read.spec,
-                       frame.number, read.extendable};
-    order.spec.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(alone)).Hex();
-    packed.frames.push_back(std::move(order));
-    return {};
   }
-
- private:
-  std::map<std::string, std::string> folders_;  // on disk -> in the package
-};
+  if (packed.package.files.size() > kFilesPerPackageMax) {
+    return BadInput(fmt::format("{}: the job refers to {} files up to this frame; the limit is {}",
+                                frame.path, packed.package.files.size(), kFilesPerPackageMax));
+  }
+  FrameRequest request{PackagePath(frame.name()), EncodeRenderOptions(frame.options), read.spec, frame.number,
+                       read.extendable};
+  request.spec.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(alone)).Hex();
+  packed.frames.push_back(std::move(request));
+  return {};
+}
 
 }  // namespace
 
 Result<SceneJob> LoadSceneJob(const SceneOptions& options, Scene::Depth depth, std::stop_token stop) {
   auto frames = ListFrames(options);
   if (!frames) return frames.error();
+  if (IsStandardInput(options)) {
+    if (auto read = ReadStandardInput(*frames, stop); !read) return read.error();
+  }
   SceneJob job;
   job.frames = std::move(*frames);
   if (job.frames.size() > 1) job.cache = std::make_shared<SharedCache>(kSharedBytesMax);
   const auto read = FrameReader(job, depth, stop).Run();
   if (!read) return read.error();
   PrintWarnings(job, *read);
-  Packer packer(job.frames);
   for (size_t i = 0; i < read->size(); ++i) {
-    if (auto added = packer.Add(job.frames[i], (*read)[i], job.packed); !added) return added.error();
+    if (auto added = Pack(job.frames[i], (*read)[i], job); !added) return added.error();
   }
   for (size_t i = read->size(); i < job.frames.size(); ++i) {
     job.packed.frames.push_back(job.packed.frames[0]);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ namespace tessera {
 struct SceneJob {
   std::vector<SceneFrame> frames;  // one for each of packed.frames
   PackedScene packed;
+  std::set<std::string> input_paths;   // of all files that the frames consist of
   std::unique_ptr<Scene> scene;        // of the first frame
   std::shared_ptr<SharedCache> cache;  // of what the frames share
 };

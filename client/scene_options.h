@@ -12,7 +12,8 @@ namespace tessera {
 constexpr double kFramesPerSecondDefault = 24;  // of films
 
 struct SceneOptions {
-  std::string path;                      // of the scene file; of a sequence perhaps a pattern (frame_name.h)
+  // Of the scene file; of a sequence perhaps a pattern (frame_name.h). "-" is standard input.
+  std::string path;
   std::optional<FrameRange> frames;      // of a sequence
   double fps = kFramesPerSecondDefault;  // frames of one animated scene in a second of its time
   RenderOptions render;

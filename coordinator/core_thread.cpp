@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "renderer/text/unicode.h"
+
 namespace tessera {
 namespace {
 
@@ -145,6 +147,7 @@ void CoreThread::Answer(FarmOutput output) {
     if (const auto waiting = answers_.TakeDirective(answer.call)) waiting(&answer.directive);
   }
   for (FinishedPicture& picture : output.pictures) WritePicture(std::move(picture));
+  for (FinishedPicture& picture : output.partial_pictures) WritePicture(std::move(picture));
   for (auto& [frame, nodes] : output.sums) parts_.spool->Replace(frame, std::move(nodes));
   for (const FrameId frame : output.dropped) parts_.spool->Drop(frame);
   for (const FrameId frame : output.loads) Load(frame);
@@ -190,7 +193,7 @@ void CoreThread::Compact() {
   if (!parts_.journal->IsLarge() || Now() < compact_due_) return;
   compact_due_ = Now() + kCompactInterval;
   const auto replaced = parts_.journal->Replace(parts_.farm->Snapshot());
-  if (!replaced) spdlog::warn("journal_not_compacted reason=\"{}\"", replaced.error().message);
+  if (!replaced) spdlog::warn("journal_not_compacted reason={}", LogText(replaced.error().message));
 }
 
 // The coordinator ends before the disk took the facts: they must not be acknowledged, but no call may wait

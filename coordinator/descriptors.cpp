@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "renderer/text/unicode.h"
+
 namespace tessera {
 namespace {
 
@@ -32,7 +34,7 @@ void RaiseDescriptorLimit() {
   if (limit.rlim_cur >= wanted) return;
   limit.rlim_cur = wanted;
   if (::setrlimit(RLIMIT_NOFILE, &limit) != 0)
-    spdlog::warn("descriptor_limit_not_raised reason=\"{}\"", std::strerror(errno));
+    spdlog::warn("descriptor_limit_not_raised reason={}", LogText(std::strerror(errno)));
 }
 
 int ConnectionDescriptorsMax() {

@@ -25,7 +25,7 @@ grpc::Status NoJob(JobId job) {
 
 grpc::Status NoWorker(const std::string& which) {
   return {grpc::StatusCode::NOT_FOUND,
-          fmt::format("there is no worker \"{}\"; run `tessera workers` to list them", ReadReason(which))};
+          fmt::format("there is no worker \"{}\"; run `tessera workers` to list them", CleanName(which))};
 }
 
 // Writes the new status of a job, or returns why it was not changed.
@@ -54,6 +54,16 @@ void ChangeWorkers(const UnaryCall& call, const std::string& which, proto::Worke
     for (const WorkerStatus& worker : changed) Write(worker, *answer->add_workers());
     return changed.empty() ? NoWorker(which) : grpc::Status::OK;
   });
+}
+
+// Callers try again.
+grpc::Status BeingWritten() {
+  return {grpc::StatusCode::UNAVAILABLE, "a picture of the job is being written; try again"};
+}
+
+// Of a job that has ended.
+Result<std::string> NothingRendered(JobId job, uint32_t frame) {
+  return BadInput(fmt::format("nothing was rendered of frame {} of job {}", frame, Number(job)));
 }
 
 grpc::Status NotFinished(const JobStatus& status, uint32_t frame) {
@@ -186,9 +196,7 @@ grpc::ServerUnaryReactor* JobsService::Extend(grpc::CallbackServerContext* conte
     if (samples < 1 || samples > kSamplesPerPixelMax)
       return call.Finish(ToStatus(BadInput("message refused: samples_per_pixel is out of range")));
     const auto extend = [=](CoreContext& core) {
-      if (core.farm.IsMovingSums(job))
-        return grpc::Status(grpc::StatusCode::UNAVAILABLE,
-                            "a picture of the job is being written; try again");
+      if (core.farm.IsMovingSums(job)) return BeingWritten();
       return Answer(core.farm.Extend(core.now, job, samples), *answer);
     };
     call.core().Post([=, this](CoreContext& core) {
@@ -208,7 +216,7 @@ grpc::ServerUnaryReactor* JobsService::Workers(grpc::CallbackServerContext* cont
                                                const proto::WorkersRequest* request,
                                                proto::WorkersAnswer* answer) {
   return gate_.Unary(context, RuleFor("Jobs.Workers"), [=](const UnaryCall& call) {
-    call.Ask([=, which = request->which()](CoreContext& core) {
+    call.Ask([=, which = CleanName(request->which())](CoreContext& core) {
       const auto workers =
           which.empty() ? core.farm.Workers(core.now) : core.farm.FindWorkers(core.now, which);
       for (const WorkerStatus& status : workers) Write(status, *answer->add_workers());
@@ -232,7 +240,8 @@ grpc::ServerUnaryReactor* JobsService::DrainWorkers(grpc::CallbackServerContext*
                                                     const proto::WorkersRequest* request,
                                                     proto::WorkersAnswer* answer) {
   return gate_.Unary(context, RuleFor("Jobs.DrainWorkers"), [=](const UnaryCall& call) {
-    ChangeWorkers(call, request->which(), answer, [](Farm& farm, WorkerId worker) { farm.Drain(worker); });
+    ChangeWorkers(call, CleanName(request->which()), answer,
+                  [](Farm& farm, WorkerId worker) { farm.Drain(worker); });
   });
 }
 
@@ -240,7 +249,8 @@ grpc::ServerUnaryReactor* JobsService::ReleaseWorkers(grpc::CallbackServerContex
                                                       const proto::WorkersRequest* request,
                                                       proto::WorkersAnswer* answer) {
   return gate_.Unary(context, RuleFor("Jobs.ReleaseWorkers"), [=](const UnaryCall& call) {
-    ChangeWorkers(call, request->which(), answer, [](Farm& farm, WorkerId worker) { farm.Release(worker); });
+    ChangeWorkers(call, CleanName(request->which()), answer,
+                  [](Farm& farm, WorkerId worker) { farm.Release(worker); });
   });
 }
 
@@ -265,6 +275,13 @@ grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::C
       }
       if (core.farm.FinishedFile(job, frame))
         return SendLater(stream, [=, this] { return pictures_.Read(job, frame); });
+      if (preview && HasEnded(status->state)) {
+        if (core.farm.IsMovingSums(job)) return stream->Refuse(BeingWritten());
+        return SendLater(stream, [=, this] {
+          auto bytes = pictures_.Read(job, frame);
+          return bytes ? bytes : NothingRendered(job, frame);
+        });
+      }
       auto picture = preview ? core.farm.Preview(job, frame) : std::nullopt;
       if (!picture) return stream->Refuse(NotFinished(*status, frame));
       const auto shared = std::make_shared<const FinishedPicture>(std::move(*picture));

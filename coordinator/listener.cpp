@@ -12,6 +12,7 @@
 #include "coordinator/descriptors.h"
 #include "coordinator/listen_sockets.h"
 #include "proto/shell/system.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 namespace {
@@ -94,7 +95,7 @@ void Listener::AcceptAll(int socket, const OnConnection& on_connection) {
     } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
       return;
     } else if (errno != EINTR && errno != ECONNABORTED && errno != EPROTO) {
-      failed_.Warn("accept_failed", fmt::format("reason=\"{}\"", std::strerror(errno)));
+      failed_.Warn("accept_failed", fmt::format("reason={}", LogText(std::strerror(errno))));
       pollfd stop{stop_event_, POLLIN, 0};
       ::poll(&stop, 1, kRetryInterval_ms);
       return;

@@ -8,6 +8,7 @@
 #include "coordinator/coordinator.h"
 #include "coordinator/descriptors.h"
 #include "coordinator/options.h"
+#include "proto/shell/console.h"
 #include "proto/shell/log.h"
 #include "proto/shell/pause.h"
 #include "proto/shell/program.h"
@@ -37,9 +38,9 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
   const auto coordinator = Coordinator::Start(options);
   if (!coordinator) return coordinator.error();
   if (const auto http = (*coordinator)->http())
-    fmt::print(stderr, "status page at http://{}/\n", http->Text());
+    PrintNote("status page at http://{}/\n", http->Text());
   for (const Address& address : (*coordinator)->addresses())
-    fmt::print(stderr, "listening on {}\n", address.Text());
+    PrintNote("listening on {}\n", address.Text());
   AwaitStop(std::move(termination));
   spdlog::info("coordinator_stopping");
   (*coordinator)->Stop();

@@ -6,6 +6,8 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "renderer/text/unicode.h"
+
 namespace tessera {
 namespace {
 
@@ -89,9 +91,9 @@ Result<CoordinatorOptions> Complete(CoordinatorOptions options, const AddressWor
 }  // namespace
 
 std::string CoordinatorOptions::Text() const {
-  std::string text = fmt::format(
-      "data_dir=\"{}\" blobs_size={} sums_size={} attempts_max={} insecure={} exit_with_parent={}", data_dir,
-      blob_bytes, keep_sums_bytes, attempts_max, insecure, exit_with_parent);
+  std::string text =
+      fmt::format("data_dir={} blobs_size={} sums_size={} attempts_max={} insecure={} exit_with_parent={}",
+                  LogText(data_dir), blob_bytes, keep_sums_bytes, attempts_max, insecure, exit_with_parent);
   for (const Address& address : listen) text += fmt::format(" listen={}", address.Text());
   if (http) text += fmt::format(" http={}", http->Text());
   for (const std::string& name : http_names) text += fmt::format(" http_name={}", name);

@@ -63,7 +63,7 @@ proto::ResultsAnswer::Verdict WriteVerdict(Verdict verdict) {
 
 void WriteResults(const FarmOutput::Results& results, proto::ResultsAnswer& answer) {
   for (const Verdict verdict : results.verdicts) answer.add_verdicts(WriteVerdict(verdict));
-  for (const std::string& reason : results.reasons) answer.add_reasons(reason);
+  for (const std::string& reason : results.reasons) answer.add_reasons(CleanReason(reason));
   for (const Lease& lease : results.grants.leases) Write(lease, *answer.add_leases());
   for (const LeaseId lease : results.grants.drop) Write(lease, *answer.add_drop());
   answer.set_farm(WriteFarmId(results.farm));

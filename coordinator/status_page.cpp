@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "renderer/text/unicode.h"
+
 namespace tessera {
 namespace {
 
@@ -122,7 +124,7 @@ std::string Workers(const FarmView& view) {
 
 std::string EscapeHtml(std::string_view text) {
   std::string escaped;
-  for (const char c : text) {
+  for (const char c : CleanText(text, kReasonBytesMax)) {
     switch (c) {
       case '&': escaped += "&amp;"; break;
       case '<': escaped += "&lt;"; break;

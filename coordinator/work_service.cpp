@@ -86,7 +86,7 @@ grpc::ServerUnaryReactor* WorkService::ReturnFailure(grpc::CallbackServerContext
                                                      proto::FailureAnswer* answer) {
   return gate_.Unary(context, RuleFor("Work.ReturnFailure"), [=](const UnaryCall& call) {
     const WorkerId worker{request->worker()};
-    const std::string reason = ReadReason(request->reason());
+    const std::string reason = CleanReason(request->reason());
     const auto farm = ReadFarmId(request->farm());
     if (!farm) return call.Finish(ToStatus(farm.error()));
     // A failure of another farm is answered, so that the worker forgets it.

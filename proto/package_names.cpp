@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "proto/scene_package.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 namespace {
@@ -18,7 +19,7 @@ bool IsPlain(char c) {
 }  // namespace
 
 std::string PackagePath(std::string_view name) {
-  if (IsPackagePath(name) && !name.starts_with(kEncodedFolder)) return std::string(name);
+  if (IsPackagePath(name) && IsUtf8(name) && !name.starts_with(kEncodedFolder)) return std::string(name);
   std::string path(kEncodedFolder);
   for (char c : name)
     path += IsPlain(c) ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));

@@ -18,6 +18,7 @@
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "renderer/description/file_source.h"
+#include "renderer/text/unicode.h"
 #include "renderer/util/threads.h"
 #include "worker/blob_stream.h"
 
@@ -48,7 +49,7 @@ Result<std::string> BlobFetcher::Get(const Digest& digest, uint64_t size_max) {
   if (bytes->size() > cache_.bytes_max()) return bytes;
   // A failure costs another download later.
   if (const auto cached = cache_.Write(digest, *bytes); !cached)
-    spdlog::warn("cache_failed reason=\"{}\"", cached.error().message);
+    spdlog::warn("cache_failed reason={}", LogText(cached.error().message));
   return bytes;
 }
 
@@ -56,7 +57,7 @@ std::optional<std::string> BlobFetcher::ReadCached(const Digest& digest, uint64_
   if (!cache_.Use(digest)) return std::nullopt;
   auto bytes = cache_.Read(digest, size_max);
   if (bytes) return std::move(*bytes);
-  spdlog::warn("cached_file_removed reason=\"{}\"", bytes.error().message);
+  spdlog::warn("cached_file_removed reason={}", LogText(bytes.error().message));
   cache_.Remove(digest);
   return std::nullopt;
 }

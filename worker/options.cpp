@@ -68,8 +68,6 @@ Result<WorkerOptions> Complete(WorkerOptions options, const std::string& coordin
   if (options.threads == 0) options.threads = UsableCores();
   if (options.cache_dir.empty()) options.cache_dir = DefaultCacheFolder(Environment);
   if (options.name.empty()) options.name = HostName();
-  if (options.name.size() > kNameBytesMax)
-    return BadInput(fmt::format("--name: longer than {} characters", kNameBytesMax));
   return options;
 }
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "renderer/text/unicode.h"
+
 namespace tessera {
 
 void OutageReport::Failed(const grpc::Status& status, TimePoint now) {
@@ -25,8 +27,8 @@ void OutageReport::Failed(const grpc::Status& status, TimePoint now) {
 void OutageReport::Log(const Reachability& found, const grpc::Status& status, TimePoint now) {
   interval_ = std::min<std::chrono::seconds>(interval_ * kOutageReportGrowth, kOutageReportIntervalMax);
   next_ = now + interval_;
-  spdlog::warn("coordinator_unreachable address={} reason=\"{}\" outage_s={:.0f} next_report_s={}",
-               address_.Text(), DescribeOutage(found, status),
+  spdlog::warn("coordinator_unreachable address={} reason={} outage_s={:.0f} next_report_s={}",
+               address_.Text(), LogText(DescribeOutage(found, status)),
                std::chrono::duration<double>(now - *since_).count(), interval_.count());
 }
 

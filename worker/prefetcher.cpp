@@ -4,6 +4,8 @@
 
 #include <exception>
 
+#include "renderer/text/unicode.h"
+
 namespace tessera {
 
 void Prefetcher::Request(std::vector<Digest> packages) {
@@ -29,10 +31,10 @@ void Prefetcher::Run(std::stop_token stop) {
       if (fetched) {
         spdlog::info("prefetched package={} bytes={}", package.Hex(), *fetched);
       } else {
-        spdlog::warn("prefetch_failed package={} reason=\"{}\"", package.Hex(), fetched.error().message);
+        spdlog::warn("prefetch_failed package={} reason={}", package.Hex(), LogText(fetched.error().message));
       }
     } catch (const std::exception& e) {  // such as std::bad_alloc
-      spdlog::warn("prefetch_failed package={} reason=\"{}\"", package.Hex(), e.what());
+      spdlog::warn("prefetch_failed package={} reason={}", package.Hex(), LogText(e.what()));
     }
   }
 }

@@ -9,6 +9,7 @@
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 namespace {
@@ -51,11 +52,11 @@ void LogVerdicts(const proto::ResultsAnswer& answer, const std::vector<FinishedU
   int reason = 0;
   for (int i = 0; i < answer.verdicts_size() && i < static_cast<int>(results.size()); ++i) {
     const WorkUnit& unit = results[static_cast<size_t>(i)].unit;
-    spdlog::debug("result_answered unit=\"{}\" verdict={}", unit.Text(), NameOf(answer.verdicts(i)));
+    spdlog::debug("result_answered unit={} verdict={}", LogText(unit.Text()), NameOf(answer.verdicts(i)));
     if (answer.verdicts(i) != proto::ResultsAnswer::REFUSED) continue;
-    const std::string why = reason < answer.reasons_size() ? ReadReason(answer.reasons(reason)) : "";
+    const std::string why = reason < answer.reasons_size() ? CleanReason(answer.reasons(reason)) : "";
     ++reason;
-    spdlog::error("result_refused unit=\"{}\" reason=\"{}\"", unit.Text(), why);
+    spdlog::error("result_refused unit={} reason={}", LogText(unit.Text()), LogText(why));
   }
 }
 
@@ -99,7 +100,7 @@ class Calls {
       Write(failure.unit, *request.mutable_unit());
     }
     request.set_scene(WriteDigest(failure.scene));
-    request.set_reason(ReadReason(failure.reason));
+    request.set_reason(CleanReason(failure.reason));
     proto::FailureAnswer answer;
     const grpc::Status status =
         Call([&](grpc::ClientContext* context) { return stub_->ReturnFailure(context, request, &answer); });
@@ -147,7 +148,7 @@ void ResultSender::Run(std::stop_token stop) {
     batch_bytes = 0;
     if (status.error_code() == grpc::StatusCode::INVALID_ARGUMENT &&
         (results == nullptr || results->size() == 1)) {
-      spdlog::error("result_not_accepted reason=\"{}\"", status.error_message());
+      spdlog::error("result_not_accepted reason={}", LogText(status.error_message()));
       if (results != nullptr) {
         workload_.Change()->ResultsAnswered(*results);  // the lease expires
       } else {

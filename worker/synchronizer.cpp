@@ -9,6 +9,7 @@
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 namespace {
@@ -126,7 +127,7 @@ void Synchronizer::Run(std::stop_token stop) {
 void Synchronizer::Handle(const Call& call) {
   if (call.status.ok()) return HandleDirective(call);
   if (IsRefusal(call.status)) return on_refusal_(ToError(call.status, "join the farm"));
-  if (connected_) spdlog::warn("disconnected reason=\"{}\"", call.status.error_message());
+  if (connected_) spdlog::warn("disconnected reason={}", LogText(call.status.error_message()));
   connected_ = false;
   outage_.Failed(call.status, Clock::now());
   next_retry_ = Clock::now() + backoff_.Next();
@@ -145,7 +146,7 @@ void Synchronizer::HandleDirective(const Call& call) {
   if (call.sequence != self_.sequence) return workload_.Change()->ApplyOvertaken(*directive, Clock::now());
   if (directive->notice != notice_) {
     notice_ = directive->notice;
-    spdlog::warn("notice text=\"{}\"", notice_);
+    spdlog::warn("notice text={}", LogText(notice_));
   }
   next_call_ = Clock::now() + std::min(directive->call_again, kCallAgainMax);
   if (!directive->prefetch.empty()) prefetcher_.Request(directive->prefetch);

@@ -12,6 +12,7 @@
 #include "proto/wire/channel.h"
 #include "renderer/film/radiance_tile.h"
 #include "renderer/scene/probe.h"
+#include "renderer/text/unicode.h"
 #include "renderer/util/cores.h"
 #include "worker/build_id.h"
 #include "worker/scene_loader.h"
@@ -138,7 +139,7 @@ void Worker::OnRefusal(Error why) {
 }
 
 Result<void> Worker::Run(std::stop_token stop) {
-  spdlog::info("worker_started worker={:016x} name=\"{}\" slots={}", Number(self_.worker), self_.name,
+  spdlog::info("worker_started worker={:016x} name={} slots={}", Number(self_.worker), LogText(self_.name),
                threads_);
   if (auto started = StartThreads(); !started) {
     OnRefusal(started.error());
@@ -208,7 +209,7 @@ void Worker::FetchFiles(const SceneRequest& order) {
   synchronizer_.NotifyNews();
   const auto fetched = fetcher_.FetchPackage(order.package);
   if (fetched || closing_.stop_requested()) return;
-  spdlog::warn("fetch_failed package={} reason=\"{}\"", order.package.Hex(), fetched.error().message);
+  spdlog::warn("fetch_failed package={} reason={}", order.package.Hex(), LogText(fetched.error().message));
 }
 
 void Worker::LoadScene(const SceneRequest& order) {
@@ -225,7 +226,7 @@ void Worker::LoadScene(const SceneRequest& order) {
   meter_.LoaderDoes(ActivityMeter::Loader::kIdle, Clock::now());
   if (closing_.stop_requested()) return;
   if (!scene) {
-    spdlog::warn("scene_failed scene={} reason=\"{}\"", order.key.Hex(), scene.error().message);
+    spdlog::warn("scene_failed scene={} reason={}", order.key.Hex(), LogText(scene.error().message));
     return workload_.Change(kNews)->SceneFailed(order.key, scene.error().message, Clock::now());
   }
   workload_.Change(kNews)->SceneLoaded(order.key, std::move(*scene));

@@ -8,6 +8,7 @@
 #include "client/commands/option_groups.h"
 #include "client/commands/option_values.h"
 #include "client/frame_fetcher.h"
+#include "client/output/output_file.h"
 
 namespace tessera {
 namespace {
@@ -44,20 +45,71 @@ Result<std::vector<size_t>> ChooseFrames(const FetchOptions& options,
                               *options.frame, frames.front().number, frames.back().number));
 }
 
-PictureNames NamesFor(const FetchOptions& options, bool is_sequence) {
-  const std::string exr =
-      options.output.exr.empty() ? fmt::format("job-{}.exr", Number(options.job)) : options.output.exr;
+PictureNames NamesFor(const FetchOptions& options, const std::vector<FrameStatus>& frames) {
+  using Numbers = PictureNames::Numbers;
+  const std::string picture = options.output.picture.empty() ? fmt::format("job-{}.exr", Number(options.job))
+                                                             : options.output.picture;
+  const bool is_sequence = frames.size() > 1;
+  // A scene without --frames is frame 0. Its name is no pattern.
+  if (!is_sequence && frames.front().number == 0) return {picture, options.output.png, Numbers::kNone};
   // A frame that was chosen and named by the user keeps that name.
-  const bool is_named = options.frame && !options.output.exr.empty();
-  return {exr, options.output.png,
-          is_sequence && !is_named ? PictureNames::Numbers::kAlways : PictureNames::Numbers::kInPlace};
+  const bool is_named = options.frame && !options.output.picture.empty();
+  return {picture, options.output.png, is_sequence && !is_named ? Numbers::kAlways : Numbers::kInPlace};
 }
 
-Error NotFinished(JobId job, const std::vector<int>& missing) {
-  const size_t more = missing.size() - 1;
-  return Failed(fmt::format(
-      "frame {}{} of job {} {} not finished; use --preview to fetch what is rendered so far", missing.front(),
-      more == 0 ? "" : fmt::format(" and {} more", more), Number(job), more == 0 ? "is" : "are"));
+Result<void> CheckFetch(const FetchOptions& options) {
+  if (options.json && IsStandardOutput(options.output.picture))
+    return BadInput("-o is the standard output, which cannot also take the answer of --json");
+  return {};
+}
+
+// "frame 3 of job 1" or "frame 3 and 2 more of job 1".
+std::string FramesText(const std::vector<int>& frames, JobId job) {
+  const std::string more = frames.size() == 1 ? "" : fmt::format(" and {} more", frames.size() - 1);
+  return fmt::format("frame {}{} of job {}", frames.front(), more, Number(job));
+}
+
+Error NotFinished(const JobStatus& status, const std::vector<int>& missing) {
+  const char* const verb = missing.size() == 1 ? "is" : "are";
+  const std::string name = FramesText(missing, status.job);
+  if (!HasEnded(status.state)) {
+    return Failed(
+        fmt::format("{} {} not finished; use --preview to fetch what is rendered so far", name, verb));
+  }
+  const std::string end = status.state == JobState::kFailed ? "failed" : "was cancelled";
+  // Of a sequence, the frames that are missing may be those that were never begun.
+  const bool has_picture = status.frames_total == 1 && status.samples_done > 0;
+  return Failed(fmt::format("{} {} not finished: the job {}{}", name, verb, end,
+                            has_picture ? "; use --preview to fetch what was rendered" : ""));
+}
+
+struct Fetched {
+  std::vector<int> missing;  // not finished and not asked for
+  std::vector<int> empty;    // of a job that ended before anything was rendered of them
+};
+
+Result<Fetched> FetchFrames(const FetchOptions& options, const std::vector<FrameStatus>& frames,
+                            const std::vector<size_t>& chosen, FrameFetcher& fetcher) {
+  Fetched fetched;
+  for (const size_t i : chosen) {
+    const FrameStatus& frame = frames[i];
+    if (frame.file) {
+      if (auto saved = fetcher.Save(i, frame); !saved) return saved.error();
+    } else if (!options.preview) {
+      fetched.missing.push_back(frame.number);
+      continue;
+    } else {
+      const auto saved = fetcher.SavePreview(i, frame.number);
+      if (!saved) return saved.error();
+      if (!*saved) {
+        fetched.empty.push_back(frame.number);
+        continue;
+      }
+    }
+    const std::string& path = fetcher.saved().back().path;
+    if (!options.json && !IsStandardOutput(path)) fmt::print("{}\n", path);
+  }
+  return fetched;
 }
 
 Result<int> RunFetch(const FetchOptions& options, Cancellation& cancellation) {
@@ -68,28 +120,23 @@ Result<int> RunFetch(const FetchOptions& options, Cancellation& cancellation) {
   if (!frames) return frames.error();
   const auto chosen = ChooseFrames(options, *frames);
   if (!chosen) return chosen.error();
-  const bool is_sequence = frames->size() > 1;
-  const PictureNames names = NamesFor(options, is_sequence);
-  std::vector<int> numbers, missing;
+  const PictureNames names = NamesFor(options, *frames);
+  std::vector<int> numbers;
   for (const size_t i : *chosen) numbers.push_back((*frames)[i].number);
-  if (auto writable = names.CheckWritable(numbers); !writable) return writable.error();
-  FrameFetcher fetcher(**client, options.job, names);
-  for (const size_t i : *chosen) {
-    const FrameStatus& frame = (*frames)[i];
-    if (!frame.file && !options.preview) {
-      missing.push_back(frame.number);
-      continue;
-    }
-    auto saved = frame.file ? fetcher.Save(i, frame) : fetcher.SavePreview(i, frame.number);
-    if (!saved) return saved.error();
-    if (!options.json) fmt::print("{}\n", fetcher.saved().back().path);
-  }
+  if (auto writable = names.Check(numbers); !writable) return writable.error();
+  FrameFetcher fetcher(**client, options.job, names, cancellation.token());
+  const auto fetched = FetchFrames(options, *frames, *chosen, fetcher);
+  if (!fetched) return fetched.error();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (options.json && !fetcher.saved().empty()) {
-    fmt::print("{}\n", PicturesJson(fetcher.saved(), is_sequence, seconds));
+    fmt::print("{}\n", PicturesJson(fetcher.saved(), frames->size() > 1, seconds));
   }
-  if (!missing.empty()) return NotFinished(options.job, missing);
-  return 0;
+  if (!fetched->empty.empty())
+    return Failed(fmt::format("nothing was rendered of {}", FramesText(fetched->empty, options.job)));
+  if (fetched->missing.empty()) return 0;
+  const auto status = (*client)->Status(options.job);
+  if (!status) return status.error();
+  return NotFinished(*status, fetched->missing);
 }
 
 }  // namespace
@@ -99,6 +146,7 @@ Command FetchCommand() {
       .name = "fetch",
       .summary = "Fetch the picture of a job, or the pictures of a sequence",
       .add_flags = AddFetchFlags,
+      .check = CheckFetch,
       .run = RunFetch,
   });
 }

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "client/commands/option_values.h"
+#include "client/output/picture_format.h"
 #include "proto/shell/program.h"
 #include "renderer/accelerator/accelerator.h"
 #include "renderer/film/adaptive.h"
@@ -95,7 +96,7 @@ void AddUnsupported(CLI::App& app, const std::string& name) {
 }  // namespace
 
 void AddSceneFlags(CLI::App& app, SceneOptions& options) {
-  AddText(app, "SCENE", "", "Scene file (pbrt-v4)", options.path, Presence::kRequired);
+  AddText(app, "SCENE", "", "Scene file (pbrt-v4); - is standard input", options.path, Presence::kRequired);
   AddFrameFlags(app, options);
   AddSamplingFlags(app, options.render);
   AddFilmFlags(app, options.render);
@@ -131,10 +132,20 @@ void AddConnectionFlags(CLI::App& app, ConnectionOptions& options) {
 
 void AddOutputFlags(CLI::App& app, OutputOptions& options, const std::string& default_name) {
   AddText(app, "-o,--output", "FILE",
-          WithDefault("EXR file to write; in the name for a sequence, #### stands for the frame number",
+          WithDefault("Picture file to write: .exr .png .jpg .tif .hdr or .pfm; in the name for a sequence, "
+                      "#### stands for the frame number",
                       default_name),
-          options.exr);
+          options.picture);
   AddText(app, "--png", "FILE", "Also write a tone-mapped 8-bit PNG", options.png);
+}
+
+Result<void> CheckPictureOptions(const RenderOptions& render, const OutputOptions& output) {
+  if (output.picture.empty() || render.aovs.empty()) return {};
+  const auto format = PictureFormatOf(output.picture);
+  if (!format) return format.error();
+  if (*format == PictureFormat::kExr) return {};
+  return BadInput(
+      fmt::format("{}: the channels of --aov can only be written to an .exr file", output.picture));
 }
 
 void AddJobArgument(CLI::App& app, JobId& job) {

@@ -32,11 +32,14 @@ constexpr std::chrono::seconds kPatienceDefault{15};
 
 // Where a picture is written.
 struct OutputOptions {
-  std::string exr;  // path, or for a sequence a FrameName; empty: the command chooses one
-  std::string png;  // the same of a tone-mapped copy; empty: none
+  std::string picture;  // path, or for a sequence a FrameName; empty: the command chooses one
+  std::string png;      // the same of a tone-mapped copy; empty: none
 };
 // `default_name` describes in the help what the command chooses.
 void AddOutputFlags(CLI::App& app, OutputOptions& options, const std::string& default_name);
+
+// Fails if the picture's format cannot hold what the options ask for.
+Result<void> CheckPictureOptions(const RenderOptions& render, const OutputOptions& output);
 
 void AddJobArgument(CLI::App& app, JobId& job);
 void AddJsonFlag(CLI::App& app, bool& json);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 
 #include "client/commands/commands.h"
 #include "client/commands/option_groups.h"
@@ -15,9 +14,11 @@
 #include "client/frame_fetcher.h"
 #include "client/in_process.h"
 #include "client/local_farm.h"
+#include "client/output/output_file.h"
 #include "client/progress_line.h"
 #include "client/saved_picture.h"
 #include "client/scene_job.h"
+#include "proto/shell/console.h"
 #include "renderer/film/picture_file.h"
 #include "renderer/util/cores.h"
 #include "renderer/util/threads.h"
@@ -41,7 +42,7 @@ struct RenderCommandOptions {
 
 void AddRenderFlags(CLI::App& app, RenderCommandOptions& options) {
   AddSceneFlags(app, options.scene);
-  AddOutputFlags(app, options.output, "SCENE with the extension .exr");
+  AddOutputFlags(app, options.output, "SCENE with the extension .exr, stdin.exr for -");
   AddInteger(app, "--workers", WithDefault("Number of worker processes", "1, or 2 with --verify"), 1,
              kProcessesMax, options.workers);
   AddInteger(app, "--threads",
@@ -56,7 +57,9 @@ Result<void> Check(const RenderCommandOptions& options) {
   if (options.verify_share > 0 && (options.in_process || options.workers == 1)) {
     return BadInput("--verify needs at least two workers to compare: use --workers 2 or more");
   }
-  return {};
+  if (options.json && IsStandardOutput(options.output.picture))
+    return BadInput("-o is the standard output, which cannot also take the answer of --json");
+  return CheckPictureOptions(options.scene.render, options.output);
 }
 
 // The processes of a local farm and the threads of each.
@@ -73,6 +76,17 @@ FarmSize ChooseSize(const RenderCommandOptions& options) {
   return {workers, threads};
 }
 
+// Fails if the pictures would overwrite files of the scene or do not fit their formats.
+Result<void> CheckPictures(const SceneJob& job, const PictureNames& names) {
+  std::vector<int> numbers;
+  for (const SceneFrame& frame : job.frames) numbers.push_back(frame.number);
+  if (auto good = names.Check(numbers, job.input_paths); !good) return good;
+  for (const FrameRequest& frame : job.packed.frames) {
+    if (auto fits = names.CheckSize(frame.spec.width, frame.spec.height); !fits) return fits;
+  }
+  return {};
+}
+
 // Renders the frames one after another in this process. All are checked before the first is rendered.
 Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options, const PictureNames& names,
                                              Cancellation& cancellation) {
@@ -84,6 +98,7 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
     return can_start.error();
   auto job = LoadSceneJob(options.scene, is_sequence ? Scene::Depth::kCheck : Scene::Depth::kRender, stop);
   if (!job) return job.error();
+  if (auto good = CheckPictures(*job, names); !good) return good.error();
   ProgressLine line("thread");
   FrameCount count{0, static_cast<uint32_t>(job->frames.size())};
   std::vector<SavedPicture> saved;
@@ -110,7 +125,7 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
     line.Finish(last);
     const auto exr = EncodeExr(spec, *picture);
     if (!exr) return exr.error();
-    auto picture_saved = SavePicture(*exr, frame.number, names);
+    auto picture_saved = SavePicture(*exr, frame.number, names, stop);
     if (!picture_saved) return picture_saved.error();
     saved.push_back(std::move(*picture_saved));
   }
@@ -121,6 +136,7 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
                                                     const PictureNames& names, Cancellation& cancellation) {
   const auto job = LoadSceneJob(options.scene, Scene::Depth::kCheck, cancellation.token());
   if (!job) return job.error();
+  if (auto good = CheckPictures(*job, names); !good) return good.error();
   const FarmSize size = ChooseSize(options);
   const auto farm = LocalFarm::Start(size.workers, size.threads, cancellation);
   if (!farm) return farm.error();
@@ -130,7 +146,7 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
   const auto id =
       (*client)->Submit(job->packed, {job->packed.frames[0].scene_file, 0, {}, options.verify_share});
   if (!id) return id.error();
-  FrameFetcher fetcher(**client, *id, names);
+  FrameFetcher fetcher(**client, *id, names, cancellation.token());
   uint32_t finished = 0;
   const auto status = WatchWithProgress(**client, *id, [&](const JobStatus& now) {
     if (now.frames_finished == finished || cancellation.cancelled()) return;
@@ -141,31 +157,25 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
   if (!status) return status.error();
   if (status->state != JobState::kFinished) return EndedWithoutPicture(*status);
   if (const std::string line = TimesLine(status->times); !line.empty())
-    fmt::print(stderr, "time of the farm: {}\n", line);
+    PrintNote("time of the farm: {}\n", line);
   if (auto saved = fetcher.SaveFinished(); !saved) return saved.error();
   return fetcher.saved();
-}
-
-std::string DefaultOutput(const std::string& scene) {
-  std::filesystem::path name = std::filesystem::path(scene).filename();
-  if (name.extension() == ".gz") name.replace_extension();
-  return name.replace_extension(".exr").string();
 }
 
 Result<int> RunRender(const RenderCommandOptions& options, Cancellation& cancellation) {
   const auto start = Clock::now();
   const bool is_sequence = options.scene.frames.has_value();
-  const std::string& output = options.output.exr;
-  const PictureNames names(output.empty() ? DefaultOutput(options.scene.path) : output, options.output.png,
+  const std::string& output = options.output.picture;
+  const PictureNames names(output.empty() ? SceneName(options.scene) + ".exr" : output, options.output.png,
                            is_sequence ? PictureNames::Numbers::kAlways : PictureNames::Numbers::kNone);
   const std::vector<int> numbers = is_sequence ? options.scene.frames->Numbers() : std::vector<int>{0};
-  if (auto writable = names.CheckWritable(numbers); !writable) return writable.error();
+  if (auto good = names.Check(numbers); !good) return good.error();
   const auto saved = options.in_process ? RenderHere(options, names, cancellation)
                                         : RenderOnLocalFarm(options, names, cancellation);
   if (!saved) return saved.error();
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const std::string count = is_sequence ? fmt::format(" {} frames", saved->size()) : "";
-  fmt::print(stderr, "{}:{} rendered in {}\n", names.exr(), count, DurationText(seconds));
+  PrintNote("{}:{} rendered in {}\n", names.picture(), count, DurationText(seconds));
   if (options.json) fmt::print("{}\n", PicturesJson(*saved, is_sequence, seconds));
   return 0;
 }

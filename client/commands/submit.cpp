@@ -1,8 +1,6 @@
 // tessera submit
 #include <fmt/format.h>
 
-#include <filesystem>
-
 #include "client/commands/commands.h"
 #include "client/commands/connection.h"
 #include "client/commands/option_groups.h"
@@ -10,6 +8,7 @@
 #include "client/commands/watching.h"
 #include "client/progress_line.h"
 #include "client/scene_job.h"
+#include "proto/shell/console.h"
 
 namespace tessera {
 namespace {
@@ -50,10 +49,9 @@ Result<int> RunSubmit(const SubmitOptions& options, Cancellation& cancellation) 
   if (!client) return client.error();
   const auto sent = (*client)->Upload(job->packed);
   if (!sent) return sent.error();
-  fmt::print(stderr, "uploaded {} of {} files, {}\n", sent->files_sent, sent->files_total,
-             BytesText(sent->bytes_sent));
-  const std::string name =
-      options.name.empty() ? std::filesystem::path(options.scene.path).stem().string() : options.name;
+  PrintNote("uploaded {} of {} files, {}\n", sent->files_sent, sent->files_total,
+            BytesText(sent->bytes_sent));
+  const std::string name = options.name.empty() ? SceneName(options.scene) : options.name;
   const auto id =
       (*client)->Submit(job->packed, {name, options.priority, options.required_tags, options.verify_share});
   if (!id) return id.error();

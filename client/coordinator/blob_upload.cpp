@@ -22,6 +22,7 @@ struct Source {
   uint64_t size = 0;
   std::string path;  // of the file; empty: `bytes`
   std::string_view bytes;
+  bool is_manifest = false;
 };
 
 // Reads a source piece by piece.
@@ -149,7 +150,9 @@ class Uploader {
   // An interrupted upload continues where it stopped, as long as some bytes get through within
   // kRetryPatience.
   Result<void> SendOne(const Source& source, uint64_t held) {
-    const std::string what = source.path.empty() ? "send the list of files" : "send " + source.path;
+    const std::string what = source.is_manifest    ? "send the list of files"
+                             : source.path.empty() ? "send the scene from standard input"
+                                                   : "send " + source.path;
     Backoff waits = RetryWaits();
     auto deadline = std::chrono::steady_clock::now() + kRetryPatience;
     while (true) {
@@ -187,11 +190,18 @@ class Uploader {
 Result<UploadReport> CoordinatorClient::Upload(const PackedScene& scene) {
   std::map<std::string, Source> sources;  // by digest as it travels
   for (const auto& [path, file] : scene.package.files) {
-    sources[WriteDigest(file.digest)] = {file.digest, file.size, scene.disk_paths.at(file.digest), {}};
+    Source& source = sources[WriteDigest(file.digest)];
+    source = {file.digest, file.size, {}, {}};
+    const auto in_memory = scene.in_memory.find(file.digest);
+    if (in_memory != scene.in_memory.end()) {
+      source.bytes = *in_memory->second;
+    } else {
+      source.path = scene.disk_paths.at(file.digest);
+    }
   }
   UploadReport report;
   report.files_total = sources.size();
-  sources[WriteDigest(scene.digest)] = {scene.digest, scene.manifest.size(), {}, scene.manifest};
+  sources[WriteDigest(scene.digest)] = {scene.digest, scene.manifest.size(), {}, scene.manifest, true};
   Uploader uploader(*connection_);
   std::vector<std::pair<const Source*, uint64_t>> queue;
   for (auto it = sources.begin(); it != sources.end();) {
@@ -205,7 +215,7 @@ Result<UploadReport> CoordinatorClient::Upload(const PackedScene& scene) {
       if (source == sources.end())
         return Failed("the coordinator asked for a file that is not part of this scene");
       queue.emplace_back(&source->second, held);
-      report.files_sent += source->second.path.empty() ? 0 : 1;
+      report.files_sent += source->second.is_manifest ? 0 : 1;
     }
   }
   if (auto sent = uploader.Send(std::move(queue)); !sent) return sent.error();

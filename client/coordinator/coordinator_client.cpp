@@ -54,7 +54,7 @@ Result<std::vector<WorkerStatus>> AskAboutWorkers(
                                               proto::WorkersAnswer*),
     const std::string& which, const std::string& what) {
   proto::WorkersRequest request;
-  request.set_which(which);
+  request.set_which(CleanName(which));
   proto::WorkersAnswer answer;
   auto asked = Call(connection, method, request, answer, what);
   if (!asked) return asked.error();
@@ -158,7 +158,7 @@ Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const std:
     return Failed(
         fmt::format("{}: the coordinator has version {} (protocol {}) and this program version {} (protocol "
                     "{}); use the same version of both",
-                    address, ReadReason(health.software_version()), health.protocol(), kSoftwareVersion,
+                    address, CleanName(health.software_version()), health.protocol(), kSoftwareVersion,
                     kProtocolVersion));
   }
   return std::unique_ptr<CoordinatorClient>(new CoordinatorClient(std::move(connection)));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ struct PackedScene {
   ScenePackage package;
   std::string manifest;                      // EncodeScenePackage(package)
   Digest digest;                             // of the manifest
-  std::map<Digest, std::string> disk_paths;  // of each file of the package
+  std::map<Digest, std::string> disk_paths;  // of each file of the package that is on disk
+  std::map<Digest, std::shared_ptr<const std::string>> in_memory;  // the others
 };
 
 }  // namespace tessera

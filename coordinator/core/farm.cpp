@@ -7,6 +7,7 @@
 #include "coordinator/core/admission.h"
 #include "coordinator/core/job_report.h"
 #include "coordinator/core/schedule/policy.h"
+#include "renderer/text/unicode.h"
 #include "renderer/util/check.h"
 
 namespace tessera {
@@ -148,8 +149,8 @@ Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec) {
   job.clock.begun = counters();
   state_.scheduler.AddJob(job);
   state_.output.facts.emplace_back(JobSubmitted{job.id, spec});
-  Log(fmt::format("job_submitted job={} name=\"{}\" priority={} frames={} samples={}", Number(job.id),
-                  spec->name, spec->priority, spec->frames.size(), job.results.samples_total));
+  Log(fmt::format("job_submitted job={} name={} priority={} frames={} samples={}", Number(job.id),
+                  LogText(spec->name), spec->priority, spec->frames.size(), job.results.samples_total));
   return job.id;
 }
 
@@ -245,7 +246,7 @@ std::optional<Digest> Farm::FinishedFile(JobId id, uint32_t frame) const {
 
 void Farm::StorageDelayed(const std::string& reason) {
   if (!reason.empty() && reason != state_.storage_reason)
-    Log(fmt::format("storage_delayed reason=\"{}\"", reason));
+    Log(fmt::format("storage_delayed reason={}", LogText(reason)));
   state_.storage_reason = reason;
 }
 

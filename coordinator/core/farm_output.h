@@ -65,7 +65,9 @@ struct FarmOutput {
   std::vector<Directive> directives;
   std::vector<Results> results;
   std::vector<FinishedPicture> pictures;  // to be written to files; then call PictureWritten
-  std::vector<std::string> log;           // "event key=value ..."
+  // Of jobs that ended before these frames were complete. Written in the same way.
+  std::vector<FinishedPicture> partial_pictures;
+  std::vector<std::string> log;  // "event key=value ..."
 };
 
 }  // namespace tessera

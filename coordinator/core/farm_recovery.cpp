@@ -6,6 +6,7 @@
 
 #include "coordinator/core/extension.h"
 #include "coordinator/core/result_acceptance.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 namespace {
@@ -101,8 +102,8 @@ void FarmRecovery::RestoreNode(FrameId id, TileNode node) {
   Merger& merger = job.results.mergers.try_emplace(id.frame, job.spec->frames[id.frame].spec).first->second;
   const auto added = merger.Add(std::move(node));
   if (added) return;
-  state_.output.log.push_back(fmt::format("result_ignored job={} frame={} reason=\"{}\"", Number(id.job),
-                                          id.frame, added.error().message));
+  state_.output.log.push_back(fmt::format("result_ignored job={} frame={} reason={}", Number(id.job),
+                                          id.frame, LogText(added.error().message)));
 }
 
 // Frames that were finished and have their sums in the spool, in the order they were finished.

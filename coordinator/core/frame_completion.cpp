@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coordinator/core/extension.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 
@@ -30,9 +31,10 @@ void FrameCompletion::Complete(Job& job, uint32_t frame) {
 
 void FrameCompletion::PictureWritten(Instant now, JobId id, uint32_t frame, const Digest& file) {
   Job* const job = state_.jobs.Find(id);
-  if (job == nullptr || HasEnded(job->state)) return;
-  job->results.files[frame] = file;
+  if (job == nullptr) return;
   job->results.writing.erase(frame);
+  if (HasEnded(job->state)) return;
+  job->results.files[frame] = file;
   std::erase_if(job->results.votes, [&](const auto& each) { return each.first.frame == frame; });
   job->reason.clear();
   state_.output.facts.emplace_back(FrameFinished{id, frame, file, job->results.frame_samples.at(frame)});
@@ -46,7 +48,7 @@ void FrameCompletion::PictureDelayed(JobId id, const std::string& reason) {
   Job* const job = state_.jobs.Find(id);
   if (job == nullptr || HasEnded(job->state)) return;
   if (job->reason != reason)
-    state_.output.log.push_back(fmt::format("job_paused job={} reason=\"{}\"", Number(id), reason));
+    state_.output.log.push_back(fmt::format("job_paused job={} reason={}", Number(id), LogText(reason)));
   job->reason = reason;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coordinator/core/schedule/policy.h"
+#include "renderer/text/unicode.h"
 #include "renderer/util/check.h"
 
 namespace tessera {
@@ -16,6 +17,7 @@ void JobEnd::End(Instant now, Job& job, JobState end, const std::string& reason)
   job.reason = reason;
   job.ended = now;
   job.clock.ended = state_.scheduler.counters();
+  if (end != JobState::kFinished) KeepPictures(job);
   job.in_spool.clear();
   job.results.mergers.clear();
   job.results.loading.clear();
@@ -26,8 +28,18 @@ void JobEnd::End(Instant now, Job& job, JobState end, const std::string& reason)
   state_.scheduler.RemoveJob(job);
   state_.output.facts.emplace_back(JobEnded{job.id, end, reason});
   state_.output.log.push_back(fmt::format(
-      "job_ended job={} state={} elapsed_s={:.3f} samples_accepted={} reason=\"{}\"", Number(job.id),
-      JobStateName(end), Seconds(now - job.began), job.results.samples_accepted, reason));
+      "job_ended job={} state={} elapsed_s={:.3f} samples_accepted={} reason={}", Number(job.id),
+      JobStateName(end), Seconds(now - job.began), job.results.samples_accepted, LogText(reason)));
+}
+
+void JobEnd::KeepPictures(Job& job) {
+  for (const auto& [frame, merger] : job.results.mergers) {
+    // While the earlier sums of an extended frame are loaded, its picture without the extension is the better
+    // one.
+    if (merger.samples_merged() == 0 || job.results.loading.contains(frame)) continue;
+    state_.output.partial_pictures.push_back({job.id, frame, job.spec, merger.Snapshot()});
+    job.results.writing.insert(frame);
+  }
 }
 
 void JobEnd::DropSums(const Job& job) {

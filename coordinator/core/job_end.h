@@ -16,6 +16,8 @@ class JobEnd {
   void ForgetOldest();
 
  private:
+  // Writes the pictures of frames that are not complete, so that what was rendered can be fetched.
+  void KeepPictures(Job& job);
   void DropSums(const Job& job);
   FarmState& state_;
 };

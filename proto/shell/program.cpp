@@ -5,12 +5,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 
+#include "proto/shell/console.h"
 #include "proto/shell/termination_signals.h"
+#include "renderer/text/unicode.h"
 #include "renderer/util/cores.h"
 #include "renderer/util/processor.h"
 #include "renderer/util/threads.h"
@@ -24,6 +25,9 @@ constexpr int kThreadsMin = 16;
 
 // gRPC ends the process if it finds no descriptor when it starts.
 constexpr rlim_t kDescriptorsMin = 64;
+
+// What is printed of an error: two of the longest paths and their reasons.
+constexpr size_t kErrorBytesMax = 16 << 10;
 
 // Whether the system grants what libraries take for granted.
 Result<void> CheckSystemLimits() {
@@ -55,9 +59,7 @@ void ReportUncaughtExceptions(const std::string& name) {
 }
 
 int Report(const std::string& name, const Error& error) {
-  std::string message = error.message;
-  std::ranges::replace(message, '\n', ' ');
-  fmt::print(stderr, "{}: {}\n", name, message);
+  PrintNote("{}: {}\n", name, CleanText(error.message, kErrorBytesMax));
   return static_cast<int>(error.kind);
 }
 

@@ -8,19 +8,27 @@
 namespace tessera {
 namespace {
 
+bool IsIgnored(int signal) {
+  struct sigaction action {};
+  return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 sigset_t TheSignals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  for (const int signal : {SIGHUP, SIGQUIT}) {
+    if (!IsIgnored(signal)) sigaddset(&signals, signal);
+  }
   return signals;
 }
 
 }  // namespace
 
-TerminationSignals::TerminationSignals(std::function<void(int count)> action) : action_(std::move(action)) {
-  const sigset_t signals = TheSignals();
-  TESSERA_CHECK(pthread_sigmask(SIG_BLOCK, &signals, nullptr) == 0);
+TerminationSignals::TerminationSignals(std::function<void(int count)> action)
+    : signals_(TheSignals()), action_(std::move(action)) {
+  TESSERA_CHECK(pthread_sigmask(SIG_BLOCK, &signals_, nullptr) == 0);
   thread_ = std::thread([this] { WaitForSignals(); });
 }
 
@@ -33,12 +41,11 @@ TerminationSignals::~TerminationSignals() {
 }
 
 void TerminationSignals::WaitForSignals() {
-  const sigset_t signals = TheSignals();
   for (int count = 0;;) {
     int signal = 0;
-    if (sigwait(&signals, &signal) != 0) continue;
+    if (sigwait(&signals_, &signal) != 0) continue;
     if (closing_) return;
-    action_(++count);
+    if (signal != SIGHUP || count == 0) action_(++count);
   }
 }
 

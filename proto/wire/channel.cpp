@@ -10,6 +10,7 @@
 #include <grpcpp/support/channel_arguments.h>
 
 #include "proto/terms.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 namespace {
@@ -34,6 +35,19 @@ constexpr size_t kServerMemoryBytes = size_t{192} << 20;
 // seconds.
 constexpr int kReconnectFirst_ms = 100;
 constexpr int kReconnectMax_ms = 3'000;
+// Of an error that travels as a status: a path and a reason. Fits into kStatusBytesMax whatever it holds.
+constexpr size_t kErrorBytesMax = 2000;
+
+// Why a call failed. gRPC itself gives no reason, or one for its developers, if a message cannot be read.
+std::string ReasonOf(const grpc::Status& status) {
+  const std::string message = CleanText(status.error_message(), kReasonBytesMax);
+  const grpc::StatusCode code = status.error_code();
+  const bool is_ours = code != grpc::StatusCode::INTERNAL && code != grpc::StatusCode::UNKNOWN;
+  if (is_ours && !message.empty()) return message;
+  return fmt::format("{} (gRPC status {})",
+                     message.empty() ? "the message or its answer could not be read" : message,
+                     static_cast<int>(code));
+}
 
 // Of a message as it is transferred, where a byte that is not printable takes three. gRPC accepts headers of
 // 8 KB at most.
@@ -84,12 +98,13 @@ void SetDeadline(grpc::ClientContext& context, std::chrono::milliseconds duratio
 }
 
 grpc::Status ToStatus(const Error& error) {
+  const std::string message = CleanText(error.message, kErrorBytesMax);
   switch (error.kind) {
-    case ErrorKind::kBadInput: return {grpc::StatusCode::INVALID_ARGUMENT, error.message};
-    case ErrorKind::kInterrupted: return {grpc::StatusCode::CANCELLED, error.message};
+    case ErrorKind::kBadInput: return {grpc::StatusCode::INVALID_ARGUMENT, message};
+    case ErrorKind::kInterrupted: return {grpc::StatusCode::CANCELLED, message};
     case ErrorKind::kFailed: break;
   }
-  return {grpc::StatusCode::FAILED_PRECONDITION, error.message};
+  return {grpc::StatusCode::FAILED_PRECONDITION, message};
 }
 
 grpc::Status Shortened(const grpc::Status& status) {
@@ -106,14 +121,13 @@ grpc::Status Shortened(const grpc::Status& status) {
 
 Error ToError(const grpc::Status& status, const std::string& what) {
   TESSERA_CHECK(!status.ok());
-  const std::string message = fmt::format("cannot {}: {}", what, status.error_message());
+  const std::string message = fmt::format("cannot {}: {}", what, ReasonOf(status));
   switch (status.error_code()) {
     case grpc::StatusCode::INVALID_ARGUMENT:
     case grpc::StatusCode::NOT_FOUND: return BadInput(message);
     case grpc::StatusCode::CANCELLED: return {ErrorKind::kInterrupted, message};
     case grpc::StatusCode::UNAVAILABLE:
-      return Failed(
-          fmt::format("cannot {}: no answer from the coordinator ({})", what, status.error_message()));
+      return Failed(fmt::format("cannot {}: no answer from the coordinator ({})", what, ReasonOf(status)));
     case grpc::StatusCode::DEADLINE_EXCEEDED:
       return Failed(fmt::format("cannot {}: the coordinator did not answer in time", what));
     default: return Failed(message);

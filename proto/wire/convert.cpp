@@ -5,6 +5,7 @@
 #include "proto/terms.pb.h"
 #include "proto/wire/fields.h"
 #include "proto/work.pb.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 
@@ -19,12 +20,13 @@ std::string WriteDigest(const Digest& digest) {
   return std::string(digest.bytes.begin(), digest.bytes.end());
 }
 
-std::string ReadReason(const std::string& text) {
-  std::string reason = text.substr(0, kReasonBytesMax);
-  for (char& c : reason) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
-  return reason;
+std::string CleanReason(const std::string& text) {
+  return CleanText(text, kReasonBytesMax);
+}
+
+std::string CleanName(const std::string& text) {
+  // What is far too long is cut before it is normalised.
+  return CleanText(Normalize(CleanText(text, 4 * kNameBytesMax)), kNameBytesMax);
 }
 
 Result<PixelBounds> ReadPixelBounds(const proto::PixelBounds& message) {

@@ -47,8 +47,11 @@ Result<JobSpec> ReadJobSpec(const proto::JobSpec& message);
 Result<JobStatus> ReadJobStatus(const proto::JobStatus& message);
 Result<std::vector<FrameStatus>> ReadFrameStatuses(const proto::FramesAnswer& message);
 Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message);
-// Words for people: control characters become spaces, longer than kReasonBytesMax is cut.
-std::string ReadReason(const std::string& text);
+// Text of people and other programs, in both directions (CleanText): what was written can be read, and what
+// was read can be shown and written again. A reason or notice: at most kReasonBytesMax bytes.
+std::string CleanReason(const std::string& text);
+// The name of a job or worker or a version: in normalisation form C, at most kNameBytesMax bytes.
+std::string CleanName(const std::string& text);
 
 void Write(LeaseId value, proto::LeaseId& message);
 void Write(const PixelBounds& value, proto::PixelBounds& message);

@@ -69,9 +69,7 @@ Result<JobSpec> ReadJobSpec(const proto::JobSpec& message) {
   JobSpec spec;
   spec.submission = message.submission();
   if (spec.submission == 0) return BadField("submission", "is missing");
-  spec.name = message.name();
-  if (!IsText(spec.name, kNameBytesMax))
-    return BadField("name", "is not one line of text of at most 256 bytes");
+  spec.name = CleanName(message.name());
   const auto priority = ReadPriority(message.priority());
   if (!priority) return priority.error();
   spec.priority = *priority;
@@ -95,7 +93,7 @@ Result<JobSpec> ReadJobSpec(const proto::JobSpec& message) {
 
 void Write(const JobSpec& value, proto::JobSpec& message) {
   message.set_submission(value.submission);
-  message.set_name(value.name);
+  message.set_name(CleanName(value.name));
   message.set_priority(value.priority);
   message.set_package(WriteDigest(value.package));
   for (const FrameRequest& frame : value.frames) {
@@ -114,10 +112,10 @@ Result<JobStatus> ReadJobStatus(const proto::JobStatus& message) {
   if (!proto::JobState_IsValid(message.state())) return BadField("state", "is unknown");
   JobStatus status;
   status.job = JobId{message.job()};
-  status.name = ReadReason(message.name());
+  status.name = CleanName(message.name());
   status.priority = message.priority();
   status.state = static_cast<JobState>(message.state());
-  status.reason = ReadReason(message.reason());
+  status.reason = CleanReason(message.reason());
   status.samples_done = message.samples_done();
   status.samples_total = message.samples_total();
   status.samples_per_second = ReadMeasure(message.samples_per_second());
@@ -145,10 +143,10 @@ static_assert(static_cast<int>(JobState::kCancelled) == proto::JOB_STATE_CANCELL
 
 void Write(const JobStatus& value, proto::JobStatus& message) {
   message.set_job(Number(value.job));
-  message.set_name(value.name);
+  message.set_name(CleanName(value.name));
   message.set_priority(value.priority);
   message.set_state(static_cast<proto::JobState>(value.state));
-  message.set_reason(value.reason);
+  message.set_reason(CleanReason(value.reason));
   message.set_samples_done(value.samples_done);
   message.set_samples_total(value.samples_total);
   message.set_samples_per_second(value.samples_per_second);
@@ -191,9 +189,9 @@ Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message) {
   if (message.slots() > static_cast<uint32_t>(kSlotsMax)) return BadField("slots", "is beyond the limit");
   WorkerStatus status;
   status.worker = WorkerId{message.worker()};
-  status.name = ReadReason(message.name());
+  status.name = CleanName(message.name());
   status.slots = static_cast<int>(message.slots());
-  status.software_version = ReadReason(message.software_version());
+  status.software_version = CleanName(message.software_version());
   status.leases = message.leases();
   status.units_finished = message.units_finished();
   status.units_failed = message.units_failed();
@@ -201,7 +199,7 @@ Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message) {
   status.silent = ReadDuration(message.silent_ms());
   status.draining = message.draining();
   status.quarantined = message.quarantined();
-  status.reason = ReadReason(message.reason());
+  status.reason = CleanReason(message.reason());
   status.utilisation = std::min(ReadMeasure(message.utilisation()), 1.0);
   status.samples_per_second = ReadMeasure(message.samples_per_second());
   status.fetching = message.fetching();
@@ -214,9 +212,9 @@ Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message) {
 
 void Write(const WorkerStatus& value, proto::WorkerStatus& message) {
   message.set_worker(Number(value.worker));
-  message.set_name(value.name);
+  message.set_name(CleanName(value.name));
   message.set_slots(static_cast<uint32_t>(value.slots));
-  message.set_software_version(value.software_version);
+  message.set_software_version(CleanName(value.software_version));
   message.set_leases(value.leases);
   message.set_units_finished(value.units_finished);
   message.set_units_failed(value.units_failed);
@@ -224,7 +222,7 @@ void Write(const WorkerStatus& value, proto::WorkerStatus& message) {
   message.set_silent_ms(static_cast<uint64_t>(value.silent.count()));
   message.set_draining(value.draining);
   message.set_quarantined(value.quarantined);
-  message.set_reason(value.reason);
+  message.set_reason(CleanReason(value.reason));
   message.set_utilisation(value.utilisation);
   message.set_samples_per_second(value.samples_per_second);
   message.set_fetching(value.fetching);

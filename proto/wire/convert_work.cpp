@@ -52,12 +52,9 @@ void Write(const WorkerActivity& value, proto::WorkerActivity& message) {
 
 Result<void> CheckIdentity(const proto::WorkerState& message) {
   if (message.worker() == 0) return BadField("worker", "is missing");
-  if (!IsText(message.name(), kNameBytesMax)) return BadField("name", "is not one line of text");
   if (message.slots() < 1 || message.slots() > static_cast<uint32_t>(kSlotsMax)) {
     return BadField("slots", "is not a number of render threads");
   }
-  if (!IsText(message.software_version(), kNameBytesMax))
-    return BadField("software_version", "is not one line of text");
   if (message.build_digest().size() > kNameBytesMax) return BadField("build_digest", "is too long");
   if (message.probe_digest().size() > kNameBytesMax) return BadField("probe_digest", "is too long");
   if (message.scenes_size() > kScenesPerWorkerMax) return BadField("scenes", "are too many");
@@ -94,9 +91,9 @@ Result<WorkerState> ReadWorkerState(const proto::WorkerState& message) {
   state.protocol = message.protocol();
   state.worker = WorkerId{message.worker()};
   state.sequence = message.sequence();
-  state.name = message.name();
+  state.name = CleanName(message.name());
   state.slots = static_cast<int>(message.slots());
-  state.software_version = message.software_version();
+  state.software_version = CleanName(message.software_version());
   state.build_digest = message.build_digest();
   state.probe_digest = message.probe_digest();
   auto tags = ReadTags(message.tags(), "tags");
@@ -116,9 +113,9 @@ void Write(const WorkerState& value, proto::WorkerState& message) {
   message.set_worker(Number(value.worker));
   message.set_farm(WriteFarmId(value.farm));
   message.set_sequence(value.sequence);
-  message.set_name(value.name);
+  message.set_name(CleanName(value.name));
   message.set_slots(static_cast<uint32_t>(value.slots));
-  message.set_software_version(value.software_version);
+  message.set_software_version(CleanName(value.software_version));
   message.set_build_digest(value.build_digest);
   message.set_probe_digest(value.probe_digest);
   for (const std::string& tag : value.tags) message.add_tags(tag);
@@ -166,7 +163,7 @@ Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& messag
     directive.prefetch.push_back(*package);
   }
   directive.call_again = std::chrono::milliseconds(message.call_again_ms());
-  directive.notice = ReadReason(message.notice());
+  directive.notice = CleanReason(message.notice());
   return directive;
 }
 
@@ -177,7 +174,7 @@ void Write(const WorkerDirective& value, proto::WorkerDirective& message) {
   for (const LeaseId lease : value.drop) Write(lease, *message.add_drop());
   for (const Digest& package : value.prefetch) message.add_prefetch(WriteDigest(package));
   message.set_call_again_ms(static_cast<uint32_t>(value.call_again.count()));
-  message.set_notice(value.notice);
+  message.set_notice(CleanReason(value.notice));
 }
 
 proto::ResultsRequest Announcement(WorkerId worker, FarmId farm, const proto::ResultsRequest& results) {

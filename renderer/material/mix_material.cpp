@@ -4,6 +4,7 @@
 
 #include "renderer/material/interface_material.h"
 #include "renderer/math/random_stream.h"
+#include "renderer/text/unicode.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
@@ -41,7 +42,8 @@ int ReadElement(const std::string& name, MaterialReader& reader) {
 
 MixMaterial MixMaterial::Read(MaterialReader& reader) {
   MixMaterial mix;
-  const std::vector<std::string> names = reader.parameters.Strings("materials");
+  std::vector<std::string> names = reader.parameters.Strings("materials");
+  for (std::string& name : names) name = Normalize(name);
   if (names.size() != 2) {
     reader.parameters.FailAt("materials",
                              fmt::format("\"materials\" of a mix needs 2 names, not {}", names.size()));

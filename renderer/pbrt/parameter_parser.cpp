@@ -5,6 +5,7 @@
 
 #include "renderer/description/number.h"
 #include "renderer/pbrt/scene_parser.h"
+#include "renderer/text/unicode.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
@@ -156,7 +157,7 @@ bool SceneParser::ReadValue(const Token& token, ValueKind kind, Parameter& p) {
       return true;
     }
   } else if (is_string && p.floats.empty()) {
-    p.strings.emplace_back(token.text);
+    p.strings.push_back(p.type == "texture" ? Normalize(token.text) : std::string(token.text));
     return true;
   }
   return Unexpected(token, Expected(kind, p));

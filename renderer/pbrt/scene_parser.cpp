@@ -4,6 +4,7 @@
 
 #include "renderer/description/number.h"
 #include "renderer/math/flat_transform.h"
+#include "renderer/text/unicode.h"
 #include "renderer/util/load_budget.h"
 #include "renderer/util/text.h"
 
@@ -87,6 +88,7 @@ std::optional<std::string> SceneParser::ReadString(const Statement& statement, s
 
 std::optional<std::string> SceneParser::ReadName(const Statement& statement, std::string_view what) {
   std::optional<std::string> name = ReadString(statement, what);
+  if (name) name = Normalize(*name);
   if (!name || name->size() <= kNameLengthMax) return name;
   Fail(statement.location,
        fmt::format("the {} of {} is longer than {} bytes", what, statement.name(), kNameLengthMax));

@@ -54,6 +54,8 @@ PHRASES = [
     (r"(?i)\b(damaged on (its|the) way|came damaged)\b", "write \"corrupt (SHA-256 mismatch)\""),
 ]
 PHRASES_IN_STRINGS = [
+    (r'\b(name|reason|text|notice|data_dir|workers|unit)=\\"\{',
+     "write LogText(value): text from outside must not end a log field"),
     (r"(?i)\bat once\b", "write \"immediately\" or \"at the same time\""),
     (r"(?i)\bthan was said\b|\bgoes? first\b.*\bunused\b", "say it plainly"),
 ]

@@ -39,7 +39,6 @@ TEST(FrameRange, RefusesWhatIsNotARange) {
 TEST(FrameName, PutsTheNumberInPlaceOfHashesAndPrintfFormats) {
   EXPECT_EQ(FrameName("scene.####.pbrt").Of(7), "scene.0007.pbrt");
   EXPECT_EQ(FrameName("scene.#.pbrt").Of(123), "scene.123.pbrt");
-  EXPECT_EQ(FrameName("###/scene.##.pbrt").Of(7), "007/scene.07.pbrt");
   EXPECT_EQ(FrameName("scene%03d.pbrt").Of(7), "scene007.pbrt");
   EXPECT_EQ(FrameName("scene%d.pbrt").Of(7), "scene7.pbrt");
   EXPECT_EQ(FrameName("#%d#").Of(7), "777");
@@ -47,6 +46,13 @@ TEST(FrameName, PutsTheNumberInPlaceOfHashesAndPrintfFormats) {
   EXPECT_EQ(FrameName("").Of(7), "");
   EXPECT_TRUE(FrameName("a%4d#").HasPlace());
   EXPECT_FALSE(FrameName("a%4d%").HasPlace());
+}
+
+TEST(FrameName, HasNoPlacesInItsFolders) {
+  EXPECT_EQ(FrameName("job#3/out.##.exr").Of(7), "job#3/out.07.exr");
+  EXPECT_EQ(FrameName("/a%d/b###/c").Of(7), "/a%d/b###/c");
+  EXPECT_FALSE(FrameName("proj#1/scene.pbrt").HasPlace());
+  EXPECT_EQ(FrameName("job#3/out.exr").WithPlace().text(), "job#3/out.####.exr");
 }
 
 TEST(FrameName, GetsAPlaceBeforeItsExtensionIfItHasNone) {
@@ -57,12 +63,43 @@ TEST(FrameName, GetsAPlaceBeforeItsExtensionIfItHasNone) {
 
 TEST(PictureNames, FollowTheFrames) {
   using Numbers = PictureNames::Numbers;
-  EXPECT_EQ(PictureNames("a.exr", "a.png", Numbers::kAlways).Exr(12), "a.0012.exr");
+  EXPECT_EQ(PictureNames("a.exr", "a.png", Numbers::kAlways).Picture(12), "a.0012.exr");
   EXPECT_EQ(PictureNames("a.exr", "a.png", Numbers::kAlways).Png(12), "a.0012.png");
   EXPECT_EQ(PictureNames("a.exr", "", Numbers::kAlways).Png(12), "");
-  EXPECT_EQ(PictureNames("a.exr", "", Numbers::kInPlace).Exr(12), "a.exr");
-  EXPECT_EQ(PictureNames("a#.exr", "", Numbers::kInPlace).Exr(12), "a12.exr");
-  EXPECT_EQ(PictureNames("a#.exr", "", Numbers::kNone).Exr(12), "a#.exr");
+  EXPECT_EQ(PictureNames("a.exr", "", Numbers::kInPlace).Picture(12), "a.exr");
+  EXPECT_EQ(PictureNames("a#.exr", "", Numbers::kInPlace).Picture(12), "a12.exr");
+  EXPECT_EQ(PictureNames("a#.exr", "", Numbers::kNone).Picture(12), "a#.exr");
+}
+
+TEST(PictureNames, KeepTheNameOfADevice) {
+  const PictureNames names("/dev/null", "/dev/null", PictureNames::Numbers::kAlways);
+  EXPECT_EQ(names.Picture(12), "/dev/null");
+  EXPECT_TRUE(names.Check({1, 2, 3}));
+}
+
+TEST(PictureNames, AreRefusedIfTheEndingDoesNotSayWhatIsWritten) {
+  const std::string folder = testing::TempDir();
+  const auto check = [&](const std::string& picture, const std::string& png) {
+    return PictureNames(folder + picture, png.empty() ? "" : folder + png, PictureNames::Numbers::kNone)
+        .Check({0});
+  };
+  EXPECT_TRUE(check("a.jpg", "a.PNG"));
+  EXPECT_TRUE(check("a", ""));
+  EXPECT_THAT(check("a.pbrt", "").error().message, HasSubstr("a.pbrt: cannot write pictures of type .pbrt"));
+  EXPECT_THAT(check("a.exr", "a.jpg").error().message, HasSubstr("must end in .png"));
+  EXPECT_THAT(check("a.png", "a.png").error().message, HasSubstr("two pictures"));
+}
+
+TEST(SceneName, IsThatOfTheFileWithoutExtensions) {
+  const auto name = [](const char* path) {
+    SceneOptions options;
+    options.path = path;
+    return SceneName(options);
+  };
+  EXPECT_EQ(name("shots/box.pbrt"), "box");
+  EXPECT_EQ(name("box.pbrt.gz"), "box");
+  EXPECT_EQ(name("box"), "box");
+  EXPECT_EQ(name("-"), "stdin");
 }
 
 SceneOptions Sequence(const std::string& path, FrameRange frames, double fps = kFramesPerSecondDefault) {
@@ -74,12 +111,12 @@ SceneOptions Sequence(const std::string& path, FrameRange frames, double fps = k
 }
 
 TEST(ListFrames, GivesEachFrameItsFile) {
-  const auto frames = ListFrames(Sequence("shot/scene.###.pbrt", {8, 12, 2}));
+  const auto frames = ListFrames(Sequence("shot#1/scene.###.pbrt", {8, 12, 2}));
   ASSERT_TRUE(frames);
   ASSERT_EQ(frames->size(), 3u);
   EXPECT_EQ((*frames)[1].number, 10);
-  EXPECT_EQ((*frames)[1].path, "shot/scene.010.pbrt");
-  EXPECT_EQ((*frames)[1].folder(), "shot");
+  EXPECT_EQ((*frames)[1].path, "shot#1/scene.010.pbrt");
+  EXPECT_EQ((*frames)[1].folder(), "shot#1");
   EXPECT_EQ((*frames)[1].name(), "scene.010.pbrt");
   EXPECT_FALSE((*frames)[1].is_animated);
   EXPECT_FALSE((*frames)[1].options.time);

@@ -79,6 +79,41 @@ TEST_F(Commands, CancelEndsAJobAndTheCommandsThatWatchIt) {
   EXPECT_EQ(Ask({"submit", BoxScene(), "--watch"}).code, 0);
 }
 
+TEST_F(Commands, WhatWasRenderedOfACancelledJobCanBeFetched) {
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit(BoxScene(), kEndless);
+  AwaitShare(job, 0);
+  const Outcome cancelled = Ask({"cancel", job});
+  EXPECT_EQ(cancelled.code, 0) << cancelled.errors;
+  EXPECT_THAT(cancelled.output + Ask({"status", job}).output, Not(HasSubstr("left")));
+  const Outcome fetched = Ask({"fetch", job, "-o", "picture.exr"});
+  EXPECT_EQ(fetched.code, 1);
+  EXPECT_THAT(fetched.errors, HasSubstr("the job was cancelled; use --preview"));
+  EXPECT_FALSE(Exists("picture.exr"));
+  const Outcome preview = Ask({"fetch", job, "--preview", "-o", "picture.exr"});
+  EXPECT_EQ(preview.code, 0) << preview.errors;
+  EXPECT_EQ(Tessera({"compare", "picture.exr", "picture.exr"}).code, 0);
+  coordinator().Signal(SIGKILL);
+  coordinator().Wait();
+  StartCoordinator();
+  EXPECT_EQ(Ask({"fetch", job, "--preview", "-o", "again.exr"}).code, 0) << "after a crash";
+  EXPECT_TRUE(Bytes("again.exr") == Bytes("picture.exr"));
+}
+
+TEST_F(Commands, NothingIsFetchedOfAJobOfWhichNothingWasRendered) {
+  StartCoordinator();
+  const std::string job = Submit(BoxScene(), {});
+  EXPECT_EQ(Ask({"cancel", job}).code, 0);
+  const Outcome fetched = Ask({"fetch", job});
+  EXPECT_EQ(fetched.code, 1);
+  EXPECT_THAT(fetched.errors, HasSubstr("the job was cancelled"));
+  EXPECT_THAT(fetched.errors, Not(HasSubstr("--preview"))) << "it could not work";
+  const Outcome preview = Ask({"fetch", job, "--preview"});
+  EXPECT_EQ(preview.code, 1);
+  EXPECT_THAT(preview.errors, HasSubstr("nothing was rendered of frame 0 of job " + job));
+}
+
 TEST_F(Commands, AnUnknownJobIsBadInput) {
   StartCoordinator();
   for (const char* command : {"status", "watch", "cancel", "fetch"}) {
@@ -88,20 +123,34 @@ TEST_F(Commands, AnUnknownJobIsBadInput) {
   }
 }
 
-TEST_F(Commands, AnInterruptedRenderLeavesNoFilesOrProcesses) {
+class InterruptedCommands : public Commands, public testing::WithParamInterface<int> {};
+
+TEST_P(InterruptedCommands, ARenderLeavesNoFilesOrProcesses) {
   for (const char* way : {"--in-process", "--workers=2"}) {
     Process render(folder(), "tessera", {"render", BoxScene(), "-o", "picture.exr", way, "--spp", "100000"});
     const size_t children = std::string_view(way) == "--in-process" ? 0 : 3;
     std::vector<pid_t> pids;
     ASSERT_TRUE(Eventually([&] { return (pids = ChildrenOf(render.pid())).size() == children; }));
     ASSERT_TRUE(Eventually([&] { return render.Errors().find(" 0.0 %") != std::string::npos; }));
-    render.Signal(SIGINT);
+    render.Signal(GetParam());
     EXPECT_EQ(render.Wait(std::chrono::seconds(10)), 130) << render.Errors();
     for (pid_t pid : pids) EXPECT_FALSE(IsAlive(pid));
     EXPECT_TRUE(std::filesystem::is_empty(Path("tmp")));
     EXPECT_FALSE(Exists("picture.exr"));
     EXPECT_THAT(render.Errors(), HasSubstr("interrupted"));
   }
+}
+
+INSTANTIATE_TEST_SUITE_P(BySignal, InterruptedCommands, testing::Values(SIGINT, SIGTERM, SIGHUP, SIGQUIT));
+
+TEST_F(Commands, ARenderWhoseMessagesNobodyReadsGoesOnAndLeavesNoFilesOrProcesses) {
+  // After one line nobody reads the messages any more.
+  const Outcome outcome = RunShell(folder(), "$tessera render " + BoxScene() +
+                                                 " --workers 2 --spp 4 -o p.exr 2>&1 | head -n 1; "
+                                                 "exit ${PIPESTATUS[0]}");
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_TRUE(Exists("p.exr"));
+  EXPECT_TRUE(std::filesystem::is_empty(Path("tmp")));
 }
 
 TEST_F(Commands, TheProcessesOfAKilledRenderEnd) {
@@ -130,6 +179,41 @@ TEST_F(Commands, RenderNamesThePictureAfterTheSceneAndReplacesAnExistingFile) {
   EXPECT_TRUE(Bytes("box.exr") == Oracle(BoxScene(), {"--spp", "1"}));
   EXPECT_EQ(Bytes("box.png").substr(1, 3), "PNG");
   EXPECT_THAT(outcome.errors, HasSubstr("samples/s"));
+}
+
+TEST_F(Commands, ASceneIsReadFromStandardInput) {
+  Write("walls.pbrt", "Shape \"sphere\"\n");
+  Write(
+      "scene.pbrt",
+      "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 8 Camera \"perspective\"\nWorldBegin\n"
+      "LightSource \"infinite\"\nTranslate 0 0 4 Include \"walls.pbrt\"\n");
+  const auto pixels = [&](const std::string& name) { return Tessera({"compare", name, "file.exr"}); };
+  ASSERT_EQ(Tessera({"render", "scene.pbrt", "-o", "file.exr", "--spp", "2", "--in-process"}).code, 0);
+  for (const std::string way : {"--in-process", "--workers=1"}) {
+    for (const std::string feed : {"cat scene.pbrt", "gzip -c scene.pbrt"}) {
+      const Outcome outcome = RunShell(folder(), feed + " | $tessera render - --spp 2 " + way);
+      EXPECT_EQ(outcome.code, 0) << outcome.errors;
+      EXPECT_THAT(outcome.errors, HasSubstr("stdin.exr: rendered in"));
+      EXPECT_EQ(pixels("stdin.exr").code, 0) << feed << way;
+      std::filesystem::remove(Path("stdin.exr"));
+    }
+  }
+  const Outcome frames =
+      RunShell(folder(), "$tessera render - --frames 1-2 --spp 2 --in-process < scene.pbrt");
+  EXPECT_EQ(frames.code, 0) << frames.errors;
+  EXPECT_EQ(pixels("stdin.0002.exr").code, 0);
+  EXPECT_THAT(RunShell(folder(), "$tessera info - < scene.pbrt").output, HasSubstr("16x8 pixels"));
+  const Outcome bad = RunShell(folder(), "echo Nonsense | $tessera render - --in-process");
+  EXPECT_EQ(bad.code, 2);
+  EXPECT_THAT(bad.errors, HasSubstr("<stdin>:1:1: "));
+  StartCoordinator();
+  StartWorker("only");
+  const Outcome job =
+      RunShell(folder(), "$tessera submit - --spp 2 --watch --coordinator " + address() + " < scene.pbrt");
+  EXPECT_EQ(job.code, 0) << job.errors;
+  EXPECT_THAT(Ask({"jobs"}).output, HasSubstr("stdin"));
+  EXPECT_EQ(Ask({"fetch", "1", "-o", "farm.exr"}).code, 0);
+  EXPECT_EQ(pixels("farm.exr").code, 0);
 }
 
 TEST_F(Commands, ComparePrintsTheDifferenceOfTwoPictures) {

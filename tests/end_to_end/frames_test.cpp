@@ -65,17 +65,30 @@ TEST_F(Frames, AnAnimatedSceneMovesFromFrameToFrame) {
   EXPECT_FALSE(Bytes("farm.0004.exr") == Bytes("farm.0008.exr"));
 }
 
-TEST_F(Frames, FramesInDifferentFoldersUseTheirOwnFiles) {
-  for (const std::string shot : {"1", "2"}) {
-    std::filesystem::create_directories(Path("shot-" + shot));
-    Write("shot-" + shot + "/my scene.pbrt", Scene(LookFrom(0), "Include \"more.pbrt\""));
-    Write("shot-" + shot + "/more.pbrt", "Translate " + shot + " 0 0 Shape \"sphere\"");
+TEST_F(Frames, FoldersAreNoPatterns) {
+  std::filesystem::create_directory(Path("out#%d"));
+  Write("proj#1/scene.1.pbrt", Scene(LookFrom(0), "Include \"more.pbrt\""));
+  Write("proj#1/scene.2.pbrt", Scene(LookFrom(2), "Include \"more.pbrt\""));
+  Write("proj#1/more.pbrt", "Translate 1 0 0 Shape \"sphere\"");
+  for (const char* way : {"--in-process", "--workers=1"}) {
+    const Outcome all =
+        Tessera({"render", "proj#1/scene.#.pbrt", "--frames", "1-2", "-o", "out#%d/p.%02d.exr", way});
+    ASSERT_EQ(all.code, 0) << all.errors;
+    EXPECT_TRUE(Bytes("out#%d/p.01.exr") == Oracle(Path("proj#1/scene.1.pbrt"), {}));
+    EXPECT_TRUE(Bytes("out#%d/p.02.exr") == Oracle(Path("proj#1/scene.2.pbrt"), {}));
+    std::filesystem::remove(Path("out#%d/p.01.exr"));
   }
-  const Outcome farm = Tessera({"render", "shot-#/my scene.pbrt", "--frames", "1-2", "-o", "out.#.exr"});
-  ASSERT_EQ(farm.code, 0) << farm.errors;
-  EXPECT_TRUE(Bytes("out.1.exr") == Oracle(Path("shot-1/my scene.pbrt"), {}));
-  EXPECT_TRUE(Bytes("out.2.exr") == Oracle(Path("shot-2/my scene.pbrt"), {}));
-  EXPECT_FALSE(Bytes("out.1.exr") == Bytes("out.2.exr"));
+  const Outcome one = Tessera({"render", "proj#1/scene.1.pbrt", "--in-process", "-o", "out#%d/p##.exr"});
+  ASSERT_EQ(one.code, 0) << one.errors;
+  EXPECT_TRUE(Exists("out#%d/p##.exr")) << "a single frame has no number";
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit("proj#1/scene.1.pbrt", {});
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  const Outcome fetched = Ask({"fetch", job, "-o", "out#%d/f#.exr", "--png", "out#%d/f%d.png"});
+  ASSERT_EQ(fetched.code, 0) << fetched.errors;
+  EXPECT_TRUE(Exists("out#%d/f#.exr"));
+  EXPECT_TRUE(Exists("out#%d/f%d.png"));
 }
 
 TEST_F(Frames, ABadFrameIsNamedBeforeRenderingStarts) {

@@ -51,10 +51,10 @@ void BecomeProgram(const std::string& folder, const std::vector<char*>& words, c
 
 Process::Process(const std::string& folder, const std::string& program,
                  const std::vector<std::string>& arguments) {
-  const std::string name = Unique(folder, program);
+  const std::string name = Unique(folder, std::filesystem::path(program).filename());
   output_path_ = name + ".out";
   errors_path_ = name + ".err";
-  std::string path = BinaryDir() + "/bin/" + program;
+  std::string path = program.starts_with('/') ? program : BinaryDir() + "/bin/" + program;
   std::vector<char*> words{path.data()};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
@@ -114,6 +114,10 @@ Outcome RunProgram(const std::string& folder, const std::string& program,
   constexpr int kTooLong = 1000;
   const int code = process.Wait().value_or(kTooLong);
   return {code, process.Output(), process.Errors()};
+}
+
+Outcome RunShell(const std::string& folder, const std::string& command) {
+  return RunProgram(folder, "/bin/bash", {"-c", "tessera=" + BinaryDir() + "/bin/tessera; " + command});
 }
 
 std::vector<pid_t> ChildrenOf(pid_t parent) {

@@ -16,8 +16,8 @@ constexpr std::chrono::seconds kProcessPatience{120};
 // A running program, killed by the destructor.
 class Process {
  public:
-  // `program` is one of build/PRESET/bin. It runs in `folder`, writes its output to files there, and creates
-  // its temporary folders in `folder`/tmp.
+  // `program` is one of build/PRESET/bin, or an absolute path. It runs in `folder`, writes its output to
+  // files there, and creates its temporary folders in `folder`/tmp.
   Process(const std::string& folder, const std::string& program, const std::vector<std::string>& arguments);
   ~Process();
   Process(Process&& other) noexcept;
@@ -47,6 +47,9 @@ struct Outcome {
 // Runs a program until it ends.
 Outcome RunProgram(const std::string& folder, const std::string& program,
                    const std::vector<std::string>& arguments);
+
+// Runs a command of bash, in which $tessera is the client, until it ends.
+Outcome RunShell(const std::string& folder, const std::string& command);
 
 // The running children of `parent`.
 std::vector<pid_t> ChildrenOf(pid_t parent);

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "renderer/text/unicode.h"
+
 #include "tests/worker/tiny_scene.h"
 
 namespace tessera {
@@ -101,6 +103,14 @@ TEST(PackagePath, TheNameIsRecovered) {
   for (const char* name : {"a.pbrt", "my scene.pbrt", "../a", "/b", "names/c", "\xff%2"})
     EXPECT_EQ(NameOfPackagePath(PackagePath(name)), name);
   for (const char* path : {"names/%zz", "names/%2", "names/%"}) EXPECT_EQ(NameOfPackagePath(path), path);
+}
+
+TEST(PackagePath, IsUtf8WhateverTheName) {
+  for (const char* name : {"caf\xe9.pbrt", "\xff", "a/\xed\xa0\x80", "caf\xc3\xa9.pbrt"}) {
+    EXPECT_TRUE(IsUtf8(PackagePath(name))) << name;
+    EXPECT_EQ(NameOfPackagePath(PackagePath(name)), name);
+  }
+  EXPECT_EQ(PackagePath("caf\xc3\xa9.pbrt"), "caf\xc3\xa9.pbrt");
 }
 
 TEST(PackagePath, DifferentNamesHaveDifferentPathsInsideThePackage) {

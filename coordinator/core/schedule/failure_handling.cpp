@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coordinator/core/schedule/policy.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 
@@ -18,8 +19,8 @@ void FailureHandling::FailUnit(Instant now, WorkerId worker_id, LeaseId lease, c
   if (frame.work.IsDone(samples)) return;
   ++worker->units_failed;
   ++state_.counters.units_failed;
-  state_.log.push_back(fmt::format("unit_failed worker={:016x} name=\"{}\" unit=\"{}\" reason=\"{}\"",
-                                   Number(worker_id), worker->name, unit.Text(), reason));
+  state_.log.push_back(fmt::format("unit_failed worker={:016x} name={} unit={} reason={}", Number(worker_id),
+                                   LogText(worker->name), LogText(unit.Text()), LogText(reason)));
   frame.failures.Record({samples, worker_id, worker->name + ": " + reason, now});
   if (const auto fatal = frame.failures.FatalReason(attempts_max_))
     FailJob(unit.job, "a unit cannot be rendered: " + *fatal);
@@ -33,8 +34,8 @@ void FailureHandling::FailScene(Instant now, WorkerId worker_id, const Digest& s
   std::erase_if(worker->wanted, [&](const SceneRequest& order) { return order.key == scene; });
   worker->loading_since.erase(scene);
   state_.idle.Remove(worker_id);
-  state_.log.push_back(fmt::format("scene_failed worker={:016x} name=\"{}\" scene={} reason=\"{}\"",
-                                   Number(worker_id), worker->name, scene.Hex(), reason));
+  state_.log.push_back(fmt::format("scene_failed worker={:016x} name={} scene={} reason={}",
+                                   Number(worker_id), LogText(worker->name), scene.Hex(), LogText(reason)));
   const std::vector<LeaseId> leases = state_.leases.OfWorker(worker_id);
   for (const LeaseId lease : leases) {
     if (state_.leases.At(lease).lease.unit.scene == scene) leases_.Return(lease);
@@ -73,8 +74,8 @@ void FailureHandling::Quarantine(WorkerRecord& worker, const std::string& reason
   if (!state_.workers.Quarantine(worker, reason)) return;
   state_.idle.Remove(worker.id);
   leases_.UpdateRoom(worker);
-  state_.log.push_back(fmt::format("worker_quarantined worker={:016x} name=\"{}\" reason=\"{}\"",
-                                   Number(worker.id), worker.name, reason));
+  state_.log.push_back(fmt::format("worker_quarantined worker={:016x} name={} reason={}", Number(worker.id),
+                                   LogText(worker.name), LogText(reason)));
   const std::vector<LeaseId> leases = state_.leases.OfWorker(worker.id);
   for (const LeaseId lease : leases) {
     state_.workers.Drop(worker, lease);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "coordinator/core/schedule/policy.h"
+#include "renderer/text/unicode.h"
 #include "renderer/util/check.h"
 
 namespace tessera {
@@ -105,14 +106,16 @@ void Scheduler::Drain(WorkerId id) {
   WorkerRecord* const worker = state_.workers.Find(id);
   if (worker == nullptr || !state_.workers.Drain(*worker)) return;
   Unblock(*worker);
-  state_.log.push_back(fmt::format("worker_drained worker={:016x} name=\"{}\"", Number(id), worker->name));
+  state_.log.push_back(
+      fmt::format("worker_drained worker={:016x} name={}", Number(id), LogText(worker->name)));
 }
 
 void Scheduler::Release(WorkerId id) {
   WorkerRecord* const worker = state_.workers.Find(id);
   if (worker == nullptr || !state_.workers.Release(*worker)) return;
   Unblock(*worker);
-  state_.log.push_back(fmt::format("worker_released worker={:016x} name=\"{}\"", Number(id), worker->name));
+  state_.log.push_back(
+      fmt::format("worker_released worker={:016x} name={}", Number(id), LogText(worker->name)));
 }
 
 bool Scheduler::IsTrusted(WorkerId id) const {

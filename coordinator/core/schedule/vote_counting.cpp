@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "renderer/text/unicode.h"
+
 namespace tessera {
 namespace {
 
@@ -36,8 +38,8 @@ VoteOutcome VoteCounting::RecordVote(const WorkUnit& unit, const Vote& vote) {
   if (!quorum.is_new) return {};
   const size_t different = quorum.votes.size() - (quorum.is_reached ? 1 : 0);
   if (different > 1) {
-    state_.log.push_back(
-        fmt::format("result_disputed unit=\"{}\" workers=\"{}\"", unit.Text(), NamesOf(quorum.votes)));
+    state_.log.push_back(fmt::format("result_disputed unit={} workers={}", LogText(unit.Text()),
+                                     LogText(NamesOf(quorum.votes))));
   }
   for (const Vote& dissenter : quorum.dissenters) {
     Distrust(dissenter.worker,

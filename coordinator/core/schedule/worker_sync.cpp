@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "coordinator/core/schedule/policy.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 
@@ -12,8 +13,8 @@ void WorkerSync::Synchronize(Instant now, const WorkerState& state) {
   const auto [record, is_new] = state_.workers.Admit(now, state);
   WorkerRecord& worker = *record;
   if (is_new) {
-    state_.log.push_back(fmt::format("worker_joined worker={:016x} name=\"{}\" slots={}", Number(worker.id),
-                                     worker.name, worker.slots));
+    state_.log.push_back(fmt::format("worker_joined worker={:016x} name={} slots={}", Number(worker.id),
+                                     LogText(worker.name), worker.slots));
   }
   worker.sequence = state.sequence;
   UpdateScenes(now, worker, state);
@@ -99,8 +100,8 @@ void WorkerSync::Disconnect(Instant now, WorkerId id) {
   if (worker == nullptr || !worker->is_live) return;
   state_.workers.Disconnect(now, *worker);
   ++state_.counters.workers_lost;
-  state_.log.push_back(fmt::format("worker_lost worker={:016x} name=\"{}\" leases={}", Number(id),
-                                   worker->name, state_.leases.OfWorker(id).size()));
+  state_.log.push_back(fmt::format("worker_lost worker={:016x} name={} leases={}", Number(id),
+                                   LogText(worker->name), state_.leases.OfWorker(id).size()));
   leases_.ReturnAllOf(id);
   worker->pending.drops.clear();
   state_.workers.UpdateNews(*worker);
@@ -113,8 +114,8 @@ void WorkerSync::Expire(Instant now) {
   for (const LeaseId id : state_.leases.Expired(now)) {
     const LeaseRecord& record = state_.leases.At(id);
     ++state_.counters.leases_expired;
-    state_.log.push_back(fmt::format("lease_expired lease={} worker={:016x} unit=\"{}\"", id.number,
-                                     Number(record.worker), record.lease.unit.Text()));
+    state_.log.push_back(fmt::format("lease_expired lease={} worker={:016x} unit={}", id.number,
+                                     Number(record.worker), LogText(record.lease.unit.Text())));
     state_.workers.Drop(state_.workers.At(record.worker), id);
     leases_.Return(id);
   }

@@ -1,5 +1,6 @@
 #include "client/commands/command_line.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -177,6 +178,31 @@ TEST(CommandLine, RefusesBadWordsAndNamesWhatIsExpected) {
     ASSERT_FALSE(parsed) << bad.words;
     EXPECT_EQ(parsed.error().kind, ErrorKind::kBadInput) << bad.words;
     EXPECT_THAT(parsed.error().message, HasSubstr(bad.message)) << bad.words;
+  }
+}
+
+TEST(CommandLine, RefusesNumbersThatAreNone) {
+  const std::pair<const char*, std::vector<const char*>> flags[] = {
+      {"render s.pbrt",
+       {"--fps", "--spp", "--noise-threshold", "--seed", "--max-depth", "--resolution", "--crop",
+        "--tile-size", "--workers", "--threads", "--verify"}},
+      {"submit s.pbrt", {"--priority", "--patience", "--verify"}},
+      {"fetch 1", {"--frame", "--patience"}},
+      {"extend 1", {"--spp"}},
+      {"compare a.exr b.exr", {"--tolerance"}},
+  };
+  for (const auto& [command, names] : flags) {
+    for (const char* flag : names) {
+      for (const char* word :
+           {"nan", "inf", "-inf", "1e400", "0x10", "-99999999999999999999999", "99999999999999999999999"}) {
+        const bool is_double = std::string_view(flag) == "--fps" || std::string_view(flag) == "--tolerance";
+        if (is_double && std::string_view(word) == "99999999999999999999999") continue;
+        const auto parsed = Parse(fmt::format("{} {}={}", command, flag, word));
+        ASSERT_FALSE(parsed) << flag << " " << word;
+        EXPECT_EQ(parsed.error().kind, ErrorKind::kBadInput);
+        EXPECT_THAT(parsed.error().message, HasSubstr(flag)) << word;
+      }
+    }
   }
 }
 

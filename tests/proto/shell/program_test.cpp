@@ -43,7 +43,7 @@ TEST(Program, AnExceptionIsAFailure) {
 }
 
 TEST(Program, TheFirstSignalRequestsAStop) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
     EXPECT_EQ(RunMain([signal](const auto&, std::stop_token termination) -> Result<int> {
                 ::kill(::getpid(), signal);
                 return Pause(termination, kPatience) ? 1 : 0;
@@ -61,6 +61,37 @@ TEST(ProgramDeathTest, TheSecondSignalEndsTheProcessImmediately) {
     return 0;
   };
   EXPECT_EXIT(RunMain(ignore_signals), testing::ExitedWithCode(130), "");
+}
+
+TEST(Program, ASecondHangupDoesNotCutTheEndShort) {
+  for (const int first : {SIGHUP, SIGTERM}) {
+    EXPECT_EQ(RunMain([first](const auto&, std::stop_token termination) -> Result<int> {
+                ::kill(::getpid(), first);
+                Pause(termination, kPatience);
+                ::kill(::getpid(), SIGHUP);
+                Pause({}, std::chrono::milliseconds(200));
+                return 5;
+              }),
+              5);
+  }
+}
+
+TEST(Program, IgnoresTheHangupThatNohupIgnores) {
+  ::signal(SIGHUP, SIG_IGN);
+  EXPECT_EQ(RunMain([](const auto&, std::stop_token termination) -> Result<int> {
+              ::kill(::getpid(), SIGHUP);
+              return Pause(termination, std::chrono::milliseconds(200)) ? 0 : 1;
+            }),
+            0);
+  ::signal(SIGHUP, SIG_DFL);
+}
+
+TEST(ProgramDeathTest, AnErrorIsReportedWithItsExitCodeThoughNobodyCanReadIt) {
+  const auto fail_unheard = [](const auto&, std::stop_token) -> Result<int> {
+    ::close(STDERR_FILENO);
+    return BadInput("unheard");
+  };
+  EXPECT_EXIT(std::_Exit(RunMain(fail_unheard)), testing::ExitedWithCode(2), "");
 }
 
 }  // namespace

@@ -1,0 +1,143 @@
+#include "client/output/picture_encoder.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <exception>
+
+namespace tessera {
+namespace {
+
+using Rgb = std::array<float, 3>;
+
+// Khronos PBR Neutral tone mapper (Khronos Group, 2024), without its Fresnel compensation of dark colours: it
+// keeps hue and, below `start`, every value, and lets highlights fade to white.
+Rgb ToneMap(Rgb color) {
+  constexpr float kStart = 0.8f;
+  constexpr float kDesaturation = 0.15f;
+  for (float& value : color) value = std::isfinite(value) ? std::max(value, 0.0f) : 0.0f;
+  const float peak = std::max({color[0], color[1], color[2]});
+  if (peak < kStart) return color;
+  constexpr float kRoom = 1 - kStart;
+  const float new_peak = 1 - kRoom * kRoom / (peak + kRoom - kStart);
+  const float fade = 1 - 1 / (kDesaturation * (peak - new_peak) + 1);
+  for (float& value : color) value = std::lerp(value * (new_peak / peak), new_peak, fade);
+  return color;
+}
+
+// IEC 61966-2-1.
+uint8_t EncodeSrgb(float linear) {
+  const float encoded = linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+  return static_cast<uint8_t>(std::lround(std::clamp(encoded, 0.0f, 1.0f) * 255));
+}
+
+// The positions of red, green and blue among the channels.
+std::array<size_t, 3> ColorChannels(const std::vector<std::string>& channels) {
+  std::array<size_t, 3> places{};
+  constexpr const char* kNames[] = {"R", "G", "B"};
+  for (size_t i = 0; i < 3; ++i) {
+    const auto found = std::ranges::find(channels, kNames[i]);
+    if (found == channels.end()) return {0, 0, 0};
+    places[i] = static_cast<size_t>(found - channels.begin());
+  }
+  return places;
+}
+
+// The display window in linear floats, RGB.
+std::vector<float> LinearRgb(const LoadedPicture& picture) {
+  const std::array<size_t, 3> places = ColorChannels(picture.channels);
+  const size_t channels = picture.channels.size();
+  const auto width = static_cast<size_t>(picture.width);
+  std::vector<float> values(width * static_cast<size_t>(picture.height) * 3, 0);
+  const PixelBounds& data = picture.bounds;
+  for (int y = std::max(data.y0, 0); y < std::min(data.y1, picture.height); ++y) {
+    for (int x = std::max(data.x0, 0); x < std::min(data.x1, picture.width); ++x) {
+      const size_t from = static_cast<size_t>(int64_t{y - data.y0} * data.width() + (x - data.x0)) * channels;
+      const size_t to = (static_cast<size_t>(y) * width + static_cast<size_t>(x)) * 3;
+      for (size_t c = 0; c < 3; ++c) values[to + c] = picture.values[from + places[c]];
+    }
+  }
+  return values;
+}
+
+std::vector<uint8_t> EightBit(const std::vector<float>& rgb) {
+  std::vector<uint8_t> bytes(rgb.size());
+  for (size_t i = 0; i < rgb.size(); i += 3) {
+    const Rgb mapped = ToneMap({rgb[i], rgb[i + 1], rgb[i + 2]});
+    for (size_t c = 0; c < 3; ++c) bytes[i + c] = EncodeSrgb(mapped[c]);
+  }
+  return bytes;
+}
+
+// What an RGBE pixel can hold.
+void ClampToRadiance(std::vector<float>& rgb) {
+  constexpr float kMax = 1.6e38f;  // just below 2^127
+  for (float& value : rgb) value = value > 0 ? std::min(value, kMax) : 0;
+}
+
+// Rows from bottom to top, little endian (Debevec's format).
+std::string EncodePfm(const LoadedPicture& picture, const std::vector<float>& rgb) {
+  static_assert(std::endian::native == std::endian::little);
+  std::string bytes = fmt::format("PF\n{} {}\n-1.0\n", picture.width, picture.height);
+  const size_t row = static_cast<size_t>(picture.width) * 3;
+  for (size_t y = static_cast<size_t>(picture.height); y-- > 0;)
+    bytes.append(reinterpret_cast<const char*>(&rgb[y * row]), row * sizeof(float));
+  return bytes;
+}
+
+// Encodes `pixels`, three values of type `type` each, in the format that OpenImageIO knows by the ending of
+// `name`.
+Result<std::string> EncodeWithLibrary(const char* name, const LoadedPicture& picture, OIIO::TypeDesc type,
+                                      const void* pixels, const std::string& path) {
+  std::vector<unsigned char> encoded;
+  OIIO::Filesystem::IOVecOutput memory(encoded);
+  const auto output = OIIO::ImageOutput::create(name, &memory);
+  if (!output) return Failed(fmt::format("{}: cannot encode the picture: {}", path, OIIO::geterror()));
+  OIIO::ImageSpec spec(picture.width, picture.height, 3, type);
+  spec.attribute("oiio:ColorSpace", type == OIIO::TypeDesc::UINT8 ? "sRGB" : "Linear");
+  if (std::string_view(name).ends_with(".jpg")) spec.attribute("Compression", "jpeg:95");
+  // The library would write the current time, and equal pictures would be different files. This is how Exif
+  // writes an unknown time.
+  if (std::string_view(name).ends_with(".tif")) spec.attribute("DateTime", "    :  :     :  :  ");
+  output->set_ioproxy(&memory);
+  if (!output->open(name, spec) || !output->write_image(type, pixels) || !output->close())
+    return Failed(fmt::format("{}: cannot encode the picture: {}", path, output->geterror()));
+  return std::string(encoded.begin(), encoded.end());
+}
+
+Result<std::string> Encode(PictureFormat format, const LoadedPicture& picture, const std::string& path) {
+  std::vector<float> rgb = LinearRgb(picture);
+  switch (format) {
+    case PictureFormat::kExr: break;
+    case PictureFormat::kPng:
+    case PictureFormat::kJpeg: {
+      const char* const name = format == PictureFormat::kPng ? "memory.png" : "memory.jpg";
+      return EncodeWithLibrary(name, picture, OIIO::TypeDesc::UINT8, EightBit(rgb).data(), path);
+    }
+    case PictureFormat::kTiff:
+      return EncodeWithLibrary("memory.tif", picture, OIIO::TypeDesc::FLOAT, rgb.data(), path);
+    case PictureFormat::kRadiance:
+      ClampToRadiance(rgb);
+      return EncodeWithLibrary("memory.hdr", picture, OIIO::TypeDesc::FLOAT, rgb.data(), path);
+    case PictureFormat::kPfm: return EncodePfm(picture, rgb);
+  }
+  TESSERA_CHECK(false);
+  return std::string();
+}
+
+}  // namespace
+
+Result<std::string> EncodeAs(PictureFormat format, const LoadedPicture& picture, const std::string& path) {
+  try {
+    return Encode(format, picture, path);
+  } catch (const std::exception& e) {
+    return Failed(fmt::format("{}: cannot encode the picture: {}", path, e.what()));
+  }
+}
+
+}  // namespace tessera
