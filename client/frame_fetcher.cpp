@@ -1,5 +1,7 @@
 #include "client/frame_fetcher.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "renderer/util/file.h"
@@ -36,7 +38,15 @@ Result<void> FrameFetcher::Save(size_t index, const FrameStatus& frame) {
     saved_.push_back({frame.number, path, *frame.file});
     return {};
   }
-  return Keep(client_.FetchPicture(job_, static_cast<uint32_t>(index), false), frame.number);
+  const auto exr = client_.FetchPicture(job_, static_cast<uint32_t>(index), false);
+  if (exr && Sha256(*exr) != *frame.file) {
+    return Failed(
+        fmt::format("the picture of frame {} of job {} is not the one that the coordinator lists (SHA-256 "
+                    "{}, expected {}); "
+                    "run the command again",
+                    frame.number, Number(job_), Sha256(*exr).Hex(), frame.file->Hex()));
+  }
+  return Keep(exr, frame.number);
 }
 
 Result<bool> FrameFetcher::SavePreview(size_t index, int frame) {

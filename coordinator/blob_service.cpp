@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 
 #include "coordinator/call_gate.h"
+#include "coordinator/task_pool.h"
 #include "proto/terms.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
@@ -15,12 +17,17 @@ namespace {
 
 // Running at the same time, each with an open file and 2 MB of memory. They fill any network.
 constexpr int kTransfersMax = 64;
+// How long one call may check files. Clients try again, and what was checked is not checked again.
+constexpr std::chrono::seconds kFindMissingMax{10};
+// Syncing more takes long.
+constexpr uint64_t kBriefBytesMax = uint64_t{16} << 20;
 
-// Deletes itself when the call is over.
+// Deletes itself when the call is over. Each step runs on a thread for files, one after the other.
 class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
-  UploadCall(const BlobStore& blobs, TransferLoad& load, grpc::CallbackServerContext& context)
-      : blobs_(blobs), load_(load), watched_(load.stall_watch.Watch(context)) {
+  UploadCall(const BlobStore& blobs, FileThreads& threads, TransferLoad& load,
+             grpc::CallbackServerContext& context)
+      : blobs_(blobs), threads_(threads), load_(load), watched_(load.stall_watch.Watch(context)) {
     if (++load_.transfers > kTransfersMax) {
       Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers are running; try again"});
       return;
@@ -36,22 +43,30 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   }
   void OnReadDone(bool ok) override {
     watched_->EndWait();
-    const auto status = ok ? Take() : End();
-    if (status) {
-      Finish(*status);
-    } else {
-      ReadNext();
-    }
+    const bool is_lengthy = !ok && upload_ != nullptr && upload_->received() > kBriefBytesMax;
+    (is_lengthy ? threads_.lengthy : threads_.brief).Post([this, ok] { ok ? Parse() : GoOn(End()); });
   }
   void OnDone() override {
     watched_->End();
     delete this;
   }
 
+  void Parse() {
+    const auto parsed = ParseMessage(bytes_, RuleFor("Blobs.Upload").limits, chunk_);
+    if (!parsed.ok()) return GoOn(parsed);
+    // What was sent earlier may have to be hashed.
+    const bool is_resumed = upload_ == nullptr && chunk_.offset() > 0;
+    is_resumed ? threads_.lengthy.Post([this] { GoOn(Take()); }) : GoOn(Take());
+  }
+  void GoOn(const std::optional<grpc::Status>& answer) {
+    if (answer) {
+      Finish(*answer);
+    } else {
+      ReadNext();
+    }
+  }
   // Stores a chunk. Returns the answer once it is known.
   std::optional<grpc::Status> Take() {
-    const auto parsed = ParseMessage(bytes_, RuleFor("Blobs.Upload").limits, chunk_);
-    if (!parsed.ok()) return parsed;
     if (upload_ == nullptr) {
       const auto digest = ReadDigest(chunk_.digest(), "digest");
       if (!digest) return ToStatus(digest.error());
@@ -86,6 +101,7 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   }
 
   const BlobStore& blobs_;
+  FileThreads& threads_;
   TransferLoad& load_;
   const std::shared_ptr<StallWatch::Call> watched_;
   grpc::ByteBuffer bytes_;
@@ -93,17 +109,31 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   std::unique_ptr<BlobStore::Partial> upload_;
 };
 
-// Deletes itself when the call is over.
+// Deletes itself when the call is over. Each step runs on a thread for files, one after the other.
 class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk> {
  public:
-  DownloadCall(const BlobStore& blobs, const proto::DownloadRequest& request, TransferLoad& load,
-               grpc::CallbackServerContext& context)
-      : load_(load), watched_(load.stall_watch.Watch(context)) {
+  DownloadCall(const BlobStore& blobs, FileThreads& threads, const proto::DownloadRequest& request,
+               TransferLoad& load, grpc::CallbackServerContext& context)
+      : blobs_(blobs), threads_(threads), load_(load), watched_(load.stall_watch.Watch(context)) {
     if (++load_.transfers > kTransfersMax) {
       Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "too many transfers are running; try again"});
       return;
     }
-    const grpc::Status status = Open(blobs, request);
+    threads_.brief.Post([this, request] {
+      const auto digest = ReadDigest(request.digest(), "digest");
+      if (digest && request.suspect()) blobs_.Suspect(*digest);
+      if (digest && blobs_.Look(*digest) == BlobStore::Presence::kUnknown) {
+        threads_.lengthy.Post([this, request] { Begin(request); });
+      } else {
+        Begin(request);
+      }
+    });
+  }
+  ~DownloadCall() override { --load_.transfers; }
+
+ private:
+  void Begin(const proto::DownloadRequest& request) {
+    const grpc::Status status = Open(request);
     if (!status.ok()) {
       Finish(status);
       return;
@@ -111,19 +141,21 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
     chunk_.set_size(size_);
     SendNext();
   }
-  ~DownloadCall() override { --load_.transfers; }
-
- private:
-  grpc::Status Open(const BlobStore& blobs, const proto::DownloadRequest& request) {
+  grpc::Status Open(const proto::DownloadRequest& request) {
     const auto digest = ReadDigest(request.digest(), "digest");
     if (!digest) return ToStatus(digest.error());
-    const auto size = blobs.Use(*digest);
-    if (!size) return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no blob {}", digest->Hex())};
+    const auto size = blobs_.UseVerified(*digest);
+    if (!size) {
+      return {
+          grpc::StatusCode::NOT_FOUND,
+          fmt::format("the coordinator does not have the file {} or found it corrupt; submit the scene again",
+                      digest->Hex())};
+    }
     if (request.offset() > *size)
       return {grpc::StatusCode::OUT_OF_RANGE, "the offset is beyond the end of the blob"};
     size_ = *size;
     left_ = *size - request.offset();
-    file_.open(blobs.Path(*digest), std::ios::binary);
+    file_.open(blobs_.Path(*digest), std::ios::binary);
     file_.seekg(static_cast<std::streamoff>(request.offset()));
     if (!file_) return {grpc::StatusCode::UNAVAILABLE, "the blob cannot be opened"};
     return grpc::Status::OK;
@@ -147,8 +179,10 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
     } else if (left_ == 0) {
       Finish(grpc::Status::OK);
     } else {
-      chunk_.clear_size();
-      SendNext();
+      threads_.brief.Post([this] {
+        chunk_.clear_size();
+        SendNext();
+      });
     }
   }
   void OnDone() override {
@@ -156,6 +190,8 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
     delete this;
   }
 
+  const BlobStore& blobs_;
+  FileThreads& threads_;
   TransferLoad& load_;
   const std::shared_ptr<StallWatch::Call> watched_;
   std::ifstream file_;
@@ -165,7 +201,8 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
 
 }  // namespace
 
-BlobService::BlobService(const CallGate& gate, const BlobStore& blobs) : gate_(gate), blobs_(blobs) {
+BlobService::BlobService(const CallGate& gate, const BlobStore& blobs, FileThreads& threads)
+    : gate_(gate), blobs_(blobs), threads_(threads) {
   const auto serve = [this](auto method, const CallRule& rule) {
     MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
   };
@@ -182,22 +219,40 @@ grpc::ServerUnaryReactor* BlobService::FindMissing(grpc::CallbackServerContext* 
       return call.Finish(ToStatus(BadInput(
           fmt::format("message refused: too many digests in one call (limit {})", kDigestsPerCallMax))));
     }
-    for (const std::string& bytes : request->digests()) {
-      const auto digest = ReadDigest(bytes, "digest");
-      if (!digest) return call.Finish(ToStatus(digest.error()));
-      if (blobs_.Use(*digest)) continue;
-      answer->add_missing(bytes);
-      answer->add_held(blobs_.Arrived(*digest));
-    }
-    call.Finish(grpc::Status::OK);
+    threads_.brief.Post([=, this] {
+      // Blobs that were not used since the start are read and hashed.
+      const bool is_known =
+          std::all_of(request->digests().begin(), request->digests().end(), [&](const std::string& bytes) {
+            const auto digest = ReadDigest(bytes, "digest");
+            return !digest || blobs_.Look(*digest) != BlobStore::Presence::kUnknown;
+          });
+      const auto list = [=, this] { call.Finish(ListMissing(*request, *answer)); };
+      is_known ? list() : threads_.lengthy.Post(list);
+    });
   });
+}
+
+grpc::Status BlobService::ListMissing(const proto::FindMissingRequest& request,
+                                      proto::FindMissingAnswer& answer) const {
+  const auto deadline = std::chrono::steady_clock::now() + kFindMissingMax;
+  for (const std::string& bytes : request.digests()) {
+    const auto digest = ReadDigest(bytes, "digest");
+    if (!digest) return ToStatus(digest.error());
+    if (std::chrono::steady_clock::now() > deadline)
+      return {grpc::StatusCode::UNAVAILABLE,
+              "the coordinator is still checking the files that it has; try again"};
+    if (blobs_.UseVerified(*digest)) continue;
+    answer.add_missing(bytes);
+    answer.add_held(blobs_.Arrived(*digest));
+  }
+  return grpc::Status::OK;
 }
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* BlobService::Upload(grpc::CallbackServerContext* context,
                                                                proto::UploadAnswer*) {
   using Reactor = grpc::ServerReadReactor<grpc::ByteBuffer>;
   return gate_.Serve<Reactor>(context, RuleFor("Blobs.Upload"), [=, this](const Principal&) {
-    return new UploadCall(blobs_, load_, *context);
+    return new UploadCall(blobs_, threads_, load_, *context);
   });
 }
 
@@ -205,7 +260,7 @@ grpc::ServerWriteReactor<proto::DownloadChunk>* BlobService::Download(grpc::Call
                                                                       const proto::DownloadRequest* request) {
   using Reactor = grpc::ServerWriteReactor<proto::DownloadChunk>;
   return gate_.Serve<Reactor>(context, RuleFor("Blobs.Download"), [=, this](const Principal&) {
-    return new DownloadCall(blobs_, *request, load_, *context);
+    return new DownloadCall(blobs_, threads_, *request, load_, *context);
   });
 }
 

@@ -1,4 +1,5 @@
-// Serves proto/blobs.proto from the blob store. Thread safe.
+// Serves proto/blobs.proto from the blob store. Files are read, hashed and written on threads of their own.
+// Thread safe.
 #pragma once
 
 #include <atomic>
@@ -10,6 +11,7 @@
 namespace tessera {
 
 class CallGate;
+struct FileThreads;
 
 struct TransferLoad {
   std::atomic<int> transfers{0};  // running now
@@ -19,7 +21,8 @@ struct TransferLoad {
 
 class BlobService final : public proto::Blobs::Service {
  public:
-  BlobService(const CallGate& gate, const BlobStore& blobs);
+  // The threads must run until every call has ended.
+  BlobService(const CallGate& gate, const BlobStore& blobs, FileThreads& threads);
   // Bytes of blobs transferred since the start.
   uint64_t bytes_in() const { return load_.bytes_in; }
   uint64_t bytes_out() const { return load_.bytes_out; }
@@ -33,8 +36,11 @@ class BlobService final : public proto::Blobs::Service {
                                                            const proto::DownloadRequest* request);
 
  private:
+  grpc::Status ListMissing(const proto::FindMissingRequest& request, proto::FindMissingAnswer& answer) const;
+
   const CallGate& gate_;
   const BlobStore& blobs_;
+  FileThreads& threads_;
   TransferLoad load_;
 };
 

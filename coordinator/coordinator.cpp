@@ -1,5 +1,7 @@
 #include "coordinator/coordinator.h"
 
+#include <spdlog/spdlog.h>
+
 #include "coordinator/ask_core.h"
 #include "coordinator/blob_service.h"
 #include "coordinator/call_gate.h"
@@ -9,6 +11,7 @@
 #include "coordinator/server.h"
 #include "coordinator/store/data_dir.h"
 #include "coordinator/store/file_pictures.h"
+#include "coordinator/task_pool.h"
 #include "coordinator/web_server.h"
 #include "coordinator/work_service.h"
 
@@ -22,11 +25,13 @@ struct Coordinator::Parts {
   Result<void> Recover(const CoordinatorOptions& options);
   Result<void> Serve(const CoordinatorOptions& options, AccessPolicy policy);
   std::optional<FarmView> LookAtAll();
+  void ProbePictures();
 
   DataDir directory;
   BlobStore blobs;
   FilePictures pictures;
   BackgroundThread spooling;
+  FileThreads files;
   std::unique_ptr<CoreThread> core;
   std::unique_ptr<CallGate> gate;
   std::unique_ptr<WorkService> work;
@@ -37,22 +42,25 @@ struct Coordinator::Parts {
 };
 
 Result<void> Coordinator::Parts::Recover(const CoordinatorOptions& options) {
+  blobs.Protect(
+      [this] { return AskCore(*core, [](CoreContext& context) { return context.farm.PackagesInUse(); }); });
   auto recovered = tessera::Recover(directory, {options.attempts_max, options.keep_sums_bytes},
                                     [this](std::function<void()> task) { spooling.Post(std::move(task)); });
   if (!recovered) return recovered.error();
-  core = std::make_unique<CoreThread>(
-      CoreThread::Parts{std::move(recovered->farm), std::move(recovered->journal),
-                        std::move(recovered->spool), std::make_unique<PictureWriter>(pictures)});
-  blobs.Protect(
-      [this] { return AskCore(*core, [](CoreContext& context) { return context.farm.PackagesInUse(); }); });
+  for (const std::string& line : recovered->log) spdlog::warn("{}", line);
+  core = std::make_unique<CoreThread>(CoreThread::Parts{
+      std::move(recovered->farm), std::move(recovered->journal), std::move(recovered->spool),
+      std::make_unique<PictureWriter>(pictures),
+      [this] { files.lengthy.Post([this] { blobs.FreeReserve(); }); }, [this] { return blobs.IsDiskLow(); }});
+  ProbePictures();
   return {};
 }
 
 Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, AccessPolicy policy) {
   gate = std::make_unique<CallGate>(*core, std::move(policy));
   work = std::make_unique<WorkService>(*gate);
-  blob_service = std::make_unique<BlobService>(*gate, blobs);
-  jobs = std::make_unique<JobsService>(*gate, blobs, pictures, options.data_dir);
+  blob_service = std::make_unique<BlobService>(*gate, blobs, files);
+  jobs = std::make_unique<JobsService>(*gate, blobs, pictures, directory, options.data_dir, files);
   if (options.http) {
     auto started = WebServer::Start(*options.http, options.http_names, [this] { return LookAtAll(); });
     if (!started) return started.error();
@@ -62,6 +70,22 @@ Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, Access
   if (!started) return started.error();
   server = std::move(*started);
   return {};
+}
+
+// Finds pictures that were cut or removed while no coordinator was running. Their bytes are compared when
+// they are fetched.
+void Coordinator::Parts::ProbePictures() {
+  core->Post([this](CoreContext& context) {
+    spooling.Post([this, files = context.farm.FinishedFiles()] {
+      for (const auto& [id, file] : files) {
+        const auto probed = pictures.Probe(id.job, id.frame, file);
+        if (probed) continue;
+        core->Post([id = id, reason = probed.error().message](CoreContext& now) {
+          now.farm.PictureDamaged(id, reason);
+        });
+      }
+    });
+  });
 }
 
 std::optional<FarmView> Coordinator::Parts::LookAtAll() {
@@ -75,7 +99,8 @@ std::optional<FarmView> Coordinator::Parts::LookAtAll() {
 
 Result<std::unique_ptr<Coordinator>> Coordinator::Start(const CoordinatorOptions& options,
                                                         AccessPolicy policy) {
-  auto directory = DataDir::Open(options.data_dir);
+  auto directory = DataDir::Open(
+      options.data_dir, options.start_afresh ? DataDir::Journal::kMayBeGone : DataDir::Journal::kRequired);
   if (!directory) return directory.error();
   auto blobs = BlobStore::Open(directory->BlobsPath(), BlobStoreOptions::Origin(options.blob_bytes));
   if (!blobs) return blobs.error();
@@ -115,6 +140,7 @@ void Coordinator::Stop() {
   if (parts.core != nullptr) parts.core->Close();
   if (parts.server != nullptr) parts.server->Shutdown();
   if (parts.jobs != nullptr) parts.jobs->Stop();
+  parts.files.Stop();
   if (parts.core != nullptr) parts.core->Stop();
   parts.spooling.Stop();
 }

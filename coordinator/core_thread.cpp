@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <set>
 
 #include "renderer/text/unicode.h"
 
@@ -27,6 +28,15 @@ bool IsSame(const JobStatus& a, const JobStatus& b) {
          a.workers == b.workers && a.reason == b.reason && a.priority == b.priority &&
          a.paused_by_user == b.paused_by_user && a.units_verified == b.units_verified &&
          a.units_disputed == b.units_disputed && a.units_suspect == b.units_suspect;
+}
+
+// The fewest nodes that hold the same sums.
+Result<std::vector<TileNode>> Merged(const FrameSpec& spec, std::vector<TileNode> nodes) {
+  Merger merger(spec);
+  for (TileNode& node : nodes) {
+    if (const auto added = merger.Add(std::move(node)); !added) return added.error();
+  }
+  return merger.TakeNodes();
 }
 
 }  // namespace
@@ -114,11 +124,13 @@ void CoreThread::Deliver(FarmOutput output) {
   }
   unsynced_.push_back(std::move(output));
   if (!Sync()) {
+    GiveUpSums();
     if (closing_) Abandon();
     return;
   }
   for (FarmOutput& each : std::exchange(unsynced_, {})) Answer(std::move(each));
   for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer(true);
+  if (std::exchange(wants_space_, false)) GiveUpSums();
   Compact();
 }
 
@@ -139,6 +151,20 @@ void CoreThread::NoteOpenJobs(const Fact& fact) {
   }
 }
 
+// Sums that are kept for later make way for what must be written now. A frame whose end is not journalled yet
+// still needs its sums.
+void CoreThread::GiveUpSums() {
+  if (!parts_.is_disk_low()) return;
+  std::set<FrameId> needed;
+  for (const FarmOutput& output : unsynced_) {
+    for (const Fact& fact : output.facts) {
+      if (const auto* finished = std::get_if<FrameFinished>(&fact))
+        needed.insert({finished->job, finished->frame});
+    }
+  }
+  for (const FrameId frame : parts_.farm->GiveUpSums(needed)) parts_.spool->Drop(frame);
+}
+
 void CoreThread::Answer(FarmOutput output) {
   for (const auto& answer : output.results) {
     if (const auto waiting = answers_.results_.extract(answer.call)) waiting.mapped()(&answer);
@@ -154,21 +180,26 @@ void CoreThread::Answer(FarmOutput output) {
   for (const JobId job : output.forgotten) parts_.pictures->Remove(job);
 }
 
+// Merges what was loaded, as far as that is possible, before the core thread gets it.
 void CoreThread::Load(FrameId frame) {
-  parts_.spool->Load(frame, [this, frame](Result<std::vector<TileNode>> nodes) {
-    const auto shared = std::make_shared<Result<std::vector<TileNode>>>(std::move(nodes));
+  const auto spec = parts_.farm->Spec(frame.job);
+  parts_.spool->Load(frame, [this, frame, spec](Result<std::vector<TileNode>> nodes) {
+    const auto shared = std::make_shared<Result<std::vector<TileNode>>>(
+        nodes && spec ? Merged(spec->frames[frame.frame].spec, std::move(*nodes)) : std::move(nodes));
     Post([=](CoreContext& core) { core.farm.SumsLoaded(core.now, frame, std::move(*shared)); });
   });
 }
 
 void CoreThread::WritePicture(FinishedPicture picture) {
-  const JobId job = picture.job;
-  const uint32_t frame = picture.frame;
-  parts_.pictures->Write(std::move(picture), [this, job, frame](const Result<WrittenPicture>& written) {
-    Post([=](CoreContext& core) {
-      if (!written) return core.farm.PictureDelayed(job, written.error().message);
+  const FrameId frame{picture.job, picture.frame};
+  parts_.pictures->Write(std::move(picture), [this, frame](const Result<WrittenPicture>& written) {
+    Post([=, this](CoreContext& core) {
+      if (!written) {
+        wants_space_ = true;
+        return core.farm.PictureDelayed(core.now, frame, written.error().message);
+      }
       core.farm.counters().picture_s += written->seconds;
-      core.farm.PictureWritten(core.now, job, frame, written->file);
+      core.farm.PictureWritten(core.now, frame, written->file);
     });
   });
 }
@@ -184,7 +215,10 @@ bool CoreThread::Sync() {
   parts_.farm->counters().journal_s += Seconds(Now() - begun);
   ++parts_.farm->counters().journal_syncs;
   parts_.farm->StorageDelayed(synced ? "" : synced.error().message);
-  if (!synced) sync_due_ = Now() + kSyncRetry;
+  if (!synced) {
+    sync_due_ = Now() + kSyncRetry;
+    parts_.on_storage_failure();
+  }
   return synced.has_value();
 }
 

@@ -71,6 +71,10 @@ class CoreThread {
     std::unique_ptr<Journal> journal;
     std::unique_ptr<Spool> spool;
     std::unique_ptr<PictureWriter> pictures;
+    // Called after each failure to write the journal or the spool: to free some space, on another thread.
+    std::function<void()> on_storage_failure = [] {};
+    // Whether failures to write are for want of space.
+    std::function<bool()> is_disk_low = [] { return false; };
   };
   explicit CoreThread(Parts parts);
   ~CoreThread();  // Stop
@@ -93,6 +97,7 @@ class CoreThread {
   void Answer(FarmOutput output);
   bool Sync();
   void Compact();
+  void GiveUpSums();
   void Load(FrameId frame);
   void WritePicture(FinishedPicture picture);
   void Abandon();
@@ -104,6 +109,7 @@ class CoreThread {
   PendingAnswers answers_;
   std::vector<FarmOutput> unsynced_;  // in order; their answers wait for the disk
   bool closing_ = false;              // of the core thread
+  bool wants_space_ = false;          // a picture could not be written
   Instant watchers_due_{};
   Instant sync_due_{}, compact_due_{};
 

@@ -7,6 +7,7 @@
 #include "coordinator/picture_stream.h"
 #include "coordinator/picture_writer.h"
 #include "coordinator/submission.h"
+#include "coordinator/task_pool.h"
 #include "coordinator/watch_stream.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
@@ -21,6 +22,11 @@ constexpr int kPicturesWaitingMax = 16;
 
 grpc::Status NoJob(JobId job) {
   return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no job {}", Number(job))};
+}
+
+// Nothing that would be written later is accepted.
+grpc::Status DiskFails(const std::string& reason) {
+  return {grpc::StatusCode::RESOURCE_EXHAUSTED, "the coordinator cannot write its data: " + reason};
 }
 
 grpc::Status NoWorker(const std::string& which) {
@@ -76,8 +82,8 @@ grpc::Status NotFinished(const JobStatus& status, uint32_t frame) {
 }  // namespace
 
 JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures,
-                         const std::string& data_dir)
-    : gate_(gate), blobs_(blobs), pictures_(pictures) {
+                         const DataDir& directory, const std::string& data_dir, FileThreads& threads)
+    : gate_(gate), blobs_(blobs), pictures_(pictures), directory_(directory), threads_(threads) {
   streams_.folder = data_dir;
   const auto serve = [this](auto method, const CallRule& rule) {
     MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
@@ -102,16 +108,22 @@ JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const Pic
 grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* context,
                                               const proto::JobSpec* request, proto::SubmitAnswer* answer) {
   return gate_.Unary(context, RuleFor("Jobs.Submit"), [=, this](const UnaryCall& call) {
-    auto spec = ReadJobSpec(*request);
-    if (!spec) return call.Finish(ToStatus(spec.error()));
-    if (const auto checked = CheckSubmission(*spec, blobs_); !checked)
-      return call.Finish(ToStatus(checked.error()));
-    const auto shared = std::make_shared<const JobSpec>(std::move(*spec));
-    call.Apply([=](CoreContext& core) {
-      const auto job = core.farm.Submit(core.now, shared);
-      if (!job) return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, job.error().message);
-      answer->set_job(Number(*job));
-      return grpc::Status::OK;
+    threads_.brief.Post([=, this] {
+      auto spec = ReadJobSpec(*request);
+      if (!spec) return call.Finish(ToStatus(spec.error()));
+      if (const auto checked = CheckSubmission(*spec, blobs_); !checked)
+        return call.Finish(ToStatus(checked.error()));
+      // A job that cannot be journalled must not appear later.
+      if (const auto space = directory_.CheckSpace(request->ByteSizeLong()); !space)
+        return call.Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, space.error().message});
+      const auto shared = std::make_shared<const JobSpec>(std::move(*spec));
+      call.Apply([=](CoreContext& core) {
+        if (const auto& reason = core.farm.storage_reason(); !reason.empty()) return DiskFails(reason);
+        const auto job = core.farm.Submit(core.now, shared);
+        if (!job) return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, job.error().message);
+        answer->set_job(Number(*job));
+        return grpc::Status::OK;
+      });
     });
   });
 }
@@ -196,6 +208,7 @@ grpc::ServerUnaryReactor* JobsService::Extend(grpc::CallbackServerContext* conte
     if (samples < 1 || samples > kSamplesPerPixelMax)
       return call.Finish(ToStatus(BadInput("message refused: samples_per_pixel is out of range")));
     const auto extend = [=](CoreContext& core) {
+      if (const auto& reason = core.farm.storage_reason(); !reason.empty()) return DiskFails(reason);
       if (core.farm.IsMovingSums(job)) return BeingWritten();
       return Answer(core.farm.Extend(core.now, job, samples), *answer);
     };
@@ -203,7 +216,7 @@ grpc::ServerUnaryReactor* JobsService::Extend(grpc::CallbackServerContext* conte
       const auto spec = core.farm.Spec(job);
       if (!spec) return call.Finish(NoJob(job));
       // Blobs may have been evicted since the job ended. Checking takes too long for the core thread.
-      background_.Post([=, this] {
+      threads_.brief.Post([=, this] {
         const auto checked = CheckSubmission(*spec, blobs_);
         if (checked) return call.Apply(extend);
         call.Finish(ToStatus(Failed(checked.error().message + "; submit the scene again")));
@@ -273,12 +286,11 @@ grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::C
         return stream->Refuse(
             {grpc::StatusCode::NOT_FOUND, fmt::format("job {} has no frame {}", Number(job), frame)});
       }
-      if (core.farm.FinishedFile(job, frame))
-        return SendLater(stream, [=, this] { return pictures_.Read(job, frame); });
+      if (const auto file = core.farm.FinishedFile(job, frame)) return SendFile(stream, {job, frame}, *file);
       if (preview && HasEnded(status->state)) {
         if (core.farm.IsMovingSums(job)) return stream->Refuse(BeingWritten());
         return SendLater(stream, [=, this] {
-          auto bytes = pictures_.Read(job, frame);
+          auto bytes = pictures_.ReadPartial(job, frame);
           return bytes ? bytes : NothingRendered(job, frame);
         });
       }
@@ -291,7 +303,8 @@ grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::C
   });
 }
 
-void JobsService::SendLater(PictureStream* stream, std::function<Result<std::string>()> make) {
+void JobsService::SendLater(PictureStream* stream, std::function<Result<std::string>()> make,
+                            std::function<void(const std::string& reason)> refuse) {
   if (++streams_.waiting > kPicturesWaitingMax) {
     --streams_.waiting;
     return stream->Refuse(
@@ -300,9 +313,31 @@ void JobsService::SendLater(PictureStream* stream, std::function<Result<std::str
   background_.Post([=, this, make = std::move(make)] {
     const bool is_wanted = !stream->is_cancelled();
     auto bytes = is_wanted ? GuardedResult(make) : Result<std::string>(Failed("nobody reads the picture"));
-    stream->Send(std::move(bytes));
+    if (is_wanted && !bytes && refuse) {
+      refuse(bytes.error().message);
+    } else {
+      stream->Send(std::move(bytes));
+    }
     --streams_.waiting;
   });
+}
+
+// What was damaged since it was written is not sent. It is made again if that is possible.
+void JobsService::SendFile(PictureStream* stream, FrameId id, const PictureFile& file) {
+  const auto read = [=, this] {
+    auto bytes = pictures_.Read(id.job, id.frame, file);
+    if (bytes) gate_.core().Post([id](CoreContext& core) { core.farm.PictureIntact(id); });
+    return bytes;
+  };
+  const auto refuse = [=, this](const std::string& reason) {
+    gate_.core().Post([=](CoreContext& core) {
+      const auto lost = core.farm.PictureDamaged(id, reason);
+      stream->Refuse(lost ? grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, *lost)
+                          : grpc::Status(grpc::StatusCode::UNAVAILABLE,
+                                         fmt::format("{}; it is being made again; try again", reason)));
+    });
+  };
+  SendLater(stream, read, refuse);
 }
 
 grpc::ServerUnaryReactor* JobsService::Health(grpc::CallbackServerContext* context,

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "coordinator/background_thread.h"
+#include "coordinator/core/spool.h"
 #include "coordinator/picture_stream.h"
+#include "coordinator/store/data_dir.h"
 #include "coordinator/store/picture_store.h"
 #include "proto/blobs/blob_store.h"
 #include "proto/jobs.grpc.pb.h"
@@ -12,11 +14,13 @@
 namespace tessera {
 
 class CallGate;
+struct FileThreads;
 
 class JobsService final : public proto::Jobs::Service {
  public:
+  // The threads must run until every call has ended.
   JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures,
-              const std::string& data_dir);
+              const DataDir& directory, const std::string& data_dir, FileThreads& threads);
   // Finishes what runs in the background. Call it before the server is destroyed, so that every call is
   // answered.
   void Stop() { background_.Stop(); }
@@ -54,13 +58,18 @@ class JobsService final : public proto::Jobs::Service {
                                    proto::HealthAnswer* answer);
 
  private:
-  // Makes or reads the picture of a stream in the background and sends it.
-  void SendLater(PictureStream* stream, std::function<Result<std::string>()> make);
+  // Makes or reads the picture of a stream in the background and sends it. `refuse` is called with the reason
+  // if there is none; without it the stream gets the reason.
+  void SendLater(PictureStream* stream, std::function<Result<std::string>()> make,
+                 std::function<void(const std::string& reason)> refuse = nullptr);
+  void SendFile(PictureStream* stream, FrameId id, const PictureFile& file);
 
   const CallGate& gate_;
   const BlobStore& blobs_;
   const PictureStore& pictures_;
   PictureStreams streams_;
+  const DataDir& directory_;
+  FileThreads& threads_;
   BackgroundThread background_;
 };
 

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <spdlog/spdlog.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "coordinator/coordinator.h"
@@ -32,6 +33,7 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
   }
   const CoordinatorOptions& options = parsed->options;
   StartLog(options.log_level);
+  ::umask(0077);  // scenes, pictures and sockets are private to this user
   if (options.exit_with_parent && !FollowParent(parent)) return 0;
   RaiseDescriptorLimit();
   spdlog::info("coordinator_started {}", options.Text());

@@ -56,16 +56,19 @@ void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
   AddSize(app, "--blobs-size,--blob-bytes",
           "Size limit of the scene files kept; least recently used files are evicted first", kBlobBytesMin,
           options.blob_bytes);
-  AddSize(
-      app, "--sums-size,--keep-sums",
-      "Size limit of the sums kept of finished frames, which tessera extend needs; the oldest are evicted "
-      "first, 0 keeps none",
-      0, options.keep_sums_bytes);
+  AddSize(app, "--sums-size,--keep-sums",
+          "Size limit of the sums kept of finished frames, which tessera extend needs, and damaged pictures "
+          "to be "
+          "made again; the oldest are evicted first, 0 keeps none",
+          0, options.keep_sums_bytes);
   AddInteger(app, "--attempts-max",
              WithDefault("Number of workers that may fail a unit before its job fails",
                          fmt::format("{}", options.attempts_max)),
              1, kAttemptsMax, options.attempts_max);
   AddSwitch(app, "--insecure", "Allow addresses that other machines can reach", options.insecure);
+  AddSwitch(app, "--start-afresh",
+            "Accept a data directory whose journal is missing: all jobs that it had are forgotten",
+            options.start_afresh);
   AddSwitch(app, "--exit-with-parent", "Exit when the parent process exits", options.exit_with_parent);
   AddLogLevel(app, options.log_level);
 }

@@ -27,6 +27,7 @@ struct CoordinatorOptions {
   // Limit of the sums kept of finished frames, for tessera extend.
   uint64_t keep_sums_bytes = kKeptBytesMaxDefault;
   bool insecure = false;                   // allow addresses that other machines can reach, without a login
+  bool start_afresh = false;               // accept a data directory whose journal is gone
   bool exit_with_parent = false;           // end when the parent process ends
   int attempts_max = kAttemptsMaxDefault;  // workers that may fail a unit before its job fails
   std::string log_level = kLogLevelDefault;

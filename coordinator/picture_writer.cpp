@@ -6,14 +6,13 @@
 namespace tessera {
 namespace {
 
-// A full disk empties slowly.
-constexpr std::chrono::milliseconds kRetryInterval{2000};
-
-Result<Digest> EncodeAndStore(const FinishedPicture& picture, PictureStore& store) {
+Result<WrittenPicture> EncodeAndStore(const FinishedPicture& picture, PictureStore& store) {
+  const auto start = std::chrono::steady_clock::now();
   const auto bytes = EncodePicture(picture);
   if (!bytes) return bytes.error();
   if (const auto written = store.Write(picture.job, picture.frame, *bytes); !written) return written.error();
-  return Sha256(*bytes);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return WrittenPicture{{Sha256(*bytes), bytes->size()}, seconds};
 }
 
 }  // namespace
@@ -31,22 +30,16 @@ Result<std::string> EncodePreview(const FinishedPicture& picture) {
 }
 
 void PictureWriter::Write(FinishedPicture picture, OnWritten report) {
-  const auto shared = std::make_shared<const FinishedPicture>(std::move(picture));
-  thread_.Post([this, shared, report = std::move(report)] { Attempt(shared, report); });
+  auto shared = std::make_shared<FinishedPicture>(std::move(picture));
+  thread_.Post([this, shared = std::move(shared), report = std::move(report)] {
+    auto written = EncodeAndStore(*shared, store_);
+    *shared = {};
+    report(std::move(written));
+  });
 }
 
 void PictureWriter::Remove(JobId job) {
   thread_.Post([this, job] { store_.Remove(job); });
-}
-
-void PictureWriter::Attempt(const std::shared_ptr<const FinishedPicture>& picture, const OnWritten& report) {
-  const auto start = std::chrono::steady_clock::now();
-  const auto file = EncodeAndStore(*picture, store_);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (file) return report(WrittenPicture{*file, seconds});
-  report(file.error());
-  // Others go first: a removal may be what makes room.
-  if (thread_.Sleep(kRetryInterval)) thread_.Post([=, this] { Attempt(picture, report); });
 }
 
 }  // namespace tessera

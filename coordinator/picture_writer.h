@@ -8,13 +8,12 @@
 #include "coordinator/background_thread.h"
 #include "coordinator/core/farm.h"
 #include "coordinator/store/picture_store.h"
-#include "renderer/util/digest.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
 
 struct WrittenPicture {
-  Digest file;         // of its bytes
+  PictureFile file;
   double seconds = 0;  // painting, encoding and storing took
 };
 
@@ -33,20 +32,16 @@ class PictureWriter {
   // The store must outlive the writer.
   explicit PictureWriter(PictureStore& store) : store_(store) {}
 
-  // Called on the writer's thread: with an error after each failed attempt, then once with the written
-  // picture.
+  // Called once, on the writer's thread.
   using OnWritten = std::function<void(Result<WrittenPicture>)>;
-  // Returns immediately. A picture that the store refuses is tried again every few seconds, after everything
-  // else that waits. If Stop comes first, it is given up: the sums of the frame are still in the spool.
+  // Returns immediately. The snapshot is freed before `report` is called.
   void Write(FinishedPicture picture, OnWritten report);
   // Removes the pictures of a job. Returns immediately.
   void Remove(JobId job);
-  // Attempts once what waits, then ends the thread.
+  // Writes what waits, then ends the thread.
   void Stop() { thread_.Stop(); }
 
  private:
-  void Attempt(const std::shared_ptr<const FinishedPicture>& picture, const OnWritten& report);
-
   PictureStore& store_;
   BackgroundThread thread_;
 };

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "coordinator/core/farm.h"
 #include "coordinator/core/journal.h"
@@ -20,6 +22,7 @@ struct RecoveredFarm {
   std::unique_ptr<Farm> farm;
   std::unique_ptr<Journal> journal;
   std::unique_ptr<Spool> spool;
+  std::vector<std::string> log;  // "event key=value ..."
 };
 
 // Farm, journal and spool of a data directory, old or new. An error that names the file if one is damaged.

@@ -7,7 +7,7 @@
 namespace tessera {
 
 Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs) {
-  if (!blobs.Use(spec.package)) return Failed("the manifest of the scene package was not uploaded");
+  if (!blobs.UseVerified(spec.package)) return Failed("the manifest of the scene package was not uploaded");
   const auto manifest = blobs.Read(spec.package, kManifestBytesMax);
   if (!manifest) return manifest.error();
   const auto package = DecodeScenePackage(*manifest);
@@ -18,7 +18,7 @@ Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs) {
     }
   }
   for (const auto& [path, file] : package->files) {
-    const auto size = blobs.Use(file.digest);
+    const auto size = blobs.UseVerified(file.digest);
     if (!size) return Failed(fmt::format("{}: was not uploaded", path));
     if (*size != file.size)
       return BadInput(fmt::format("{}: the size given in the scene package is wrong", path));

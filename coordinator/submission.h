@@ -8,7 +8,7 @@
 namespace tessera {
 
 // An error, naming the first file: kBadInput if the package lacks a scene file of the job, kFailed if a blob
-// is missing.
+// is missing or corrupt. Looks at every file, and reads those that were not used since the start.
 Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs);
 
 }  // namespace tessera

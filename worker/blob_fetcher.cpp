@@ -42,6 +42,9 @@ Result<std::string> BlobFetcher::Get(const Digest& digest, uint64_t size_max) {
   if (auto cached = ReadCached(digest, size_max)) return std::move(*cached);
   auto bytes = DownloadToMemory(digest, std::min(size_max, kSceneFileSizeMax));
   if (!bytes) return bytes;
+  // The second time the coordinator reads its file again and drops it if it is corrupt.
+  if (Sha256(*bytes) != digest) bytes = DownloadToMemory(digest, std::min(size_max, kSceneFileSizeMax), true);
+  if (!bytes) return bytes;
   if (Sha256(*bytes) != digest) {
     return Failed(
         fmt::format("the file {} received from the coordinator is corrupt (SHA-256 mismatch)", digest.Hex()));
@@ -62,18 +65,18 @@ std::optional<std::string> BlobFetcher::ReadCached(const Digest& digest, uint64_
   return std::nullopt;
 }
 
-Result<std::string> BlobFetcher::DownloadToMemory(const Digest& digest, uint64_t size_max) {
+Result<std::string> BlobFetcher::DownloadToMemory(const Digest& digest, uint64_t size_max, bool suspect) {
   std::string bytes;
   const auto add = [&](std::string_view piece) -> Result<void> {
     bytes += piece;
     return {};
   };
-  const auto done = Download(digest, size_max, {[&] { return uint64_t{bytes.size()}; }, add});
+  const auto done = Download(digest, size_max, {[&] { return uint64_t{bytes.size()}; }, add}, suspect);
   if (!done) return done.error();
   return bytes;
 }
 
-Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, const Sink& sink) {
+Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, const Sink& sink, bool suspect) {
   const std::string what = fmt::format("fetch file {}", digest.Hex());
   Backoff backoff(seed_);
   auto progress_at = std::chrono::steady_clock::now();
@@ -82,6 +85,7 @@ Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, cons
     proto::DownloadRequest request;
     request.set_digest(WriteDigest(digest));
     request.set_offset(before);
+    request.set_suspect(suspect);
     std::optional<uint64_t> size;
     const auto take = [&](const proto::DownloadChunk& chunk) -> Result<void> {
       if (!size) size = chunk.size();
@@ -108,6 +112,7 @@ Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, cons
 
 Result<uint64_t> BlobFetcher::FetchFile(const PackageFile& file) {
   const auto begun = std::chrono::steady_clock::now();
+  bool suspect = false;
   while (cache_.Size(file.digest) != file.size) {
     auto partial = cache_.Resume(file.digest, file.size);
     if (!partial) return partial.error();
@@ -120,12 +125,14 @@ Result<uint64_t> BlobFetcher::FetchFile(const PackageFile& file) {
     BlobStore::Partial& blob = **partial;
     const uint64_t before = blob.received();
     const auto add = [&](std::string_view piece) { return blob.Add(piece); };
-    const auto done = Download(file.digest, file.size, {[&] { return blob.received(); }, add});
+    const auto done = Download(file.digest, file.size, {[&] { return blob.received(); }, add}, suspect);
     if (!done) return done.error();
     const auto finished = blob.Finish();
     if (finished) return file.size - before;
-    // What had arrived earlier was corrupt and is gone.
-    if (finished.error().kind != ErrorKind::kInterrupted) return finished.error();
+    // What had arrived earlier was corrupt and is gone, or the coordinator's file is corrupt.
+    const bool is_corrupt = finished.error().kind == ErrorKind::kBadInput;
+    if (finished.error().kind == ErrorKind::kFailed || (is_corrupt && suspect)) return finished.error();
+    suspect = is_corrupt;
   }
   return 0;
 }

@@ -53,9 +53,10 @@ class BlobFetcher {
     std::function<uint64_t()> size;
     std::function<Result<void>(std::string_view)> add;
   };
-  Result<void> Download(const Digest& digest, uint64_t size_max, const Sink& sink);
+  // `suspect`: other bytes than those of the digest were received before.
+  Result<void> Download(const Digest& digest, uint64_t size_max, const Sink& sink, bool suspect = false);
   std::optional<std::string> ReadCached(const Digest& digest, uint64_t size_max);
-  Result<std::string> DownloadToMemory(const Digest& digest, uint64_t size_max);
+  Result<std::string> DownloadToMemory(const Digest& digest, uint64_t size_max, bool suspect = false);
   Result<uint64_t> FetchFile(const PackageFile& file);
 
   std::shared_ptr<grpc::Channel> channel_;

@@ -18,9 +18,10 @@ enum class Kind : uint32_t {
   kWorkerQuarantined = 9,
   kVoteRecorded = 20,
   kUnitsCounted = 21,
-  kFrameFinished = 22,
+  kFrameFinishedWithoutSize = 22,  // of its file
   kJobSubmitted = 23,
   kCoordinatorStarted = 24,
+  kFrameFinished = 25,
 };
 
 void Add(ByteWriter& out, const JobSubmitted& fact) {
@@ -40,8 +41,9 @@ void Add(ByteWriter& out, const FrameFinished& fact) {
   out.Add32(static_cast<uint32_t>(Kind::kFrameFinished));
   out.Add64(Number(fact.job));
   out.Add32(fact.frame);
-  AddDigest(out, fact.file);
+  AddDigest(out, fact.file.digest);
   out.Add64(fact.samples);
+  out.Add64(fact.file.bytes);
 }
 
 void Add(ByteWriter& out, const JobEnded& fact) {
@@ -127,6 +129,16 @@ std::optional<Fact> ReadWorkerQuarantined(ByteReader& in) {
   return fact;
 }
 
+std::optional<Fact> ReadFrameFinished(ByteReader& in, bool has_size) {
+  FrameFinished fact;
+  fact.job = JobId{in.Read64()};
+  fact.frame = in.Read32();
+  if (!ReadDigest(in, fact.file.digest)) return std::nullopt;
+  fact.samples = in.Read64();
+  if (has_size) fact.file.bytes = in.Read64();
+  return fact;
+}
+
 std::optional<Fact> ReadVoteRecorded(ByteReader& in) {
   VoteRecorded fact;
   fact.unit.job = JobId{in.Read64()};
@@ -152,14 +164,8 @@ std::optional<Fact> ReadFact(ByteReader& in) {
         return std::nullopt;
       return JobSubmitted{job, std::make_shared<const JobSpec>(std::move(spec))};
     }
-    case Kind::kFrameFinished: {
-      FrameFinished fact;
-      fact.job = JobId{in.Read64()};
-      fact.frame = in.Read32();
-      if (!ReadDigest(in, fact.file)) return std::nullopt;
-      fact.samples = in.Read64();
-      return fact;
-    }
+    case Kind::kFrameFinishedWithoutSize:
+    case Kind::kFrameFinished: return ReadFrameFinished(in, kind == Kind::kFrameFinished);
     case Kind::kJobEnded: {
       JobEnded fact;
       fact.job = JobId{in.Read64()};

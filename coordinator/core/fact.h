@@ -6,6 +6,7 @@
 #include <string_view>
 #include <variant>
 
+#include "coordinator/core/schedule/picture_file.h"
 #include "proto/terms.h"
 #include "renderer/util/result.h"
 
@@ -23,11 +24,11 @@ struct JobSubmitted {
   std::shared_ptr<const JobSpec> spec;
 };
 
-// The file of the frame is written and synced.
+// The file of the frame is written and synced; it replaces an earlier one.
 struct FrameFinished {
   JobId job{};
   uint32_t frame = 0;
-  Digest file;
+  PictureFile file;
   uint64_t samples = 0;  // pixel samples that it is made of
 };
 
@@ -94,8 +95,8 @@ using Fact =
 
 // A 32-bit number of the kind, then its members in order (byte_codec.h), texts and lists preceded by a 64-bit
 // length. The meaning of a number never changes: a kind whose members change gets another number, and those
-// it had before are still read. Kinds 1 (a start without the farm's identity) and 2 (a submitted job whose
-// channels are names) are no longer written.
+// it had before are still read. Kinds 1 (a start without the farm's identity), 2 (a submitted job whose
+// channels are names) and 22 (a finished frame without the size of its file) are no longer written.
 std::string EncodeFact(const Fact& fact);
 // An error for anything that EncodeFact does not write.
 Result<Fact> DecodeFact(std::string_view bytes);

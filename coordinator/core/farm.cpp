@@ -35,6 +35,7 @@ void Farm::Advance(Instant now) {
   CountGivenUp(state_);
   MeasureProgress(state_, now);
   end_.ForgetOldest();
+  frames_.Advance(now);
   // Results first: their answers carry what is new for a busy worker, and its waiting call need not be woken.
   AnswerResults(now);
   AnswerParked(now);
@@ -44,6 +45,7 @@ void Farm::Advance(Instant now) {
 Instant Farm::Patience(Instant now) const {
   Instant patience = state_.scheduler.TickInterval();
   if (const auto due = parked_.next_due()) patience = std::min(patience, *due - now);
+  if (const auto due = frames_.next_due()) patience = std::min(patience, *due - now);
   return std::max(patience, Instant{0});
 }
 
@@ -196,7 +198,9 @@ Result<JobStatus> Farm::SetPriority(Instant now, JobId id, int32_t priority) {
 
 bool Farm::IsMovingSums(JobId id) const {
   const Job* const job = state_.jobs.Find(id);
-  return job != nullptr && !(job->results.writing.empty() && job->results.loading.empty());
+  if (job == nullptr) return false;
+  const JobResults& results = job->results;
+  return !(results.writing.empty() && results.loading.empty() && results.remaking.empty());
 }
 
 std::shared_ptr<const JobSpec> Farm::Spec(JobId id) const {
@@ -220,8 +224,10 @@ std::vector<FrameStatus> Farm::Frames(JobId id) const {
   std::vector<FrameStatus> frames;
   const Job* const job = state_.jobs.Find(id);
   if (job == nullptr) return frames;
-  for (uint32_t i = 0; i < job->spec->frames.size(); ++i)
-    frames.push_back({job->spec->frames[i].number, FinishedFile(id, i)});
+  for (uint32_t i = 0; i < job->spec->frames.size(); ++i) {
+    const auto file = FinishedFile(id, i);
+    frames.push_back({job->spec->frames[i].number, file ? std::optional(file->digest) : std::nullopt});
+  }
   return frames;
 }
 
@@ -237,11 +243,39 @@ std::optional<Digest> Farm::SceneOf(FrameId id) const {
   return job->SceneOf(id.frame);
 }
 
-std::optional<Digest> Farm::FinishedFile(JobId id, uint32_t frame) const {
+std::optional<PictureFile> Farm::FinishedFile(JobId id, uint32_t frame) const {
   const Job* const job = state_.jobs.Find(id);
   if (job == nullptr) return std::nullopt;
   const auto file = job->results.files.find(frame);
   return file == job->results.files.end() ? std::nullopt : std::optional(file->second);
+}
+
+std::vector<std::pair<FrameId, PictureFile>> Farm::FinishedFiles() const {
+  std::vector<std::pair<FrameId, PictureFile>> files;
+  for (const auto& [id, job] : state_.jobs.all()) {
+    for (const auto& [frame, file] : job.results.files) files.push_back({{id, frame}, file});
+  }
+  return files;
+}
+
+std::optional<std::string> Farm::PictureDamaged(FrameId id, const std::string& reason) {
+  if (frames_.PictureDamaged(id, reason)) return std::nullopt;
+  const Job* const job = state_.jobs.Find(id.job);
+  const bool is_known = job != nullptr && job->results.lost.contains(id.frame);
+  return is_known ? job->results.lost.at(id.frame) : reason;
+}
+
+std::vector<FrameId> Farm::GiveUpSums(const std::set<FrameId>& needed) {
+  std::vector<FrameId> given_up;
+  for (const FrameId id : state_.kept_sums.Frames()) {
+    const bool is_needed = needed.contains(id) || state_.jobs.At(id.job).results.remaking.contains(id.frame);
+    if (is_needed) continue;
+    state_.kept_sums.Remove(id);
+    given_up.push_back(id);
+    Log(fmt::format("sums_given_up job={} frame={}", Number(id.job), id.frame));
+    if (given_up.size() == kSumsGivenUpMax) break;
+  }
+  return given_up;
 }
 
 void Farm::StorageDelayed(const std::string& reason) {

@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -81,20 +82,33 @@ class Farm {
   void Release(WorkerId worker) { state_.scheduler.Release(worker); }
   // What the frame is rendered from; nullopt if there is no such frame.
   std::optional<Digest> SceneOf(FrameId frame) const;
-  // The digest of the frame's file if it is written.
-  std::optional<Digest> FinishedFile(JobId job, uint32_t frame) const;
+  // The frame's file if it was written.
+  std::optional<PictureFile> FinishedFile(JobId job, uint32_t frame) const;
+  // All files that were written, of the jobs that are known.
+  std::vector<std::pair<FrameId, PictureFile>> FinishedFiles() const;
   std::optional<FinishedPicture> Preview(JobId job, uint32_t frame) const {
     return frames_.Preview(job, frame);
   }
 
   // ---- Files ----
-  void PictureWritten(Instant now, JobId job, uint32_t frame, const Digest& file) {
-    frames_.PictureWritten(now, job, frame, file);
+  // Each picture of an output was either written or could not be; then it comes again in a later output.
+  void PictureWritten(Instant now, FrameId frame, const PictureFile& file) {
+    frames_.PictureWritten(now, frame, file);
   }
-  // Writing failed and will be tried again.
-  void PictureDelayed(JobId job, const std::string& reason) { frames_.PictureDelayed(job, reason); }
+  void PictureDelayed(Instant now, FrameId frame, const std::string& reason) {
+    frames_.PictureDelayed(now, frame, reason);
+  }
+  // The file of a finished frame is damaged or missing. Returns nullopt if it is made again from its sums,
+  // otherwise why it is lost and what to do.
+  std::optional<std::string> PictureDamaged(FrameId frame, const std::string& reason);
+  // The file of a finished frame was read and is as it was written.
+  void PictureIntact(FrameId frame) { frames_.PictureIntact(frame); }
   // Why the journal or the spool cannot be written, which all open jobs show; empty if they can.
   void StorageDelayed(const std::string& reason);
+  const std::string& storage_reason() const { return state_.storage_reason; }
+  // Forgets the sums of some finished frames, those that were finished first, except `needed`. They may be
+  // dropped from the spool immediately, for want of space.
+  std::vector<FrameId> GiveUpSums(const std::set<FrameId>& needed);
   // All nodes of a frame that is being rendered, to replace what the spool has of it.
   std::optional<std::vector<TileNode>> Sums(FrameId frame) const { return frames_.Sums(frame); }
   void SumsLoaded(Instant now, FrameId frame, Result<std::vector<TileNode>> nodes) {

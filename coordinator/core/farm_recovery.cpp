@@ -88,7 +88,7 @@ SpoolUse FarmRecovery::FoundInSpool(FrameId id, bool begun) {
   if (job == nullptr || id.frame >= job->spec->frames.size()) return SpoolUse::kDrop;
   const bool is_finished = job->results.files.contains(id.frame);
   if (HasEnded(job->state) && job->state != JobState::kFinished) return SpoolUse::kDrop;
-  if (is_finished && !frames_.MayKeepSums(*job)) return SpoolUse::kDrop;
+  if (is_finished && !frames_.MayKeepSums()) return SpoolUse::kDrop;
   if (is_finished || (job->in_spool.contains(id.frame) && !begun)) {
     found_kept_.insert(id);
     return SpoolUse::kKeep;

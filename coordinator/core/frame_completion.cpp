@@ -5,9 +5,18 @@
 #include <algorithm>
 
 #include "coordinator/core/extension.h"
+#include "coordinator/core/schedule/policy.h"
 #include "renderer/text/unicode.h"
 
 namespace tessera {
+namespace {
+
+std::string UnreadableSums(uint32_t frame, const std::string& why) {
+  return fmt::format("the sums of frame {} cannot be read back from the spool: {}; submit the scene again",
+                     frame, why);
+}
+
+}  // namespace
 
 Merger& FrameCompletion::MergerOf(Job& job, uint32_t frame) {
   const auto found = job.results.mergers.find(frame);
@@ -21,35 +30,106 @@ Merger& FrameCompletion::MergerOf(Job& job, uint32_t frame) {
 }
 
 void FrameCompletion::Complete(Job& job, uint32_t frame) {
+  const FrameId id{job.id, frame};
   Merger& merger = job.results.mergers.at(frame);
-  state_.output.pictures.push_back({job.id, frame, job.spec, merger.Snapshot()});
+  const uint64_t bytes = SumsBytes(merger.spec());
+  if (pictures_.Hold(id, bytes)) {
+    state_.output.pictures.push_back({job.id, frame, job.spec, merger.Snapshot()});
+  } else {
+    pictures_.Wait(id, bytes, Instant{0});
+  }
   job.results.frame_samples[frame] = merger.samples_merged();
-  if (MayKeepSums(job)) state_.output.sums.push_back({{job.id, frame}, merger.TakeNodes()});
+  if (MayKeepSums()) state_.output.sums.push_back({id, merger.TakeNodes()});
   job.results.mergers.erase(frame);
   job.results.writing.insert(frame);
 }
 
-void FrameCompletion::PictureWritten(Instant now, JobId id, uint32_t frame, const Digest& file) {
-  Job* const job = state_.jobs.Find(id);
+void FrameCompletion::PictureWritten(Instant now, FrameId id, const PictureFile& file) {
+  pictures_.Release(id);
+  Job* const job = state_.jobs.Find(id.job);
   if (job == nullptr) return;
-  job->results.writing.erase(frame);
-  if (HasEnded(job->state)) return;
-  job->results.files[frame] = file;
-  std::erase_if(job->results.votes, [&](const auto& each) { return each.first.frame == frame; });
-  job->reason.clear();
-  state_.output.facts.emplace_back(FrameFinished{id, frame, file, job->results.frame_samples.at(frame)});
-  state_.output.log.push_back(
-      fmt::format("frame_finished job={} frame={} file={}", Number(id), frame, file.Hex()));
-  KeepSums(*job, frame);
+  job->results.unwritten.erase(id.frame);
+  if (job->results.remaking.contains(id.frame)) return Remade(*job, id.frame, file);
+  if (job->results.writing.erase(id.frame) == 0 || HasEnded(job->state)) return;
+  job->results.files[id.frame] = file;
+  std::erase_if(job->results.votes, [&](const auto& each) { return each.first.frame == id.frame; });
+  state_.output.facts.emplace_back(
+      FrameFinished{id.job, id.frame, file, job->results.frame_samples.at(id.frame)});
+  Log(fmt::format("frame_finished job={} frame={} file={}", Number(id.job), id.frame, file.digest.Hex()));
+  KeepSums(*job, id.frame);
   if (job->results.files.size() == job->spec->frames.size()) end_.End(now, *job, JobState::kFinished, "");
 }
 
-void FrameCompletion::PictureDelayed(JobId id, const std::string& reason) {
-  Job* const job = state_.jobs.Find(id);
-  if (job == nullptr || HasEnded(job->state)) return;
-  if (job->reason != reason)
-    state_.output.log.push_back(fmt::format("job_paused job={} reason={}", Number(id), LogText(reason)));
-  job->reason = reason;
+void FrameCompletion::PictureDelayed(Instant now, FrameId id, const std::string& reason) {
+  pictures_.Release(id);
+  Job* const job = state_.jobs.Find(id.job);
+  if (job == nullptr) return;
+  JobResults& results = job->results;
+  // What was rendered of a job that has ended is kept if that is possible.
+  if (HasEnded(job->state)) results.writing.erase(id.frame);
+  if (!results.writing.contains(id.frame) && !results.remaking.contains(id.frame)) return;
+  const std::string text = fmt::format("the picture of frame {} cannot be written: {}",
+                                       job->spec->frames[id.frame].number, reason);
+  if (results.unwritten[id.frame] != text) {
+    Log(fmt::format("picture_delayed job={} frame={} reason={}", Number(id.job), id.frame, LogText(reason)));
+    results.unwritten[id.frame] = text;
+  }
+  pictures_.Wait(id, SumsBytes(job->spec->frames[id.frame].spec), now + kPictureRetry);
+}
+
+bool FrameCompletion::PictureDamaged(FrameId id, const std::string& reason) {
+  Job* const job = state_.jobs.Find(id.job);
+  if (job == nullptr || !job->results.files.contains(id.frame)) return false;
+  if (job->results.remaking.contains(id.frame)) return true;
+  if (!state_.kept_sums.Has(id)) {
+    Lose(*job, id.frame, reason);
+    return false;
+  }
+  Log(fmt::format("picture_damaged job={} frame={} reason={}", Number(id.job), id.frame, LogText(reason)));
+  job->results.remaking.insert(id.frame);
+  pictures_.Wait(id, SumsBytes(job->spec->frames[id.frame].spec), Instant{0});
+  return true;
+}
+
+void FrameCompletion::PictureIntact(FrameId id) {
+  if (Job* const job = state_.jobs.Find(id.job)) job->results.lost.erase(id.frame);
+}
+
+// The file usually has its former bytes. Another release of the library that encodes it may choose others.
+void FrameCompletion::Remade(Job& job, uint32_t frame, const PictureFile& file) {
+  job.results.remaking.erase(frame);
+  job.results.lost.erase(frame);
+  PictureFile& known = job.results.files.at(frame);
+  Log(fmt::format("picture_remade job={} frame={} file={} is_same={}", Number(job.id), frame,
+                  file.digest.Hex(), known.digest == file.digest));
+  if (known == file) return;
+  known = file;
+  state_.output.facts.emplace_back(FrameFinished{job.id, frame, file, job.results.frame_samples.at(frame)});
+}
+
+void FrameCompletion::Lose(Job& job, uint32_t frame, const std::string& reason) {
+  job.results.remaking.erase(frame);
+  job.results.unwritten.erase(frame);
+  const std::string text =
+      fmt::format("the picture of frame {} is lost ({}) and its sums are gone; submit the scene again",
+                  job.spec->frames[frame].number, reason);
+  std::string& known = job.results.lost[frame];
+  if (known == text) return;
+  known = text;
+  Log(fmt::format("picture_lost job={} frame={} reason={}", Number(job.id), frame, LogText(reason)));
+}
+
+void FrameCompletion::Advance(Instant now) {
+  while (const auto id = pictures_.TakeDue(now)) {
+    const Job* const job = state_.jobs.Find(id->job);
+    const bool is_wanted = job != nullptr && (job->results.writing.contains(id->frame) ||
+                                              job->results.remaking.contains(id->frame));
+    if (is_wanted) {
+      state_.output.loads.push_back(*id);
+    } else {
+      pictures_.Release(*id);
+    }
+  }
 }
 
 std::optional<FinishedPicture> FrameCompletion::Preview(JobId id, uint32_t frame) const {
@@ -73,31 +153,50 @@ std::optional<std::vector<TileNode>> FrameCompletion::Sums(FrameId id) const {
 
 void FrameCompletion::SumsLoaded(Instant now, FrameId id, Result<std::vector<TileNode>> nodes) {
   Job* const job = state_.jobs.Find(id.job);
-  if (job == nullptr || job->results.loading.erase(id.frame) == 0) return;
+  if (job != nullptr && job->results.loading.erase(id.frame) > 0)
+    return ContinueFrame(now, *job, id.frame, std::move(nodes));
+  const bool is_wanted =
+      job != nullptr && (job->results.writing.contains(id.frame) || job->results.remaking.contains(id.frame));
+  if (!is_wanted) return pictures_.Release(id);
+  MakePicture(now, *job, id.frame, std::move(nodes));
+}
+
+// Adds the sums of an extended frame to what was merged of it since.
+void FrameCompletion::ContinueFrame(Instant now, Job& job, uint32_t frame,
+                                    Result<std::vector<TileNode>> nodes) {
   const auto fail = [&](const std::string& why) {
-    end_.End(
-        now, *job, JobState::kFailed,
-        fmt::format("the sums of frame {} cannot be read back from the spool: {}; submit the scene again",
-                    id.frame, why));
+    end_.End(now, job, JobState::kFailed, UnreadableSums(frame, why));
   };
   if (!nodes) return fail(nodes.error().message);
-  Merger& merger = job->results.mergers.at(id.frame);
+  Merger& merger = job.results.mergers.at(frame);
   for (TileNode& node : *nodes) {
     if (const auto added = merger.Add(std::move(node)); !added) return fail(added.error().message);
   }
-  if (!state_.scheduler.IsComplete(*job, id.frame)) return;
+  if (!state_.scheduler.IsComplete(job, frame)) return;
   if (!merger.Complete()) return fail("some are missing");
-  Complete(*job, id.frame);
+  Complete(job, frame);
 }
 
-bool FrameCompletion::MayKeepSums(const Job& job) const {
-  const auto& frames = job.spec->frames;
-  return state_.kept_sums.keeps_any() && std::all_of(frames.begin(), frames.end(), IsExtendable);
+// Makes the picture of a complete frame from all its sums.
+void FrameCompletion::MakePicture(Instant now, Job& job, uint32_t frame,
+                                  Result<std::vector<TileNode>> nodes) {
+  const auto fail = [&](const std::string& why) {
+    pictures_.Release({job.id, frame});
+    if (job.results.remaking.contains(frame)) return Lose(job, frame, why);
+    end_.End(now, job, JobState::kFailed, UnreadableSums(frame, why));
+  };
+  if (!nodes) return fail(nodes.error().message);
+  Merger merger(job.spec->frames[frame].spec);
+  for (TileNode& node : *nodes) {
+    if (const auto added = merger.Add(std::move(node)); !added) return fail(added.error().message);
+  }
+  if (!merger.Complete()) return fail("some sums are missing");
+  state_.output.pictures.push_back({job.id, frame, job.spec, merger.Snapshot()});
 }
 
 void FrameCompletion::KeepSums(const Job& job, uint32_t frame) {
   const FrameId id{job.id, frame};
-  if (!MayKeepSums(job)) {
+  if (!MayKeepSums()) {
     state_.output.dropped.push_back(id);
     return;
   }

@@ -17,7 +17,12 @@ void JobEnd::End(Instant now, Job& job, JobState end, const std::string& reason)
   job.reason = reason;
   job.ended = now;
   job.clock.ended = state_.scheduler.counters();
-  if (end != JobState::kFinished) KeepPictures(job);
+  job.results.writing.clear();
+  job.results.unwritten.clear();
+  if (end != JobState::kFinished) {
+    KeepPictures(job);
+    job.results.remaking.clear();
+  }
   job.in_spool.clear();
   job.results.mergers.clear();
   job.results.loading.clear();

@@ -90,6 +90,7 @@ void JobExtension::ExtendFrames(Job& job, const JobSpec& spec) {
     state_.kept_sums.Remove({job.id, frame});
   }
   job.results.files.clear();
+  job.results.lost.clear();
   for (auto& [frame, merger] : job.results.mergers) {
     std::vector<TileNode> nodes = merger.TakeNodes();
     merger = Merger(spec.frames[frame].spec);

@@ -89,18 +89,22 @@ JobStatus StatusOf(const FarmState& state, Instant now, const Job& job) {
   status.times = TimesOf(state, job);
   if (has_ended) {
     status.state = job.state;
+    if (status.reason.empty() && !results.lost.empty()) status.reason = results.lost.begin()->second;
     if (elapsed.count() > 0)
       status.samples_per_second = static_cast<double>(results.samples_done) / Seconds(elapsed);
     return status;
   }
   status.workers = state.scheduler.WorkersOf(job.id);
   const bool has_begun = status.workers > 0 || results.samples_done > 0;
+  if (!results.unwritten.empty()) status.reason = results.unwritten.begin()->second;
   if (status.reason.empty()) status.reason = state.storage_reason;
   status.paused_by_user = job.is_paused;
   if (job.is_paused) status.reason = PausedReason(status.reason);
-  status.state = !status.reason.empty() ? JobState::kPaused
-                 : has_begun            ? JobState::kRunning
-                                        : JobState::kWaiting;
+  // A picture that cannot be written does not stop the frames that are being rendered.
+  const bool is_held = job.is_paused || !state.storage_reason.empty() || status.workers == 0;
+  status.state = is_held && !status.reason.empty() ? JobState::kPaused
+                 : has_begun                       ? JobState::kRunning
+                                                   : JobState::kWaiting;
   const bool wants_workers = status.workers == 0 && results.samples_done < results.samples_total;
   if (status.reason.empty() && wants_workers) status.reason = state.scheduler.Obstacle(job.id);
   AddRate(now, results, status);

@@ -36,7 +36,8 @@ class Spool {
   virtual void Replace(FrameId frame, std::vector<TileNode> nodes) = 0;
   // The frame's nodes are not needed any more. Does nothing if there are none.
   virtual void Drop(FrameId frame) = 0;
-  // Reads back what was synced of the frame before this call. Calls `done` once, on any thread.
+  // Reads back what was synced of the frame before this call, and maybe some of what was synced since. Calls
+  // `done` once, on any thread.
   using OnLoaded = std::function<void(Result<std::vector<TileNode>> nodes)>;
   virtual void Load(FrameId frame, OnLoaded done) = 0;
 };

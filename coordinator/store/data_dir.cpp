@@ -3,10 +3,11 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <vector>
 
@@ -19,26 +20,28 @@ constexpr std::string_view kDataVersion = "tessera-data 5\n";
 // Directories of version 4 are read: their journal and spool have forms that are read but no longer written.
 constexpr std::string_view kOldestDataVersion = "tessera-data 4\n";
 
-Result<void> MakeFolder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) return Failed(fmt::format("{}: cannot be created: {}", path, error.message()));
-  return {};
-}
+// For the records that follow a job's.
+constexpr uint64_t kSpaceMin = uint64_t{64} << 10;
 
 Result<void> CheckVersion(const std::string& path) {
   const std::string file = path + "/version";
-  if (!std::filesystem::exists(file)) return WriteFileAtomically(file, kDataVersion);
+  if (!std::filesystem::exists(file)) return {};
   const auto version = ReadFile(file, 1024);
   if (!version) return version.error();
-  if (*version == kOldestDataVersion) return WriteFileAtomically(file, kDataVersion);
-  if (*version != kDataVersion) {
-    return Failed(fmt::format(
-        "{}: was created by another version of tessera-coordinator (found \"{}\", expected \"{}\"); "
-        "finish its jobs with that version or use another --data-dir",
-        path, version->substr(0, version->find('\n')), kDataVersion.substr(0, kDataVersion.size() - 1)));
-  }
-  return {};
+  if (*version == kDataVersion || *version == kOldestDataVersion) return {};
+  return Failed(fmt::format(
+      "{}: was created by another version of tessera-coordinator (found \"{}\", expected \"{}\"); "
+      "finish its jobs with that version or use another --data-dir",
+      path, version->substr(0, version->find('\n')), kDataVersion.substr(0, kDataVersion.size() - 1)));
+}
+
+Result<void> CheckJournal(const std::string& path) {
+  if (!std::filesystem::exists(path + "/version") || std::filesystem::exists(path + "/journal")) return {};
+  return Failed(
+      fmt::format("{}: its journal is missing, so the jobs that it had are not known; put the journal back, "
+                  "or forget these "
+                  "jobs and their results with --start-afresh",
+                  path));
 }
 
 // Files that were being written when a process ended do not have their final names yet.
@@ -57,27 +60,64 @@ void RemoveHalfWritten(const std::string& path) {
 
 }  // namespace
 
-Result<DataDir> DataDir::Open(const std::string& path) {
-  for (const char* folder : {"", "/blobs", "/pictures"}) {
-    if (const auto made = MakeFolder(path + folder); !made) return made.error();
-  }
-  const std::string file = path + "/lock";
-  const int lock = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (lock < 0) return Failed(fmt::format("{}: cannot be opened: {}", file, std::strerror(errno)));
-  DataDir directory(path, lock);
-  if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
-    return Failed(fmt::format("{}: another tessera-coordinator is using this data directory", path));
-  }
+Result<DataDir> DataDir::Open(const std::string& path, Journal journal) {
+  if (const auto made = CreateFolders(path); !made) return made.error();
+  DataDir directory(path);
+  if (const auto locked = directory.Lock(); !locked) return locked.error();
   if (const auto checked = CheckVersion(path); !checked) return checked.error();
+  if (journal == Journal::kRequired) {
+    if (const auto checked = CheckJournal(path); !checked) return checked.error();
+  }
+  for (const char* folder : {"/blobs", "/pictures"}) {
+    if (const auto made = CreateFolders(path + folder); !made) return made.error();
+  }
   RemoveHalfWritten(path);
   return directory;
 }
 
+// The folder itself is locked, because a file in it could be removed and created again by another process.
+Result<void> DataDir::Lock() {
+  folder_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder_ < 0) return SystemError(path_, "cannot be opened");
+  const std::string file =
+      path_ + "/lock";  // of file systems that cannot lock folders, and of older releases
+  const bool is_taken = ::flock(folder_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (!is_taken) {
+    lock_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (lock_ < 0) return SystemError(file, "cannot be opened");
+  }
+  if (is_taken || ::flock(lock_, LOCK_EX | LOCK_NB) != 0)
+    return Failed(fmt::format("{}: another tessera-coordinator is using this data directory", path_));
+  if (::fchmod(folder_, 0700) != 0) return SystemError(path_, "cannot be made private");
+  return {};
+}
+
+Result<void> DataDir::MarkUsed() const {
+  const std::string file = path_ + "/version";
+  const auto version = ReadFile(file, 1024);
+  return version && *version == kDataVersion ? Result<void>() : WriteFileAtomically(file, kDataVersion);
+}
+
+Result<void> DataDir::CheckSpace(uint64_t bytes) const {
+  struct statvfs space {};
+  if (::statvfs(path_.c_str(), &space) != 0) return {};
+  const uint64_t free = uint64_t{space.f_bavail} * space.f_frsize;
+  if (bytes + kSpaceMin <= free) return {};
+  return Failed(
+      fmt::format("{}: No space left on device: the file system of the coordinator's data has {} bytes left; "
+                  "free some space there and try again",
+                  path_, free));
+}
+
 DataDir::DataDir(DataDir&& other) noexcept
-    : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
+    : path_(std::move(other.path_)),
+      folder_(std::exchange(other.folder_, -1)),
+      lock_(std::exchange(other.lock_, -1)) {}
 
 DataDir::~DataDir() {
-  if (lock_ >= 0) ::close(lock_);  // unlocks
+  for (const int file : {lock_, folder_}) {
+    if (file >= 0) ::close(file);  // unlocks
+  }
 }
 
 }  // namespace tessera

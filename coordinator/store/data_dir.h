@@ -1,10 +1,14 @@
-// The folder in which a coordinator keeps everything that outlives it. One process at a time holds it.
-//   version    "tessera-data 5"; a directory of version 4 is read and becomes one of version 5 when it is
-//   opened lock       locked while a coordinator runs journal    facts (file_journal.h) blobs/     scene
-//   files by digest (blob_store.h) pictures/  finished frames (file_pictures.h) spool/     results of
-//   unfinished frames and kept sums of finished ones (file_spool.h)
+// The folder in which a coordinator keeps everything that outlives it. One process at a time holds it, and
+// only its user may look into it.
+//   version    names the format; older ones that can be read are brought up to date when they are opened
+//   lock       locked while a coordinator runs, as the folder itself is
+//   journal    facts (file_journal.h)
+//   blobs/     scene files by digest (blob_store.h)
+//   pictures/  finished frames (file_pictures.h)
+//   spool/     results of unfinished frames and kept sums of finished ones (file_spool.h)
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "renderer/util/result.h"
@@ -13,12 +17,21 @@ namespace tessera {
 
 class DataDir {
  public:
+  enum class Journal {
+    kRequired,   // a folder that was used before must have one
+    kMayBeGone,  // all jobs of former processes are forgotten if it is
+  };
   // Creates the folder if there is none, locks it and removes files that a crash left half-written. An error
-  // if another process holds the folder or if it has another version.
-  static Result<DataDir> Open(const std::string& path);
+  // if another process holds the folder, if it has another version, or if its journal is missing.
+  static Result<DataDir> Open(const std::string& path, Journal journal = Journal::kRequired);
   ~DataDir();
   DataDir(DataDir&& other) noexcept;
   DataDir& operator=(DataDir&&) = delete;
+
+  // Call this once there is a journal: from now on the folder must have one.
+  Result<void> MarkUsed() const;
+  // An error that names the file system if `bytes` more would hardly fit on it.
+  Result<void> CheckSpace(uint64_t bytes) const;
 
   std::string JournalPath() const { return path_ + "/journal"; }
   std::string SpoolPath() const { return path_ + "/spool"; }
@@ -26,9 +39,10 @@ class DataDir {
   std::string PicturesPath() const { return path_ + "/pictures"; }
 
  private:
-  DataDir(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
+  explicit DataDir(std::string path) : path_(std::move(path)) {}
+  Result<void> Lock();
   std::string path_;
-  int lock_;
+  int folder_ = -1, lock_ = -1;  // both locked
 };
 
 }  // namespace tessera

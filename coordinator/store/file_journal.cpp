@@ -16,20 +16,24 @@ namespace {
 
 constexpr RecordFormat kJournalFormat{"TSRJ", 2, 2, kFactBytesMax};
 constexpr const char* kJournalRemedy =
-    "to keep the records before the damage, truncate the file there; to start without any jobs, move it away";
+    "to keep the records before the damage, truncate the file there; to start without any jobs, move it away "
+    "and "
+    "use --start-afresh";
 
 }  // namespace
 
 Result<std::unique_ptr<FileJournal>> FileJournal::Open(const std::string& path,
-                                                       const std::function<void(const Fact&)>& restore) {
+                                                       const std::function<void(const Fact&)>& restore,
+                                                       const RecordLog::OnTorn& on_torn) {
   const auto visit = [&](std::string_view payload, uint32_t) -> Result<void> {
     const auto fact = DecodeFact(payload);
     if (!fact) return fact.error();
     restore(*fact);
     return {};
   };
-  auto log = std::filesystem::exists(path) ? RecordLog::Open(path, kJournalFormat, visit, kJournalRemedy)
-                                           : RecordLog::Create(path, kJournalFormat);
+  auto log = std::filesystem::exists(path)
+                 ? RecordLog::Open(path, kJournalFormat, visit, kJournalRemedy, on_torn)
+                 : RecordLog::Create(path, kJournalFormat);
   if (!log) return log.error();
   return std::unique_ptr<FileJournal>(new FileJournal(path, std::move(*log)));
 }
@@ -39,7 +43,17 @@ void FileJournal::Append(const Fact& fact) {
 }
 
 Result<void> FileJournal::Sync() {
+  if (auto synced = SyncName(); !synced) return synced;
   return log_->Sync();
+}
+
+// Until the name of a new file is on stable storage, a crash may bring back the old one, without what was
+// appended since.
+Result<void> FileJournal::SyncName() {
+  if (is_name_synced_) return {};
+  auto synced = SyncFolder(std::filesystem::path(path_).parent_path().string());
+  is_name_synced_ = synced.has_value();
+  return synced;
 }
 
 bool FileJournal::IsLarge() const {
@@ -60,10 +74,10 @@ Result<void> FileJournal::Replace(const std::vector<Fact>& facts) {
     std::remove(beside.c_str());
     return replaced;
   }
-  SyncFolder(std::filesystem::path(path_).parent_path().string());
   log_ = std::move(*log);
   counting_bytes_ = log_->synced_bytes();
-  return {};
+  is_name_synced_ = false;
+  return SyncName();
 }
 
 }  // namespace tessera

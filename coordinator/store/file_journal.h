@@ -25,7 +25,8 @@ class FileJournal : public Journal {
  public:
   // Opens or creates the file and calls `restore` with the facts in it, in order.
   static Result<std::unique_ptr<FileJournal>> Open(const std::string& path,
-                                                   const std::function<void(const Fact&)>& restore);
+                                                   const std::function<void(const Fact&)>& restore,
+                                                   const RecordLog::OnTorn& on_torn = {});
 
   void Append(const Fact& fact) override;
   Result<void> Sync() override;
@@ -35,8 +36,11 @@ class FileJournal : public Journal {
  private:
   FileJournal(std::string path, std::unique_ptr<RecordLog> log)
       : path_(std::move(path)), log_(std::move(log)) {}
+  Result<void> SyncName();
+
   std::string path_;
   std::unique_ptr<RecordLog> log_;
+  bool is_name_synced_ = true;
   uint64_t counting_bytes_ = 0;  // of the file when it was replaced last
 };
 

@@ -23,16 +23,32 @@ std::string FilePictures::PathOf(JobId job, uint32_t frame) const {
 }
 
 Result<void> FilePictures::Write(JobId job, uint32_t frame, std::string_view bytes) {
-  std::error_code error;
-  std::filesystem::create_directories(FolderOf(job), error);
-  if (error) return Failed(fmt::format("{}: cannot be created: {}", FolderOf(job), error.message()));
+  if (auto made = CreateFolders(FolderOf(job)); !made) return made;
   return WriteFileAtomically(PathOf(job, frame), bytes);
 }
 
-Result<std::string> FilePictures::Read(JobId job, uint32_t frame) const {
+Result<std::string> FilePictures::Read(JobId job, uint32_t frame, const PictureFile& file) const {
+  if (const auto probed = Probe(job, frame, file); !probed) return probed.error();
+  auto bytes = ReadPartial(job, frame);
+  if (!bytes) return bytes;
+  if (Sha256(*bytes) != file.digest)
+    return Failed(fmt::format("{}: is corrupt (SHA-256 mismatch)", PathOf(job, frame)));
+  return bytes;
+}
+
+Result<std::string> FilePictures::ReadPartial(JobId job, uint32_t frame) const {
   auto bytes = ReadFile(PathOf(job, frame), kPictureBytesMax);
   if (!bytes) return Failed(bytes.error().message);
   return bytes;
+}
+
+Result<void> FilePictures::Probe(JobId job, uint32_t frame, const PictureFile& file) const {
+  std::error_code error;
+  const uint64_t bytes = std::filesystem::file_size(PathOf(job, frame), error);
+  if (error) return Failed(fmt::format("{}: cannot be opened: {}", PathOf(job, frame), error.message()));
+  if (file.bytes == 0 || bytes == file.bytes) return {};
+  return Failed(
+      fmt::format("{}: is corrupt ({} bytes instead of {})", PathOf(job, frame), bytes, file.bytes));
 }
 
 void FilePictures::Remove(JobId job) {

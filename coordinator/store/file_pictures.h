@@ -12,7 +12,9 @@ class FilePictures final : public PictureStore {
   // `folder` must exist.
   explicit FilePictures(std::string folder) : folder_(std::move(folder)) {}
   Result<void> Write(JobId job, uint32_t frame, std::string_view bytes) override;
-  Result<std::string> Read(JobId job, uint32_t frame) const override;
+  Result<std::string> Read(JobId job, uint32_t frame, const PictureFile& file) const override;
+  Result<std::string> ReadPartial(JobId job, uint32_t frame) const override;
+  Result<void> Probe(JobId job, uint32_t frame, const PictureFile& file) const override;
   void Remove(JobId job) override;
 
  private:

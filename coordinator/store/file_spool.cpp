@@ -73,14 +73,25 @@ std::vector<FileSpool::Found> FileSpool::Frames() const {
   return all;
 }
 
-Result<void> FileSpool::Restore(FrameId id, const std::function<void(TileNode)>& restore) {
+Result<void> FileSpool::Restore(FrameId id, const std::function<void(TileNode)>& restore,
+                                const RecordLog::OnTorn& on_torn) {
   Frame& frame = Need(id);
   if (const auto read = frame.files->Read(true, restore); !read) return read.error();
-  auto segment = frame.files->ReopenSegment(restore);
+  auto segment = frame.files->ReopenSegment(restore, on_torn);
   if (!segment) return segment.error();
   frame.segment = std::move(*segment);
-  if (frame.segment != nullptr) open_.insert(id);
+  if (frame.segment == nullptr) return {};
+  open_.insert(id);
+  NoteOpenFile(id);
   return {};
+}
+
+void FileSpool::NoteOpenFile(FrameId id) {
+  open_files_.remove(id);
+  open_files_.push_front(id);
+  if (open_files_.size() <= kOpenFilesMax) return;
+  frames_.at(open_files_.back()).segment->ReleaseFile();
+  open_files_.pop_back();
 }
 
 void FileSpool::Append(FrameId id, TileNode node) {
@@ -111,6 +122,7 @@ Result<void> FileSpool::SyncFrame(FrameId id, Frame& frame) {
     frame.segment = std::move(*segment);
     open_.insert(id);
   }
+  NoteOpenFile(id);
   for (TileNode& node : std::exchange(frame.pending, {})) frame.segment->Append(std::move(node));
   if (const auto synced = frame.segment->Sync(); !synced) return synced;
   frame.files->SetSegmentBytes(frame.segment->synced_bytes());
@@ -137,6 +149,7 @@ void FileSpool::Replace(FrameId id, std::vector<TileNode> nodes) {
   static_cast<void>(frame.files->AwaitBase());  // a frame that is complete may have one underway
   frame.segment.reset();
   open_.erase(id);
+  open_files_.remove(id);
   const uint64_t number = frame.files->BeginBase();
   const auto shared = std::make_shared<std::vector<TileNode>>(std::move(nodes));
   run_([files = frame.files, number, shared] { files->WriteBase(number, std::move(*shared)); });
@@ -147,6 +160,7 @@ void FileSpool::Drop(FrameId id) {
   if (found == frames_.end()) return;
   frames_.erase(found);
   open_.erase(id);
+  open_files_.remove(id);
   unsynced_.erase(id);
   // Out of the way at once; the files go in the background.
   const std::string folder = FolderOf(id);
@@ -162,10 +176,9 @@ void FileSpool::Load(FrameId id, OnLoaded done) {
     done(Failed(fmt::format("{}: is not there", FolderOf(id))));
     return;
   }
-  const bool has_open_segment = found->second.segment != nullptr;
-  run_([files = found->second.files, has_open_segment, done = std::move(done)] {
+  run_([files = found->second.files, done = std::move(done)] {
     std::vector<TileNode> nodes;
-    const auto read = files->Read(has_open_segment, [&](TileNode node) { nodes.push_back(std::move(node)); });
+    const auto read = files->Read(false, [&](TileNode node) { nodes.push_back(std::move(node)); });
     done(read ? Result<std::vector<TileNode>>(std::move(nodes)) : read.error());
   });
 }

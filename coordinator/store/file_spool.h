@@ -18,6 +18,7 @@
 #pragma once
 
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <set>
@@ -33,6 +34,9 @@ namespace tessera {
 
 // A smaller segment costs less than the base that would replace it.
 constexpr uint64_t kSegmentBytesMin = uint64_t{8} << 20;
+// Segments whose files are open, those that were written last: more than the frames that farms render at the
+// same time, and few for a process.
+constexpr size_t kOpenFilesMax = 32;
 
 class FileSpool : public Spool {
  public:
@@ -49,7 +53,8 @@ class FileSpool : public Spool {
   };
   std::vector<Found> Frames() const;
   // Calls `restore` with the nodes of a frame that will be continued.
-  Result<void> Restore(FrameId frame, const std::function<void(TileNode)>& restore);
+  Result<void> Restore(FrameId frame, const std::function<void(TileNode)>& restore,
+                       const RecordLog::OnTorn& on_torn = {});
 
   void Append(FrameId frame, TileNode node) override;
   Result<void> Sync() override;
@@ -70,13 +75,15 @@ class FileSpool : public Spool {
   Frame& Need(FrameId id);
   std::string FolderOf(FrameId id) const;
   Result<void> SyncFrame(FrameId id, Frame& frame);
+  void NoteOpenFile(FrameId id);
   bool IsGrown(const FrameFiles& files) const;
 
   std::string path_;
   Run run_;
   uint64_t segment_bytes_min_;
   std::map<FrameId, Frame> frames_;
-  std::set<FrameId> open_;  // have an open segment
+  std::set<FrameId> open_;         // have an open segment
+  std::list<FrameId> open_files_;  // of these, whose files are open; the last one written first
   std::set<FrameId> unsynced_;
   uint64_t drops_ = 0;
 };

@@ -67,10 +67,7 @@ std::string FrameFiles::BasePath(uint64_t number) const {
 }
 
 Result<std::unique_ptr<NodeLog>> FrameFiles::BeginSegment() {
-  std::error_code error;
-  if (std::filesystem::create_directories(folder_, error))
-    SyncFolder(std::filesystem::path(folder_).parent_path().string());
-  if (error) return Failed(fmt::format("{}: cannot be created: {}", folder_, error.message()));
+  if (const auto made = CreateFolders(folder_); !made) return made.error();
   const std::lock_guard lock(mutex_);
   const uint64_t newest = segments_.empty() ? 0 : segments_.back().number;
   const uint64_t number = std::max({newest + 1, base_next_, uint64_t{1}});
@@ -79,10 +76,11 @@ Result<std::unique_ptr<NodeLog>> FrameFiles::BeginSegment() {
   return log;
 }
 
-Result<std::unique_ptr<NodeLog>> FrameFiles::ReopenSegment(const std::function<void(TileNode)>& visit) {
+Result<std::unique_ptr<NodeLog>> FrameFiles::ReopenSegment(const std::function<void(TileNode)>& visit,
+                                                           const RecordLog::OnTorn& on_torn) {
   const std::lock_guard lock(mutex_);
   if (segments_.empty()) return std::unique_ptr<NodeLog>();
-  auto log = NodeLog::Open(SegmentPath(segments_.back().number), visit);
+  auto log = NodeLog::Open(SegmentPath(segments_.back().number), visit, on_torn);
   if (log && *log != nullptr) segments_.back().bytes = (*log)->synced_bytes();
   return log;
 }
@@ -133,7 +131,7 @@ Result<uint64_t> FrameFiles::WriteBaseFile(uint64_t number, std::vector<TileNode
     if (const auto synced = (*log)->Sync(); !synced) return synced.error();
     if (std::rename(beside.c_str(), path.c_str()) != 0)
       return Failed(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
-    SyncFolder(folder_);
+    if (const auto kept = SyncFolder(folder_); !kept) return kept.error();
     return (*log)->synced_bytes();
   };
   auto written = write();
@@ -175,7 +173,7 @@ Result<void> FrameFiles::AwaitBase() {
   return std::exchange(outcome_, {});
 }
 
-Result<void> FrameFiles::Read(bool open_segment, const std::function<void(TileNode)>& visit) const {
+Result<void> FrameFiles::Read(bool but_newest, const std::function<void(TileNode)>& visit) const {
   std::vector<File> segments;
   File base;
   {
@@ -183,13 +181,13 @@ Result<void> FrameFiles::Read(bool open_segment, const std::function<void(TileNo
     segments = segments_;
     base = base_;
   }
-  if (open_segment && !segments.empty()) segments.pop_back();
+  if (but_newest && !segments.empty()) segments.pop_back();
   if (base.number > 0) {
     const auto read = NodeLog::Read(BasePath(base.number), RecordLog::Tail::kWhole, visit);
     if (!read) return read.error();
   }
   for (const File& segment : segments) {
-    const bool is_newest = segment.number == segments.back().number && !open_segment;
+    const bool is_newest = segment.number == segments.back().number && !but_newest;
     const auto tail = is_newest ? RecordLog::Tail::kMayBeTorn : RecordLog::Tail::kWhole;
     const auto read = NodeLog::Read(SegmentPath(segment.number), tail, visit);
     if (!read) return read.error();

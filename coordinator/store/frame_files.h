@@ -29,7 +29,8 @@ class FrameFiles {
   Result<std::unique_ptr<NodeLog>> BeginSegment();
   // Visits the nodes of the newest segment and opens it for appending. Null if there is none, or if it is of
   // a version that is not appended to.
-  Result<std::unique_ptr<NodeLog>> ReopenSegment(const std::function<void(TileNode)>& visit);
+  Result<std::unique_ptr<NodeLog>> ReopenSegment(const std::function<void(TileNode)>& visit,
+                                                 const RecordLog::OnTorn& on_torn = {});
   // Sets the size of the newest segment.
   void SetSegmentBytes(uint64_t bytes);
   // Size of the newest segment; 0 if it is part of a base that exists or is being written.
@@ -46,8 +47,9 @@ class FrameFiles {
   // Waits until no base is being written. Returns the error of the last one, once.
   Result<void> AwaitBase();
 
-  // Visits the nodes of the base and of the segments, except for the newest segment if `open_segment`. Slow.
-  Result<void> Read(bool open_segment, const std::function<void(TileNode)>& visit) const;
+  // Visits the nodes of the base and of the segments, except for the newest segment if `but_newest`. The
+  // newest segment may be growing. Slow.
+  Result<void> Read(bool but_newest, const std::function<void(TileNode)>& visit) const;
 
  private:
   Result<uint64_t> WriteBaseFile(uint64_t number, std::vector<TileNode> nodes) const;

@@ -18,7 +18,7 @@ constexpr uint32_t kSpoolVersionWithoutKinds = 1;
 constexpr uint32_t kChannelsVersion = 1;
 constexpr size_t kHeadBytesMax = 16;  // of a node: its kind, its tile and its samples
 constexpr RecordFormat kSpoolFormat{"TSRS", kSpoolVersion, kSpoolVersionWithoutKinds,
-                               static_cast<uint64_t>(kResultBytesMax) + kHeadBytesMax};
+                                    static_cast<uint64_t>(kResultBytesMax) + kHeadBytesMax};
 constexpr const char* kSpoolRemedy =
     "move the file away to continue without its results, which are then rendered again";
 
@@ -88,9 +88,10 @@ Result<std::unique_ptr<NodeLog>> NodeLog::Create(const std::string& path) {
   return std::unique_ptr<NodeLog>(new NodeLog(std::move(*log), nullptr));
 }
 
-Result<std::unique_ptr<NodeLog>> NodeLog::Open(const std::string& path, const Visit& visit) {
+Result<std::unique_ptr<NodeLog>> NodeLog::Open(const std::string& path, const Visit& visit,
+                                               const RecordLog::OnTorn& on_torn) {
   NodeReader reader(visit);
-  auto log = RecordLog::Open(path, kSpoolFormat, VisitorOf(reader), kSpoolRemedy);
+  auto log = RecordLog::Open(path, kSpoolFormat, VisitorOf(reader), kSpoolRemedy, on_torn);
   if (!log) return log.error();
   if ((*log)->version() != kSpoolVersion) return std::unique_ptr<NodeLog>();
   return std::unique_ptr<NodeLog>(new NodeLog(std::move(*log), reader.channels()));

@@ -29,13 +29,15 @@ class NodeLog {
   // As RecordLog's. Messages of errors end with what to do.
   static Result<std::unique_ptr<NodeLog>> Create(const std::string& path);
   // Null if the log is of a version that is not appended to; its torn tail is cut off all the same.
-  static Result<std::unique_ptr<NodeLog>> Open(const std::string& path, const Visit& visit);
+  static Result<std::unique_ptr<NodeLog>> Open(const std::string& path, const Visit& visit,
+                                               const RecordLog::OnTorn& on_torn = {});
   static Result<void> Read(const std::string& path, RecordLog::Tail tail, const Visit& visit);
 
   // Keeps the node in memory until Sync.
   void Append(TileNode node);
   Result<void> Sync() { return log_->Sync(); }
   bool has_pending() const { return log_->has_pending(); }
+  void ReleaseFile() { log_->ReleaseFile(); }
   uint64_t synced_bytes() const { return log_->synced_bytes(); }
 
  private:

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "coordinator/core/schedule/picture_file.h"
 #include "proto/terms.h"
 #include "renderer/util/result.h"
 
@@ -17,8 +18,14 @@ class PictureStore {
   // Replaces the picture of a frame by `bytes`, an EXR file. The picture is on stable storage when this
   // succeeds; when it fails, a former picture is still there.
   virtual Result<void> Write(JobId job, uint32_t frame, std::string_view bytes) = 0;
-  // The bytes last written; an error if there are none or they cannot be read.
-  virtual Result<std::string> Read(JobId job, uint32_t frame) const = 0;
+  // The picture of a frame, which was written as `file`. An error that names the file if it is not there, if
+  // it cannot be read, or if its bytes are others than those written.
+  virtual Result<std::string> Read(JobId job, uint32_t frame, const PictureFile& file) const = 0;
+  // The picture that was written last of a frame whose job ended before it was finished: what it was written as
+  // is not recorded.
+  virtual Result<std::string> ReadPartial(JobId job, uint32_t frame) const = 0;
+  // As much of Read as costs little: whether the picture is there and has its size.
+  virtual Result<void> Probe(JobId job, uint32_t frame, const PictureFile& file) const = 0;
   // Removes all pictures of a job as far as that is possible.
   virtual void Remove(JobId job) = 0;
 };

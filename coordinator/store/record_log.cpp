@@ -73,6 +73,7 @@ std::optional<size_t> WitnessOfDamage(std::string_view bytes, size_t bad, uint64
 struct LogState {
   uint32_t version = 0;
   uint64_t good_bytes = 0;  // up to the end of the last readable record
+  uint64_t torn_bytes = 0;  // after it
 };
 
 // The version of a file, or an error if it is of another format or of a version that is not read.
@@ -113,7 +114,7 @@ Result<LogState> ReadLog(const std::string& path, const RecordFormat& format, co
     const auto visited = visit(payload, *version);
     if (!visited) return Failed(fmt::format("{}: {}; {}", path, visited.error().message, remedy));
   }
-  return LogState{*version, good};
+  return LogState{*version, good, all.size() - good};
 }
 
 std::string_view Bytes(const std::vector<float>& values) {
@@ -152,9 +153,11 @@ Result<std::unique_ptr<RecordLog>> RecordLog::Create(const std::string& path, co
 }
 
 Result<std::unique_ptr<RecordLog>> RecordLog::Open(const std::string& path, const RecordFormat& format,
-                                                   const Visit& visit, std::string_view remedy) {
+                                                   const Visit& visit, std::string_view remedy,
+                                                   const OnTorn& on_torn) {
   const auto state = ReadLog(path, format, visit, remedy, Tail::kMayBeTorn);
   if (!state) return state.error();
+  if (state->torn_bytes > 0 && on_torn) on_torn(path, state->good_bytes, state->torn_bytes);
   const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (file < 0) return SystemError(path, "cannot be opened");
   std::unique_ptr<RecordLog> log(new RecordLog(path, file, state->version, state->good_bytes));
@@ -171,7 +174,12 @@ Result<void> RecordLog::Read(const std::string& path, const RecordFormat& format
 }
 
 RecordLog::~RecordLog() {
-  ::close(file_);
+  ReleaseFile();
+}
+
+void RecordLog::ReleaseFile() {
+  if (file_ >= 0) ::close(file_);
+  file_ = -1;
 }
 
 void RecordLog::Append(std::string_view head, SharedSums body) {
@@ -197,6 +205,8 @@ Result<void> RecordLog::Sync() {
     AddPiece(pieces, record.head);
     AddPiece(pieces, Bytes(*record.body));
   }
+  if (file_ < 0) file_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file_ < 0) return SystemError(path_, "cannot be opened");
   // Always from the synced end: what a failed attempt left there is written over.
   if (!WriteAt(file_, pieces, synced_)) return SystemError(path_, "cannot be written");
   if (::fdatasync(file_) != 0) return SystemError(path_, "cannot be synced");

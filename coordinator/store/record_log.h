@@ -35,6 +35,8 @@ struct RecordFormat {
 class RecordLog {
  public:
   using Visit = std::function<Result<void>(std::string_view payload, uint32_t version)>;
+  // Receives where bytes without a readable record began that were cut off, and how many they were.
+  using OnTorn = std::function<void(const std::string& path, uint64_t offset, uint64_t bytes)>;
 
   // Creates a log without records and atomically replaces what is at the path.
   static Result<std::unique_ptr<RecordLog>> Create(const std::string& path, const RecordFormat& format);
@@ -42,7 +44,8 @@ class RecordLog {
   // has another format or is damaged: the file is then left as it is, and the message ends with `remedy`. The
   // first error of `visit` is returned as well.
   static Result<std::unique_ptr<RecordLog>> Open(const std::string& path, const RecordFormat& format,
-                                                 const Visit& visit, std::string_view remedy);
+                                                 const Visit& visit, std::string_view remedy,
+                                                 const OnTorn& on_torn = {});
   // The same without opening the file for appending; the file is not changed. With kWhole a file that ends in
   // the middle of a record is damaged.
   enum class Tail { kMayBeTorn, kWhole };
@@ -58,6 +61,8 @@ class RecordLog {
   // it may be called again.
   Result<void> Sync();
   bool has_pending() const { return !pending_.empty(); }
+  // Closes the file until the next Sync that has something to write.
+  void ReleaseFile();
   uint64_t synced_bytes() const { return synced_; }
   // Of the file: an older one keeps its version, and takes only records of that version.
   uint32_t version() const { return version_; }
@@ -72,7 +77,7 @@ class RecordLog {
       : path_(std::move(path)), file_(file), version_(version), synced_(synced) {}
 
   std::string path_;
-  int file_;
+  int file_;  // -1: released
   uint32_t version_;
   uint64_t synced_;  // bytes of the file on stable storage
   std::vector<Record> pending_;

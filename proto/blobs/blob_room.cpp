@@ -41,7 +41,6 @@ BlobRoom::BlobRoom(std::string path, BlobStoreOptions options)
 }
 
 void BlobRoom::Protect(BlobStore::PackagesInUse in_use) {
-  const std::lock_guard lock(mutex_);
   in_use_ = std::move(in_use);
 }
 
@@ -55,13 +54,48 @@ void BlobRoom::Give(uint64_t bytes) {
   bytes_ -= std::min(bytes_, bytes);
 }
 
-Result<void> BlobRoom::Take(uint64_t bytes) {
+void BlobRoom::Written(uint64_t bytes) {
   const std::lock_guard lock(mutex_);
-  if (bytes_ + bytes > options_.bytes_max) {
-    if (auto made = MakeRoom(bytes); !made) return made;
-  }
+  unwritten_ -= std::min(unwritten_, bytes);
+}
+
+Result<void> BlobRoom::Take(uint64_t bytes) {
+  if (TryTake(bytes)) return {};
+  // Waits for the core thread, so before any lock.
+  const auto in_use = NamesInUse();
+  if (!in_use) return Error{ErrorKind::kInterrupted, "the coordinator is busy; try again"};
+  const std::lock_guard one_at_a_time(evicting_);
+  Evict(bytes, *in_use);
+  if (TryTake(bytes)) return {};
+  return Refusal(bytes);
+}
+
+void BlobRoom::FreeReserve() {
+  if (DiskLack(0) == 0) return;
+  const auto in_use = NamesInUse();
+  if (!in_use) return;
+  const std::lock_guard one_at_a_time(evicting_);
+  Evict(0, *in_use);
+}
+
+bool BlobRoom::TryTake(uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (bytes_ + bytes > options_.bytes_max || (bytes > 0 && DiskLack(bytes + unwritten_) > 0)) return false;
   bytes_ += bytes;
-  return {};
+  unwritten_ += bytes;
+  return true;
+}
+
+uint64_t BlobRoom::ReserveOf(const DiskSpace& disk) const {
+  return std::min(disk.total / kReserveDivisor, options_.disk_reserve_max);
+}
+
+// How many bytes have to be freed so that `bytes` can be written and the reserve is left.
+uint64_t BlobRoom::DiskLack(uint64_t bytes) const {
+  const auto disk = options_.disk_space(path_);
+  if (!disk) return 0;
+  const uint64_t needed = bytes + ReserveOf(*disk);
+  return needed - std::min(needed, disk->free);
 }
 
 std::vector<BlobRoom::File> BlobRoom::List() const {
@@ -94,25 +128,44 @@ std::optional<std::set<std::string>> BlobRoom::NamesInUse() const {
   return names;
 }
 
-Result<void> BlobRoom::MakeRoom(uint64_t bytes) {
-  const auto in_use = NamesInUse();
-  if (!in_use) return Error{ErrorKind::kInterrupted, "the coordinator is busy; try again"};
+// Removes the least recently used blobs that nobody needs until `bytes` more fit, and some more: then not
+// every blob has to look for room.
+void BlobRoom::Evict(uint64_t bytes, const std::set<std::string>& in_use) {
   std::vector<File> files = List();
   std::sort(files.begin(), files.end(), [](const File& a, const File& b) {
     return a.used != b.used ? a.used < b.used : a.path < b.path;
   });
-  if (options_.shared) {
-    bytes_ = 0;
-    for (const File& file : files) bytes_ += file.size;
-  }
+  uint64_t total = 0;
+  for (const File& file : files) total += file.size;
   const auto recent = fs::file_time_type::clock::now() - options_.grace;
-  const uint64_t target = options_.bytes_max - options_.bytes_max / kSlackDivisor;
-  for (const File& file : files) {
-    if (file.used >= recent || bytes_ + bytes <= target) break;
-    if (in_use->contains(file.path.filename().string())) continue;
-    if (RemoveIfIdle(file.path.string())) bytes_ -= std::min(bytes_, file.size);
+  uint64_t lack = 0, surplus = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (options_.shared) bytes_ = total + unwritten_;
+    const uint64_t target = options_.bytes_max - options_.bytes_max / kSlackDivisor;
+    if (bytes_ + bytes > options_.bytes_max) surplus = bytes_ + bytes - std::min(target, bytes_ + bytes);
+    lack = DiskLack(bytes + unwritten_);
+    if (lack > 0) lack += lack / kSlackDivisor;
   }
-  if (bytes_ + bytes <= options_.bytes_max) return {};
+  uint64_t freed = 0;
+  for (const File& file : files) {
+    if (file.used >= recent || freed >= std::max(surplus, lack)) break;
+    if (in_use.contains(file.path.filename().string()) || !RemoveIfIdle(file.path.string())) continue;
+    freed += file.size;
+    Give(file.size);
+  }
+}
+
+Error BlobRoom::Refusal(uint64_t bytes) const {
+  const std::lock_guard lock(mutex_);
+  const auto disk = options_.disk_space(path_);
+  const bool fits = bytes_ + bytes <= options_.bytes_max;
+  if (fits && disk) {
+    return Failed(fmt::format(
+        "{}: No space left on device for {} bytes: its file system has {} bytes left, of which {} are "
+        "reserved for the journal and for results; free some space or cancel jobs",
+        path_, bytes, disk->free, ReserveOf(*disk)));
+  }
   if (bytes > options_.bytes_max || options_.grace.count() == 0) {
     return Failed(fmt::format("{}: no room for {} bytes: the limit of {} is {}", path_, bytes,
                               options_.limit_flag, options_.bytes_max));

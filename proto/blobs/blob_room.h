@@ -1,4 +1,5 @@
-// How many bytes a blob store holds, and what is evicted when that is too much.
+// How many bytes a blob store holds, and what is evicted when that is too much, for its own limit or for the
+// disk.
 #pragma once
 
 #include <mutex>
@@ -23,7 +24,12 @@ class BlobRoom {
   // Reserves `bytes`, evicting blobs if necessary. An error if that does not suffice; kInterrupted: try
   // again.
   Result<void> Take(uint64_t bytes);
+  // So many of the reserved bytes are on the disk by now, or never will be.
+  void Written(uint64_t bytes);
   void Give(uint64_t bytes);
+  // Evicts blobs until the reserve of the disk is free, as far as that is possible.
+  void FreeReserve();
+  bool IsDiskLow() const { return DiskLack(0) > 0; }
   uint64_t bytes() const;
 
  private:
@@ -31,13 +37,19 @@ class BlobRoom {
   std::vector<File> List() const;
   // The names of blobs that open jobs need; nullopt if that is not known now.
   std::optional<std::set<std::string>> NamesInUse() const;
-  Result<void> MakeRoom(uint64_t bytes);
+  bool TryTake(uint64_t bytes);
+  uint64_t ReserveOf(const DiskSpace& disk) const;
+  uint64_t DiskLack(uint64_t bytes) const;
+  void Evict(uint64_t bytes, const std::set<std::string>& in_use);
+  Error Refusal(uint64_t bytes) const;
 
   const std::string path_;
   const BlobStoreOptions options_;
-  mutable std::mutex mutex_;  // of the members below
-  BlobStore::PackagesInUse in_use_;
+  BlobStore::PackagesInUse in_use_;  // constant once other threads use the room
+  std::mutex evicting_;              // one thread at a time evicts; it is locked before mutex_
+  mutable std::mutex mutex_;         // of the members below
   uint64_t bytes_ = 0;
+  uint64_t unwritten_ = 0;  // of bytes_: reserved, and not on the disk yet
 };
 
 }  // namespace tessera

@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
 
+#include "proto/blobs/blob_checks.h"
 #include "proto/blobs/blob_room.h"
 #include "proto/terms.h"
 #include "renderer/util/file.h"
@@ -46,7 +48,39 @@ Result<void> RemoveStale(const std::string& incoming) {
   return {};
 }
 
+// Adds the first `size` bytes of a file.
+Result<void> AddFile(const std::string& path, int file, uint64_t size, Sha256Stream& hash) {
+  std::string piece(kPieceBytes, '\0');
+  for (uint64_t at = 0; at < size;) {
+    const ssize_t count =
+        ::pread(file, piece.data(), std::min<uint64_t>(piece.size(), size - at), static_cast<off_t>(at));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return SystemError(path, "cannot be read");
+    if (count == 0) return Failed(fmt::format("{}: is shorter than it was", path));
+    hash.Add(std::string_view(piece).substr(0, static_cast<size_t>(count)));
+    at += static_cast<uint64_t>(count);
+  }
+  return {};
+}
+
+// nullopt if the file cannot be read.
+std::optional<Digest> DigestOfFile(const std::string& path, uint64_t size) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return std::nullopt;
+  Sha256Stream hash;
+  const auto added = AddFile(path, file, size, hash);
+  ::close(file);
+  if (!added) return std::nullopt;
+  return hash.Finish();
+}
+
 }  // namespace
+
+std::optional<DiskSpace> DiskSpaceOf(const std::string& folder) {
+  struct statvfs space {};
+  if (::statvfs(folder.c_str(), &space) != 0 || space.f_blocks == 0) return std::nullopt;
+  return DiskSpace{uint64_t{space.f_blocks} * space.f_frsize, uint64_t{space.f_bavail} * space.f_frsize};
+}
 
 Result<BlobStore> BlobStore::Open(const std::string& path, const BlobStoreOptions& options) {
   const std::string incoming = path + "/incoming";
@@ -61,7 +95,8 @@ Result<BlobStore> BlobStore::Open(const std::string& path, const BlobStoreOption
 BlobStore::BlobStore(std::string path, BlobStoreOptions options)
     : path_(std::move(path)),
       options_(std::move(options)),
-      room_(std::make_shared<BlobRoom>(path_, options_)) {}
+      room_(std::make_shared<BlobRoom>(path_, options_)),
+      checks_(std::make_shared<BlobChecks>()) {}
 
 void BlobStore::Protect(PackagesInUse in_use) {
   room_->Protect(std::move(in_use));
@@ -87,9 +122,41 @@ std::optional<uint64_t> BlobStore::Size(const Digest& digest) const {
 }
 
 std::optional<uint64_t> BlobStore::Use(const Digest& digest) const {
-  const auto size = Size(digest);
-  if (size) ::utimensat(AT_FDCWD, Path(digest).c_str(), nullptr, 0);  // now
-  return size;
+  const auto state = checks_->Use(digest, Path(digest));
+  return state ? std::optional(state->size) : std::nullopt;
+}
+
+BlobStore::Presence BlobStore::Look(const Digest& digest) const {
+  const auto state = checks_->Use(digest, Path(digest));
+  if (!state) return Presence::kMissing;
+  return state->is_verified ? Presence::kIntact : Presence::kUnknown;
+}
+
+std::optional<uint64_t> BlobStore::UseVerified(const Digest& digest) const {
+  const std::string path = Path(digest);
+  const auto state = checks_->Use(digest, path);
+  if (!state) return std::nullopt;
+  if (state->is_verified) return state->size;
+  const auto found = DigestOfFile(path, state->size);
+  if (found == digest) {
+    checks_->SetVerified(digest, path, state->version);
+    return state->size;
+  }
+  // A file that cannot be read now may be readable later.
+  if (found) Remove(digest);
+  return std::nullopt;
+}
+
+void BlobStore::Suspect(const Digest& digest) const {
+  checks_->Forget(digest);
+}
+
+void BlobStore::FreeReserve() const {
+  room_->FreeReserve();
+}
+
+bool BlobStore::IsDiskLow() const {
+  return room_->IsDiskLow();
 }
 
 Result<std::string> BlobStore::Read(const Digest& digest, uint64_t size_max) const {
@@ -135,7 +202,8 @@ Result<int> BlobStore::OpenIncoming(uint64_t offset, bool alone, Partial& partia
                        ::lstat(partial.temporary_.c_str(), &named) == 0 && ours.st_ino == named.st_ino;
   if (partial.resumable_) {
     const auto size = static_cast<uint64_t>(ours.st_size);
-    if (offset <= size && ::ftruncate(file, static_cast<off_t>(offset)) == 0) {
+    if (offset == size) return file;
+    if (offset < size && ::ftruncate(file, static_cast<off_t>(offset)) == 0) {
       room_->Give(size - offset);
       return file;
     }
@@ -179,28 +247,35 @@ Result<std::unique_ptr<BlobStore::Partial>> BlobStore::Receive(const Digest& dig
   partial->path_ = Path(digest);
   const auto file = OpenIncoming(offset, alone, *partial);
   if (!file) {
+    room_->Written(size - offset);
     room_->Give(size - offset);
     return file.error();
   }
   partial->file_ = *file;
   partial->room_ = room_;
-  std::string piece(kPieceBytes, '\0');
-  for (uint64_t at = 0; at < offset;) {
-    const ssize_t count =
-        ::pread(*file, piece.data(), std::min<uint64_t>(piece.size(), offset - at), static_cast<off_t>(at));
-    if (count <= 0) return partial->Fail(SystemError(partial->temporary_, "cannot be read"));
-    partial->hash_.Add(std::string_view(piece).substr(0, static_cast<size_t>(count)));
-    at += static_cast<uint64_t>(count);
-  }
+  partial->checks_ = checks_;
+  if (const auto hashed = HashReceived(*partial); !hashed) return partial->Fail(hashed.error());
   ::lseek(*file, static_cast<off_t>(offset), SEEK_SET);
   return partial;
+}
+
+// Takes up the hash of what was received earlier where this process left it, or hashes it.
+Result<void> BlobStore::HashReceived(Partial& partial) const {
+  const auto stamp = FileStamp::Of(partial.file_);
+  if (partial.received_ > 0 && stamp) partial.hash_ = checks_->TakeHash(partial.digest_, *stamp);
+  if (partial.hash_ != nullptr) return {};
+  partial.hash_ = std::make_unique<Sha256Stream>();
+  return AddFile(partial.temporary_, partial.file_, partial.received_, *partial.hash_);
 }
 
 BlobStore::Partial::~Partial() {
   if (file_ < 0) return;
   const bool kept = resumable_ && !failed_ && received_ >= kWorthKeepingBytes;
   if (!kept) ::unlink(temporary_.c_str());
+  const auto stamp = FileStamp::Of(file_);
+  if (kept && stamp) checks_->KeepHash(digest_, *stamp, std::move(hash_));
   ::close(file_);  // releases the lock
+  room_->Written(size_ - received_);
   room_->Give(kept ? size_ - received_ : size_);
 }
 
@@ -212,13 +287,14 @@ Error BlobStore::Partial::Fail(Error error) {
 Result<void> BlobStore::Partial::Add(std::string_view bytes) {
   if (bytes.size() > size_ - received_)
     return Fail(BadInput(fmt::format("blob {}: more bytes than announced", digest_.Hex())));
-  hash_.Add(bytes);
+  hash_->Add(bytes);
   while (!bytes.empty()) {
     const ssize_t count = ::write(file_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return Fail(SystemError(temporary_, "cannot be written"));
     bytes.remove_prefix(static_cast<size_t>(count));
     received_ += static_cast<uint64_t>(count);
+    room_->Written(static_cast<uint64_t>(count));
   }
   return {};
 }
@@ -227,24 +303,27 @@ Result<void> BlobStore::Partial::Finish() {
   if (!IsWhole())
     return Fail(BadInput(fmt::format("blob {}: {} bytes instead of {}", digest_.Hex(), received_, size_)));
   failed_ = true;  // unless everything below succeeds
-  if (const Digest found = hash_.Finish(); found != digest_) {
+  if (const Digest found = hash_->Finish(); found != digest_) {
     const ErrorKind kind = resumed_at_ > 0 ? ErrorKind::kInterrupted : ErrorKind::kBadInput;
     return Error{kind,
                  fmt::format("blob {}: SHA-256 mismatch: the bytes have {}", digest_.Hex(), found.Hex())};
   }
-  if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST)
-    return SystemError(folder_, "cannot be created");
+  const bool is_new = ::mkdir(folder_.c_str(), 0700) == 0;
+  if (!is_new && errno != EEXIST) return SystemError(folder_, "cannot be created");
   struct stat status {};
   if (::lstat(folder_.c_str(), &status) != 0 || !S_ISDIR(status.st_mode))
     return Failed(fmt::format("{}: is not a folder", folder_));
+  if (is_new && durable_) {
+    if (const auto synced = SyncFolder(folder_ + "/.."); !synced) return synced;
+  }
   if (durable_ && ::fsync(file_) != 0) return SystemError(temporary_, "cannot be synced");
   const bool is_copy = ::access(path_.c_str(), F_OK) == 0;  // somebody else was faster
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) return SystemError(path_, "cannot be written");
   ::close(file_);
   file_ = -1;  // nothing is left for the destructor
   if (is_copy) room_->Give(size_);
-  if (durable_) SyncFolder(folder_);
-  return {};
+  checks_->Add(digest_, path_);
+  return durable_ ? SyncFolder(folder_) : Result<void>();
 }
 
 }  // namespace tessera

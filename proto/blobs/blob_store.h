@@ -2,8 +2,8 @@
 //   xx/DIGEST          a whole blob (xx: the first two digits); its time of modification is its last use
 //   incoming/DIGEST    what has arrived of a blob, to be resumed
 //   incoming/DIGEST.*  a second copy that arrives at the same time; not resumed
-// A blob has its name only once it is whole and verified. Least recently used blobs are evicted when room is
-// needed.
+// A blob has its name only once it is whole and verified. Disks damage files later: see UseVerified. Least
+// recently used blobs are evicted when room is needed.
 #pragma once
 
 #include <chrono>
@@ -20,6 +20,16 @@
 
 namespace tessera {
 
+// Of the file system that holds a folder.
+struct DiskSpace {
+  uint64_t total = 0, free = 0;  // bytes
+};
+// nullopt if it is not known.
+std::optional<DiskSpace> DiskSpaceOf(const std::string& folder);
+
+// On a small disk the reserve is this part of it.
+constexpr uint64_t kReserveDivisor = 20;
+
 struct BlobStoreOptions {
   uint64_t bytes_max = 0;
   // A blob used within this time is not evicted: a client that was told that it is there is about to submit a
@@ -32,18 +42,22 @@ struct BlobStoreOptions {
   bool shared = false;
   // The flag that sets bytes_max, for messages.
   std::string limit_flag;
+  // Blobs leave this many bytes of the disk to others.
+  uint64_t disk_reserve_max = 0;
+  std::function<std::optional<DiskSpace>(const std::string& folder)> disk_space = DiskSpaceOf;
 
   // Of a coordinator: the only copy, in a folder of its own. The client may have the rest of a large scene to
-  // send before it submits, hence the grace.
+  // send before it submits, hence the grace. The reserve is for the journal and the spool.
   static BlobStoreOptions Origin(uint64_t bytes_max) {
-    return {bytes_max, std::chrono::minutes(30), true, false, "--blobs-size"};
+    return {bytes_max, std::chrono::minutes(30), true, false, "--blobs-size", uint64_t{1} << 30};
   }
   // Of a worker: copies that can be fetched again, in a folder that the workers of a machine share.
   static BlobStoreOptions Cache(uint64_t bytes_max) {
-    return {bytes_max, std::chrono::minutes(0), false, true, "--cache-size"};
+    return {bytes_max, std::chrono::minutes(0), false, true, "--cache-size", 0};
   }
 };
 
+class BlobChecks;
 class BlobRoom;
 
 // Thread safe.
@@ -62,6 +76,19 @@ class BlobStore {
   bool Has(const Digest& digest) const { return Size(digest).has_value(); }
   // The same, and marks the blob as used now.
   std::optional<uint64_t> Use(const Digest& digest) const;
+  // The same without the size. Never reads the bytes, so it may not know whether they have the digest.
+  enum class Presence { kMissing, kIntact, kUnknown };
+  Presence Look(const Digest& digest) const;
+  // Use, for a blob whose bytes have its digest. A corrupt one is removed and counts as missing. Reads the
+  // bytes only if they were not verified since this process started, or if the file was written to since:
+  // slow then.
+  std::optional<uint64_t> UseVerified(const Digest& digest) const;
+  // Somebody received other bytes than those of the digest: the next UseVerified reads them.
+  void Suspect(const Digest& digest) const;
+  // Evicts blobs until the reserve of the disk is free, as far as that is possible. Slow.
+  void FreeReserve() const;
+  // Whether the reserve of the disk is not free.
+  bool IsDiskLow() const;
   // A whole blob of at most `size_max` bytes. An error if it is not there, too large or corrupt.
   Result<std::string> Read(const Digest& digest, uint64_t size_max) const;
   Result<void> Write(const Digest& digest, std::string_view bytes) const;
@@ -99,12 +126,15 @@ class BlobStore {
     bool durable_ = false;
     Digest digest_;
     uint64_t size_ = 0, resumed_at_ = 0, received_ = 0;
-    Sha256Stream hash_;
-    std::shared_ptr<BlobRoom> room_;  // shared: a partial blob may outlive the store
+    std::unique_ptr<Sha256Stream> hash_;  // of what was received
+    // Shared: a partial blob may outlive the store.
+    std::shared_ptr<BlobRoom> room_;
+    std::shared_ptr<BlobChecks> checks_;
   };
   // Reserves room for a blob of `size` bytes that begins to arrive. Its first `offset` bytes have arrived
   // earlier (see Arrived). An error: kBadInput if it is too large; kFailed if there is no room; kInterrupted
-  // if fewer bytes have arrived, or if they are just being received by somebody else.
+  // if fewer bytes have arrived, or if they are just being received by somebody else. Slow if this process
+  // has not hashed the first bytes yet.
   Result<std::unique_ptr<Partial>> Begin(const Digest& digest, uint64_t size, uint64_t offset = 0) const;
   // Resumes where it stopped; null if somebody else is receiving the blob now.
   Result<std::unique_ptr<Partial>> Resume(const Digest& digest, uint64_t size) const;
@@ -121,10 +151,12 @@ class BlobStore {
   Result<std::unique_ptr<Partial>> Receive(const Digest& digest, uint64_t size, uint64_t offset,
                                            bool alone) const;
   Result<int> OpenIncoming(uint64_t offset, bool alone, Partial& partial) const;
+  Result<void> HashReceived(Partial& partial) const;
 
   std::string path_;
   BlobStoreOptions options_;
   std::shared_ptr<BlobRoom> room_;
+  std::shared_ptr<BlobChecks> checks_;
 };
 
 }  // namespace tessera

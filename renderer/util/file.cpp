@@ -113,13 +113,35 @@ Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes
     return error;
   }
   const size_t slash = path.rfind('/');
-  SyncFolder(slash == std::string::npos ? "." : path.substr(0, slash + 1));
-  return {};
+  return SyncFolder(slash == std::string::npos ? "." : path.substr(0, slash + 1));
 }
 
-void SyncFolder(const std::string& folder) {
+Result<void> SyncFolder(const std::string& folder) {
   FileDescriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (directory.valid()) ::fsync(directory.number());
+  // A folder may be writable and not readable; then nobody can sync it.
+  if (!directory.valid() && errno == EACCES) return {};
+  if (!directory.valid()) return SystemError(folder, "cannot be opened");
+  if (::fsync(directory.number()) == 0) return {};
+  // Some file systems cannot sync folders and do not need it.
+  if (errno == EINVAL || errno == ENOTSUP) return {};
+  return SystemError(folder, "cannot be synced");
+}
+
+Result<void> CreateFolders(const std::string& folder) {
+  const auto exists = [&] {
+    struct stat status {};
+    return ::stat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
+  };
+  if (exists()) return {};
+  const size_t last = folder.find_last_not_of('/');
+  const size_t slash = last == std::string::npos ? last : folder.rfind('/', last);
+  const std::string parent = slash == std::string::npos ? "." : folder.substr(0, slash + 1);
+  if (parent.find_first_not_of('/') != std::string::npos) {
+    if (auto made = CreateFolders(parent); !made) return made;
+  }
+  if (::mkdir(folder.c_str(), 0777) != 0 && !(errno == EEXIST && exists()))
+    return SystemError(folder, "cannot be created");
+  return SyncFolder(parent);
 }
 
 }  // namespace tessera

@@ -30,7 +30,10 @@ Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes
 // device".
 Error SystemError(const std::string& path, const char* what);
 
-// Syncs a folder, so that what was created, renamed or removed in it survives a crash. Ignores errors.
-void SyncFolder(const std::string& folder);
+// Syncs a folder, so that what was created, renamed or removed in it survives a crash.
+Result<void> SyncFolder(const std::string& folder);
+
+// Creates a folder and those above it, as far as they are missing, so that they survive a crash.
+Result<void> CreateFolders(const std::string& folder);
 
 }  // namespace tessera

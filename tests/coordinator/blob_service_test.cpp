@@ -1,7 +1,13 @@
 // Blobs up and down.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <list>
+#include <thread>
 
 #include "proto/blobs/blob_store.h"
 #include "tests/coordinator/services_fixture.h"
@@ -120,6 +126,73 @@ TEST_F(Services, TransfersBeyondTheLimitAreToldToTryAgain) {
   auto code = next();
   while (code != grpc::StatusCode::OK && std::chrono::steady_clock::now() < end) code = next();
   EXPECT_EQ(code, grpc::StatusCode::OK);
+}
+
+TEST_F(Services, ADamagedBlobIsAskedForAgainAndNeverSent) {
+  const std::string bytes(5000, 'x');
+  const Digest digest = Sha256(bytes);
+  const auto damage = [&] { std::ofstream(coordinator->blobs().Path(digest), std::ios::app) << "y"; };
+  const auto missing = [&] {
+    proto::FindMissingRequest request;
+    request.add_digests(WriteDigest(digest));
+    proto::FindMissingAnswer answer;
+    EXPECT_TRUE(Call(*blobs, &proto::Blobs::Stub::FindMissing, request, answer).ok());
+    return answer.missing_size();
+  };
+  ASSERT_TRUE(Upload(bytes, digest, bytes.size()).ok());
+  EXPECT_EQ(missing(), 0);
+  damage();
+  EXPECT_EQ(missing(), 1);
+  ASSERT_TRUE(Upload(bytes, digest, bytes.size()).ok());
+  EXPECT_EQ(missing(), 0);
+  damage();
+  grpc::ClientContext context;
+  proto::DownloadRequest request;
+  request.set_digest(WriteDigest(digest));
+  const auto reader = blobs->Download(&context, request);
+  proto::DownloadChunk chunk;
+  EXPECT_FALSE(reader->Read(&chunk));
+  EXPECT_EQ(reader->Finish().error_code(), StatusCode::NOT_FOUND);
+  EXPECT_EQ(missing(), 1);
+}
+
+TEST_F(Services, LargeUploadsThatGoOnDelayNoOtherCall) {
+  ASSERT_TRUE(WaitForConnection(*channel, kPatience));
+  constexpr uint64_t kArrived = uint64_t{1} << 29;
+  constexpr int kUploads = 4;
+  std::vector<std::thread> uploads;
+  std::atomic<int> running = kUploads;
+  for (int i = 0; i < kUploads; ++i) {
+    const Digest digest = Sha256(std::to_string(i));
+    const std::string path = folder / ("data/blobs/incoming/" + digest.Hex());
+    std::ofstream(path).flush();
+    std::filesystem::resize_file(path, kArrived);
+    uploads.emplace_back([&, digest] {
+      grpc::ClientContext context;
+      proto::UploadAnswer answer;
+      const auto writer = blobs->Upload(&context, &answer);
+      proto::UploadChunk chunk;
+      chunk.set_digest(WriteDigest(digest));
+      chunk.set_size(kArrived + 1);
+      chunk.set_offset(kArrived);
+      chunk.set_data("x");
+      writer->Write(chunk);
+      writer->WritesDone();
+      EXPECT_EQ(writer->Finish().error_code(), StatusCode::UNAVAILABLE) << "zeros do not have the digest";
+      --running;
+    });
+  }
+  const auto start = std::chrono::steady_clock::now();
+  auto slowest = std::chrono::steady_clock::duration::zero();
+  while (running > 0) {
+    const auto asked = std::chrono::steady_clock::now();
+    proto::HealthAnswer answer;
+    EXPECT_TRUE(Call(*jobs, &proto::Jobs::Stub::Health, proto::HealthRequest(), answer).ok());
+    slowest = std::max(slowest, std::chrono::steady_clock::now() - asked);
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  EXPECT_LT(slowest, (std::chrono::steady_clock::now() - start) / 4);
+  for (std::thread& upload : uploads) upload.join();
 }
 
 }  // namespace

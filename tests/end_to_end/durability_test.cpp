@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <sys/mount.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 
@@ -149,6 +150,36 @@ TEST_F(Durability, AFullDiskPausesTheJobUntilSpaceIsFree) {
   disk.Free();
   ASSERT_EQ(Ask({"watch", job}).code, 0);
   EXPECT_TRUE(Fetched(job) == oracle);
+}
+
+TEST_F(Durability, ASubmitOnAFullDiskNamesItAndNothingAppearsLater) {
+  const SmallDisk disk(Path("data"));
+  if (!disk.is_mounted()) GTEST_SKIP() << "no permission to mount a file system";
+  StartCoordinator();
+  Submit(BoxScene(), {"--spp", "4"});  // its files are there now
+  disk.Fill();
+  const auto start = std::chrono::steady_clock::now();
+  const Outcome refused = Ask({"submit", BoxScene(), "--spp", "8"});
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.errors, testing::AllOf(HasSubstr(Path("data")), HasSubstr("file system")));
+  disk.Free();
+  const Outcome next = Ask({"submit", BoxScene(), "--spp", "16"});
+  EXPECT_EQ(next.code, 0) << next.errors;
+  EXPECT_EQ(next.output, "2\n") << "the refused job is not there";
+}
+
+TEST_F(Durability, AMissingJournalIsRefusedUnlessTheUserStartsAfresh) {
+  StartCoordinator();
+  Submit(BoxScene(), {"--spp", "4"});
+  coordinator().Signal(SIGKILL);
+  EXPECT_EQ(coordinator().Wait(), -SIGKILL);
+  std::filesystem::remove(Path("data/journal"));
+  const std::vector<std::string> words{"--listen", "unix:" + Path("other"), "--data-dir", Path("data")};
+  const Outcome refused = RunProgram(Path(""), "tessera-coordinator", words);
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.errors,
+              testing::AllOf(HasSubstr("its journal is missing"), HasSubstr("--start-afresh")));
 }
 
 }  // namespace

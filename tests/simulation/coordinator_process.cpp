@@ -8,7 +8,6 @@ namespace tessera {
 namespace {
 
 constexpr Instant kSyncRetry = milliseconds(1000);  // as the coordinator's
-constexpr Instant kPictureRetry = milliseconds(2000);
 
 }  // namespace
 
@@ -136,6 +135,18 @@ void CoordinatorProcess::Answer(FarmOutput output) {
   }
   for (auto& [frame, nodes] : output.sums) spool().Replace(frame, std::move(nodes));
   for (const FrameId frame : output.dropped) spool().Drop(frame);
+  for (const FrameId frame : output.loads) Load(frame);
+}
+
+void CoordinatorProcess::Load(FrameId frame) {
+  spool().Load(frame, [&](Result<std::vector<TileNode>> nodes) {
+    const auto shared = std::make_shared<Result<std::vector<TileNode>>>(std::move(nodes));
+    world_.queue.After(world_.random.Duration(0, 0.2), [=, this, process = world_.report.crashes] {
+      if (!farm_ || world_.report.crashes != process) return;
+      farm_->SumsLoaded(now(), frame, std::move(*shared));
+      Touch();
+    });
+  });
 }
 
 void CoordinatorProcess::AnswerResults(const FarmOutput::Results& answer) {
@@ -153,17 +164,15 @@ void CoordinatorProcess::AnswerResults(const FarmOutput::Results& answer) {
   waiting.answer(answer);
 }
 
-// Takes a moment; while the disk is full it is tried again.
+// Takes a moment.
 void CoordinatorProcess::WritePicture(JobId job, uint32_t frame) {
   world_.queue.After(world_.random.Duration(0, 0.2), [=, this, process = world_.report.crashes] {
     if (!farm_ || world_.report.crashes != process) return;
     if (is_disk_full_) {
-      farm_->PictureDelayed(job, "no space left on device");
-      world_.queue.After(kPictureRetry, [=, this] {
-        if (farm_ && world_.report.crashes == process) WritePicture(job, frame);
-      });
+      farm_->PictureDelayed(now(), {job, frame}, "no space left on device");
     } else {
-      farm_->PictureWritten(now(), job, frame, Sha256(fmt::format("{} {}", Number(job), frame)));
+      const std::string file = fmt::format("{} {}", Number(job), frame);
+      farm_->PictureWritten(now(), {job, frame}, {Sha256(file), file.size()});
     }
     Touch();
   });

@@ -76,6 +76,7 @@ class CoordinatorProcess {
   bool CrashesAt(CrashPoint point);
   void Answer(FarmOutput output);
   void AnswerResults(const FarmOutput::Results& answer);
+  void Load(FrameId frame);
   void WritePicture(JobId job, uint32_t frame);
   void NoteFact(const Fact& fact);
   void NoteLeases(const FarmOutput& output);

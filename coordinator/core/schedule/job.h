@@ -13,6 +13,7 @@
 #include "coordinator/core/schedule/failure_book.h"
 #include "coordinator/core/schedule/frame_work.h"
 #include "coordinator/core/schedule/instant.h"
+#include "coordinator/core/schedule/picture_file.h"
 #include "coordinator/core/schedule/verification.h"
 #include "proto/terms.h"
 #include "renderer/film/channel_layout.h"
@@ -89,8 +90,11 @@ struct JobResults {
   std::map<uint32_t, Merger> mergers;            // of frames begun and not complete
   std::set<uint32_t> loading;                    // frames whose earlier sums are on their way from the spool
   std::set<uint32_t> writing;                    // frames that are complete and not written
-  std::map<uint32_t, Digest> files;              // of frames that are written
+  std::map<uint32_t, PictureFile> files;         // of frames that are written
   std::map<uint32_t, uint64_t> frame_samples;    // pixel samples of frames that are complete
+  std::set<uint32_t> remaking;                   // frames whose damaged file is made again from their sums
+  std::map<uint32_t, std::string> unwritten;     // why attempts to write the pictures of frames failed
+  std::map<uint32_t, std::string> lost;  // why files are damaged or missing and cannot be made again
 
   std::map<WorkUnit, std::vector<Vote>> votes;  // of units that are verified and not decided
   std::map<WorkerId, uint64_t> unconfirmed;     // units merged of each worker, if some are verified

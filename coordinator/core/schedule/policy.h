@@ -94,6 +94,12 @@ constexpr int kForgivenessUnits = 1000;
 // Failures kept per frame: far more than are needed to decide.
 constexpr size_t kFailuresKeptMax = 1000;
 
+// ---- Pictures ----
+// A full disk empties slowly.
+constexpr Instant kPictureRetry = seconds(2);
+// Kept sums that are given up at once when the disk is full: there may be room after a few.
+constexpr size_t kSumsGivenUpMax = 4;
+
 // ---- Jobs ----
 constexpr size_t kOpenJobsMax = 10'000;
 // Specifications of open jobs in memory: 10,000 jobs of some 25 frames each. Ended jobs are forgotten, oldest

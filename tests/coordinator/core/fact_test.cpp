@@ -47,8 +47,9 @@ TEST(Fact, SurvivesItsBytes) {
   const Fact started = *DecodeFact(EncodeFact(CoordinatorStarted{77, {5, 6}}));
   EXPECT_EQ(std::get<CoordinatorStarted>(started).epoch, 77u);
   EXPECT_EQ(std::get<CoordinatorStarted>(started).farm, (FarmId{5, 6}));
-  const Fact finished = *DecodeFact(EncodeFact(FrameFinished{JobId{3}, 4, Sha256("f"), 1'000'000'000'000}));
-  EXPECT_EQ(std::get<FrameFinished>(finished).file, Sha256("f"));
+  const Fact finished =
+      *DecodeFact(EncodeFact(FrameFinished{JobId{3}, 4, {Sha256("f"), 7}, 1'000'000'000'000}));
+  EXPECT_EQ(std::get<FrameFinished>(finished).file, (PictureFile{Sha256("f"), 7}));
   EXPECT_EQ(std::get<FrameFinished>(finished).samples, 1'000'000'000'000u);
   const Fact ended = *DecodeFact(EncodeFact(JobEnded{JobId{3}, JobState::kFailed, "why"}));
   EXPECT_EQ(std::get<JobEnded>(ended).state, JobState::kFailed);

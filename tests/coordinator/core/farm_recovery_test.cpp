@@ -179,9 +179,9 @@ TEST(FarmRecovery, SpoolFramesOfEndedAndUnknownJobsAreDropped) {
   EXPECT_TRUE(disk.results.empty());
 }
 
-TEST(FarmRecovery, FramesThatCannotBeExtendedLeaveNothingInTheSpool) {
+TEST(FarmRecovery, WithoutKeptSumsFinishedFramesLeaveNothingInTheSpool) {
   Disk disk;
-  Process process(disk);
+  Process process(disk, 0);
   const JobId job = *process.farm.Submit(process.now, ExtendableJob(8, 1, false));
   process.Step();
   process.Finish(job, 8);

@@ -89,7 +89,7 @@ TEST_F(ReportStage, TheTailAndTheWritingOfPicturesAreReported) {
   Step(seconds(3));
   EXPECT_NEAR(Times().writing_s, 6, kExact);
   EXPECT_NEAR(Times().render_s, 0.75, kExact);
-  farm.PictureWritten(now, job, 0, Sha256("file"));
+  farm.PictureWritten(now, {job, 0}, {Sha256("file"), 4});
   Step(seconds(0));
   Step(seconds(5));  // after the end nothing is added
   EXPECT_NEAR(Times().writing_s, 6, kExact);

@@ -25,10 +25,10 @@ TEST(Farm, AJobGoesFromSubmissionToPicture) {
   ASSERT_EQ(stage.output.pictures.size(), 1u);
   EXPECT_EQ(stage.output.pictures[0].snapshot.Picture().values, std::vector<float>(64, 1.0f));
   EXPECT_FALSE(stage.farm.FinishedFile(job, 0));
-  stage.farm.PictureWritten(stage.now, job, 0, Sha256("file"));
+  stage.farm.PictureWritten(stage.now, {job, 0}, {Sha256("file"), 4});
   stage.Step();
   EXPECT_EQ(stage.Status(job).state, JobState::kFinished);
-  EXPECT_EQ(stage.farm.FinishedFile(job, 0), Sha256("file"));
+  EXPECT_EQ(stage.farm.FinishedFile(job, 0), (PictureFile{Sha256("file"), 4}));
 }
 
 TEST(Farm, TheSameSubmissionIsTheSameJob) {
@@ -84,7 +84,7 @@ TEST(Farm, CancellingAnEndedJobChangesNothing) {
   FarmStage stage;
   const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
   stage.Return(job, {0, 4}, Ones({0, 4}));
-  stage.farm.PictureWritten(stage.now, job, 0, Sha256("file"));
+  stage.farm.PictureWritten(stage.now, {job, 0}, {Sha256("file"), 4});
   EXPECT_EQ(stage.farm.Cancel(stage.now, job)->state, JobState::kFinished);
   EXPECT_FALSE(stage.farm.Cancel(stage.now, JobId{44}));
 }
@@ -93,10 +93,10 @@ TEST(Farm, APictureThatCannotBeWrittenPausesItsJobUntilItIs) {
   FarmStage stage;
   const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));
   stage.Return(job, {0, 4}, Ones({0, 4}));
-  stage.farm.PictureDelayed(job, "no space left");
+  stage.farm.PictureDelayed(stage.now, {job, 0}, "no space left");
   EXPECT_EQ(stage.Status(job).state, JobState::kPaused);
-  EXPECT_EQ(stage.Status(job).reason, "no space left");
-  stage.farm.PictureWritten(stage.now, job, 0, Sha256("file"));
+  EXPECT_EQ(stage.Status(job).reason, "the picture of frame 0 cannot be written: no space left");
+  stage.farm.PictureWritten(stage.now, {job, 0}, {Sha256("file"), 4});
   EXPECT_EQ(stage.Status(job).state, JobState::kFinished);
 }
 
@@ -107,7 +107,7 @@ TEST(Farm, JobsSurviveARestart) {
   const JobId cancelled = *before.farm.Submit(before.now, SmallJob(3));
   for (const JobId job : {done, half}) {
     EXPECT_EQ(before.Return(job, {0, 4}, Ones({0, 4})), Verdict::kAccepted);
-    before.farm.PictureWritten(before.now, job, 0, Sha256("file"));
+    before.farm.PictureWritten(before.now, {job, 0}, {Sha256("file"), 4});
   }
   ASSERT_TRUE(before.farm.Cancel(before.now, cancelled));
   before.Step();
@@ -116,7 +116,7 @@ TEST(Farm, JobsSurviveARestart) {
   for (const std::string& fact : before.facts) after.farm.Restore(*DecodeFact(fact));
   after.farm.Begin(after.now);
   EXPECT_EQ(after.Status(done).state, JobState::kFinished);
-  EXPECT_EQ(after.farm.FinishedFile(done, 0), Sha256("file"));
+  EXPECT_EQ(after.farm.FinishedFile(done, 0), (PictureFile{Sha256("file"), 4}));
   EXPECT_EQ(after.Status(cancelled).state, JobState::kCancelled);
   EXPECT_EQ(after.Status(half).frames_finished, 1u);
   EXPECT_EQ(after.Status(half).samples_done, 256u);
@@ -133,10 +133,12 @@ TEST(Farm, APausedJobShowsItsReasonAndContinuesWhenResumed) {
   EXPECT_EQ(stage.farm.SetPaused(stage.now, job, true)->state, JobState::kPaused);
   EXPECT_TRUE(stage.Status(job).paused_by_user);
   EXPECT_EQ(stage.Status(job).reason, "by the user");
-  stage.farm.PictureDelayed(job, "no space left");
-  EXPECT_EQ(stage.Status(job).reason, "by the user; no space left");
+  EXPECT_EQ(stage.Return(job, {0, 4}, Ones({0, 4})), Verdict::kAccepted) << "it was running";
+  stage.farm.PictureDelayed(stage.now, {job, 0}, "no space left");
+  EXPECT_EQ(stage.Status(job).reason, "by the user; the picture of frame 0 cannot be written: no space left");
   EXPECT_FALSE(stage.farm.SetPaused(stage.now, job, false)->paused_by_user);
-  EXPECT_EQ(stage.Status(job).reason, "no space left") << "the other cause is still there";
+  EXPECT_EQ(stage.Status(job).reason, "the picture of frame 0 cannot be written: no space left")
+      << "the other cause is still there";
 }
 
 TEST(Farm, UnitsThatWereRunningWhenTheirJobWasPausedAreAccepted) {

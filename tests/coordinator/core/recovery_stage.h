@@ -122,12 +122,13 @@ struct Process {
   }
   void WritePictures() {
     for (const FinishedPicture& each : pictures)
-      farm.PictureWritten(now, each.job, each.frame, Sha256("file"));
+      farm.PictureWritten(now, {each.job, each.frame}, {Sha256("file"), 4});
     Step();
   }
   void Load() {
     for (const FrameId frame : std::exchange(loads, {})) {
       std::vector<TileNode> nodes = disk.base[frame];
+      for (const TileNode& node : disk.results[frame]) nodes.push_back(node);
       farm.SumsLoaded(now, frame, std::move(nodes));
     }
     Step();

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "tests/coordinator/store/temporary_dir.h"
@@ -22,6 +23,41 @@ TEST(DataDir, BelongsToOneProcessAtATime) {
     EXPECT_THAT(second.error().message, HasSubstr("another tessera-coordinator"));
   }
   EXPECT_TRUE(DataDir::Open(directory / "data"));
+}
+
+TEST(DataDir, TheLockIsNotFreedByRemovingItsFile) {
+  const TemporaryDir directory;
+  const auto first = DataDir::Open(directory / "data");
+  ASSERT_TRUE(first);
+  ASSERT_TRUE(std::filesystem::remove(directory / "data/lock"));
+  const auto second = DataDir::Open(directory / "data");
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, HasSubstr("another tessera-coordinator"));
+}
+
+TEST(DataDir, IsPrivateToItsUser) {
+  const TemporaryDir directory;
+  std::filesystem::create_directory(directory / "data");
+  std::filesystem::permissions(directory / "data", std::filesystem::perms(0755));
+  ASSERT_TRUE(DataDir::Open(directory / "data"));
+  EXPECT_EQ(std::filesystem::status(directory / "data").permissions(), std::filesystem::perms::owner_all);
+}
+
+TEST(DataDir, ADirectoryWhoseJournalIsGoneIsRefusedUnlessTheUserWantsToStartAfresh) {
+  const TemporaryDir directory;
+  {
+    const auto opened = DataDir::Open(directory / "data");
+    ASSERT_TRUE(opened) << "a new folder needs none";
+    std::ofstream(opened->JournalPath()) << "facts";
+    ASSERT_TRUE(opened->MarkUsed());
+  }
+  EXPECT_TRUE(DataDir::Open(directory / "data"));
+  std::filesystem::remove(directory / "data/journal");
+  const auto refused = DataDir::Open(directory / "data");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message,
+              testing::AllOf(HasSubstr("its journal is missing"), HasSubstr("--start-afresh")));
+  EXPECT_TRUE(DataDir::Open(directory / "data", DataDir::Journal::kMayBeGone));
 }
 
 TEST(DataDir, ADirectoryOfAnotherVersionIsRefusedAndLeftAlone) {

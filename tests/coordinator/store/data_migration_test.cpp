@@ -39,6 +39,7 @@ TEST(DataMigration, ADirectoryOfFormat4KeepsItsJobsAndSums) {
                         std::filesystem::copy_options::recursive);
   const auto data = DataDir::Open(path);
   ASSERT_TRUE(data) << data.error().message;
+  ASSERT_TRUE(data->MarkUsed());
   EXPECT_EQ(*ReadFile(path + "/version", 100), "tessera-data 5\n");
 
   const Facts facts = ReadJournal(data->JournalPath());

@@ -84,6 +84,23 @@ TEST(FileJournal, ATornTailOfOtherBytesIsTakenOff) {
   }
 }
 
+TEST(FileJournal, ATornTailIsReportedWithItsPlaceAndSize) {
+  JournalStage stage;
+  stage.WriteThree();
+  const std::string bytes = stage.Bytes();
+  stage.Put(bytes + "garbage");
+  std::vector<std::string> torn;
+  const auto note = [&](const std::string& path, uint64_t offset, uint64_t size) {
+    torn.push_back(path + " " + std::to_string(offset) + " " + std::to_string(size));
+  };
+  ASSERT_TRUE(FileJournal::Open(
+      stage.path, [](const Fact&) {}, note));
+  EXPECT_THAT(torn, ElementsAre(stage.path + " " + std::to_string(bytes.size()) + " 7"));
+  ASSERT_TRUE(FileJournal::Open(
+      stage.path, [](const Fact&) {}, note));
+  EXPECT_EQ(torn.size(), 1u) << "it is gone";
+}
+
 TEST(FileJournal, AnyFlippedBitOfTheLastRecordDropsItAlone) {
   JournalStage stage;
   stage.WriteThree();

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 
 #include "coordinator/core/byte_codec.h"
@@ -199,6 +200,36 @@ TEST(FileSpool, LoadsWhatWasThereBefore) {
 }
 
 // However many results come, in any order: four times the larger of a segment and the live nodes.
+TEST(FileSpool, LoadsWhatIsInTheNewestSegmentToo) {
+  SpoolStage stage;
+  stage.Keep(Node(0, {0, 4}));
+  EXPECT_EQ(stage.Loaded(), (Nodes{Node(0, {0, 4})}));
+  stage.Keep(Node(1, {0, 4}));
+  EXPECT_EQ(stage.Loaded(), (Nodes{Node(0, {0, 4}), Node(1, {0, 4})}));
+}
+
+size_t OpenDescriptors() {
+  const std::filesystem::directory_iterator all("/proc/self/fd");
+  return static_cast<size_t>(std::distance(begin(all), end(all)));
+}
+
+TEST(FileSpool, HundredsOfFramesWithResultsHoldAFewDozenDescriptors) {
+  SpoolStage stage;
+  const size_t before = OpenDescriptors();
+  constexpr uint32_t kFrames = 300;
+  for (uint32_t f = 0; f < kFrames; ++f) stage.spool->Append({JobId{5}, f}, Node(0, {0, 4}));
+  ASSERT_TRUE(stage.spool->Sync());
+  EXPECT_LE(OpenDescriptors(), before + kOpenFilesMax);
+  for (const uint32_t f : {0u, 150u, kFrames - 1}) stage.spool->Append({JobId{5}, f}, Node(1, {0, 4}));
+  ASSERT_TRUE(stage.spool->Sync());
+  ASSERT_TRUE(stage.Reopen());
+  size_t nodes = 0;
+  for (uint32_t f = 0; f < kFrames; ++f)
+    ASSERT_TRUE(stage.spool->Restore({JobId{5}, f}, [&](const TileNode&) { ++nodes; }));
+  EXPECT_EQ(nodes, kFrames + 3);
+  EXPECT_LE(OpenDescriptors(), before + kOpenFilesMax) << "after a restart, too";
+}
+
 TEST(FileSpool, DiskUseStaysWithinItsBound) {
   constexpr uint64_t kSegment = 4096;
   SpoolStage stage(kSegment);

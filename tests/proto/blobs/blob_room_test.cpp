@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -144,6 +145,68 @@ TEST(BlobStore, WithoutRoomABlobIsRefusedAndNothingThatIsNeededIsEvicted) {
   EXPECT_EQ(store->Begin(Sha256(large), large.size()).error().kind, ErrorKind::kInterrupted)
       << "nobody knows what is needed";
   EXPECT_TRUE(store->Has(Sha256(recent)));
+}
+
+TEST(BlobStore, UnusedBlobsAreEvictedWhenTheDiskIsFull) {
+  const TemporaryDir directory;
+  uint64_t blobs_max = 3 * kMega;  // what fits on the disk before the reserve is touched
+  auto options = BlobStoreOptions::Origin(uint64_t{1} << 40);
+  const std::string path = directory / "blobs";
+  options.disk_space = [&](const std::string&) {
+    uint64_t used = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path)) {
+      if (entry.is_regular_file()) used += entry.file_size();
+    }
+    const uint64_t total = 40 * kMega, reserve = total / kReserveDivisor;
+    return std::optional(DiskSpace{total, blobs_max + reserve - std::min(used, blobs_max + reserve)});
+  };
+  const auto store = BlobStore::Open(path, options);
+  const std::string old = Bytes('o', kMega), recent = Bytes('r', kMega), next = Bytes('n', 2 * kMega);
+  for (const std::string& bytes : {old, recent}) ASSERT_TRUE(store->Write(Sha256(bytes), bytes));
+  Age(*store, Sha256(old), std::chrono::hours(24));
+  ASSERT_TRUE(store->Write(Sha256(next), next));
+  EXPECT_FALSE(store->Has(Sha256(old)));
+  EXPECT_TRUE(store->Has(Sha256(recent)));
+  const auto refused = store->Begin(Sha256(old), old.size());
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message,
+              testing::AllOf(HasSubstr(path), HasSubstr("its file system has"), HasSubstr("reserved")));
+
+  Age(*store, Sha256(next), std::chrono::hours(1));
+  store->FreeReserve();
+  EXPECT_TRUE(store->Has(Sha256(next))) << "the reserve is there";
+  blobs_max = 2 * kMega;  // others have written to the disk
+  store->FreeReserve();
+  EXPECT_FALSE(store->Has(Sha256(next)));
+  EXPECT_TRUE(store->Has(Sha256(recent)));
+}
+
+TEST(BlobStore, BytesThatWereAnnouncedAndHaveNotArrivedCountOnTheDisk) {
+  const TemporaryDir directory;
+  auto options = BlobStoreOptions::Origin(uint64_t{1} << 40);
+  options.disk_space = [](const std::string&) { return std::optional(DiskSpace{10 * kMega, 4 * kMega}); };
+  const auto store = BlobStore::Open(directory / "blobs", options);
+  {
+    const auto first = store->Begin(Sha256("a"), 2 * kMega);
+    ASSERT_TRUE(first);
+    EXPECT_FALSE(store->Begin(Sha256("b"), 2 * kMega));
+  }
+  EXPECT_TRUE(store->Begin(Sha256("b"), 2 * kMega)) << "the first upload has ended";
+}
+
+TEST(BlobStore, TheJobsInUseAreAskedForWithoutALock) {
+  const TemporaryDir directory;
+  auto store = OpenOrigin(directory / "blobs", kMega);
+  const std::string old = Bytes('o', kMega);
+  ASSERT_TRUE(store->Write(Sha256(old), old));
+  Age(*store, Sha256(old), std::chrono::hours(2));
+  // The answer may take seconds, and others use the store meanwhile.
+  store->Protect([&]() -> std::optional<std::vector<Digest>> {
+    EXPECT_EQ(store->bytes(), kMega);
+    EXPECT_TRUE(store->Begin(Sha256(""), 0));
+    return std::vector<Digest>();
+  });
+  EXPECT_TRUE(store->Write(Sha256(Bytes('n', kMega)), Bytes('n', kMega)));
 }
 
 }  // namespace

@@ -120,5 +120,21 @@ TEST(Gunzip, DamageIsToldByThePath) {
   EXPECT_EQ(Gunzip("not packed at all", "f.gz", 100).error().message, message);
 }
 
+TEST_F(FileTest, FoldersAreCreatedWithThoseAboveThem) {
+  ASSERT_TRUE(CreateFolders(Path("a/b/c")));
+  EXPECT_TRUE(fs::is_directory(Path("a/b/c")));
+  EXPECT_TRUE(CreateFolders(Path("a/b/c/"))) << "it is there";
+  ASSERT_TRUE(WriteFileAtomically(Path("f"), ""));
+  EXPECT_FALSE(CreateFolders(Path("f/g")));
+  EXPECT_FALSE(CreateFolders(Path("f")));
+}
+
+TEST_F(FileTest, AFolderThatCannotBeSyncedIsAnError) {
+  EXPECT_TRUE(SyncFolder(folder_.string()));
+  const auto synced = SyncFolder(Path("missing"));
+  ASSERT_FALSE(synced);
+  EXPECT_NE(synced.error().message.find("missing"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace tessera

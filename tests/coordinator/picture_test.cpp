@@ -1,0 +1,115 @@
+// Pictures that are damaged between their writing and their fetching.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <thread>
+
+#include "renderer/util/file.h"
+#include "tests/coordinator/services_fixture.h"
+
+namespace tessera {
+namespace {
+
+using grpc::StatusCode;
+using testing::HasSubstr;
+
+class Pictures : public Services {
+ protected:
+  // Renders a job and returns its picture.
+  std::string Finish() {
+    job = Submit();
+    for (const uint32_t tile : {0u, 1u}) {
+      proto::ResultsAnswer answer;
+      EXPECT_TRUE(Return(job, tile, {0, 4}, answer).ok());
+    }
+    std::string bytes;
+    EXPECT_TRUE(FetchSoon(bytes).ok());
+    return bytes;
+  }
+  // Tries again while the coordinator says that this helps.
+  grpc::Status FetchSoon(std::string& bytes) {
+    grpc::Status status;
+    for (int i = 0; i < 400; ++i) {
+      bytes.clear();
+      status = Fetch(job, false, bytes);
+      const bool is_early = status.error_message().find("not finished") != std::string::npos;
+      if (!is_early && status.error_code() != StatusCode::UNAVAILABLE) break;
+      std::this_thread::sleep_for(milliseconds(25));
+    }
+    return status;
+  }
+  std::string Path() const { return folder / ("data/pictures/" + std::to_string(job) + "/0.exr"); }
+  void Cut() const { std::filesystem::resize_file(Path(), std::filesystem::file_size(Path()) / 2); }
+  void Flip() const {
+    std::fstream file(Path(), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(Path()) / 2));
+    file.put('\x5a');
+  }
+
+  uint64_t job = 0;
+};
+
+TEST_F(Pictures, ADamagedPictureIsMadeAgainAndNeverSent) {
+  const std::string picture = Finish();
+  const std::vector<std::function<void()>> damages{[&] { Flip(); }, [&] { Cut(); },
+                                                   [&] { std::filesystem::remove(Path()); }};
+  for (const auto& damage : damages) {
+    damage();
+    std::string bytes;
+    const grpc::Status status = FetchSoon(bytes);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    EXPECT_TRUE(bytes == picture);
+    EXPECT_EQ(Status(job).state(), proto::JOB_STATE_FINISHED);
+  }
+}
+
+TEST_F(Pictures, APictureThatWasCutOrRemovedIsMadeAgainAfterAStart) {
+  const std::string picture = Finish();
+  coordinator.reset();
+  std::filesystem::remove(Path());
+  Start();
+  for (int i = 0; i < 400 && !std::filesystem::exists(Path()); ++i)
+    std::this_thread::sleep_for(milliseconds(25));
+  EXPECT_EQ(*ReadFile(Path(), 1 << 20), picture) << "nobody has asked for it";
+}
+
+TEST_F(Pictures, APictureWithoutSumsIsReportedAsLostUntilItIsThere) {
+  const std::string picture = Finish();
+  coordinator.reset();
+  std::filesystem::remove_all(folder / "data/spool");
+  std::filesystem::rename(Path(), folder / "away");
+  Start();
+  std::string bytes;
+  const grpc::Status status = FetchSoon(bytes);
+  EXPECT_EQ(status.error_code(), StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(status.error_message(),
+              testing::AllOf(HasSubstr("is lost"), HasSubstr("submit the scene again")));
+  EXPECT_THAT(Status(job).reason(), HasSubstr("is lost"));
+  std::filesystem::rename(folder / "away", Path());
+  ASSERT_TRUE(FetchSoon(bytes).ok());
+  EXPECT_TRUE(bytes == picture);
+  EXPECT_EQ(Status(job).reason(), "");
+}
+
+TEST_F(Pictures, AStartThatFailsWhileAPictureIsWrittenLeavesNothingRunning) {
+  job = Submit();
+  for (const uint32_t tile : {0u, 1u}) {
+    proto::ResultsAnswer answer;
+    ASSERT_TRUE(Return(job, tile, {0, 4}, answer).ok());
+  }
+  coordinator.reset();
+  for (int i = 0; i < 20; ++i) {
+    CoordinatorOptions options = OptionsOf("data");
+    options.listen = {*ParseAddress("unix:" + (folder / "missing/socket"), "test")};
+    EXPECT_FALSE(Coordinator::Start(options));
+  }
+  Start();
+  std::string bytes;
+  EXPECT_TRUE(FetchSoon(bytes).ok());
+}
+
+}  // namespace
+}  // namespace tessera
