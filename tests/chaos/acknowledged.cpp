@@ -7,7 +7,7 @@
 namespace tessera {
 namespace {
 
-constexpr const char* kEvent = " answered unit=\"";
+constexpr const char* kEvent = " result_answered unit=\"";
 constexpr const char* kAccepted = " verdict=accepted";
 
 bool ReadLine(const std::string& line, Acknowledgement* read) {
@@ -16,7 +16,7 @@ bool ReadLine(const std::string& line, Acknowledgement* read) {
   unsigned long long job = 0;
   unsigned frame = 0, tile = 0, begin = 0, end = 0;
   const char* const unit = line.c_str() + event;
-  if (std::sscanf(unit, " answered unit=\"job %llu frame %u tile %u samples [%u,%u)\"", &job, &frame, &tile,
+  if (std::sscanf(unit, " result_answered unit=\"job %llu frame %u tile %u samples [%u,%u)\"", &job, &frame, &tile,
                   &begin, &end) != 5) {
     return false;
   }

@@ -19,6 +19,7 @@
 #include "tests/chaos/acknowledged.h"
 #include "tests/chaos/chaos_farm.h"
 #include "tests/chaos/customer.h"
+#include "tests/chaos/damage.h"
 
 namespace tessera {
 namespace {
@@ -105,8 +106,14 @@ class DiskFiller {
 // Draws faults and injects them.
 class Adversary {
  public:
-  Adversary(const ChaosOptions& options, ChaosFarm& farm, DiskFiller& filler, ChaosReport& report)
-      : options_(options), farm_(farm), filler_(filler), report_(report), random_(options.seed) {}
+  Adversary(const ChaosOptions& options, const ChaosFolder& folder, ChaosFarm& farm, DiskFiller& filler,
+            ChaosReport& report)
+      : options_(options),
+        folder_(folder),
+        farm_(farm),
+        filler_(filler),
+        report_(report),
+        random_(options.seed) {}
 
   void Strike() {
     const int kind = Below(100);
@@ -138,13 +145,19 @@ class Adversary {
     } else {
       farm_.KillCoordinator(Between(0, 2000));
       ++report_.coordinator_kills;
+      if (Below(2) == 0) Damage(folder_.data() + (Below(2) == 0 ? "/pictures" : "/blobs"));
     }
+  }
+  // Only while the process that owns the files is away, as it may be writing them.
+  void Damage(const std::string& folder) {
+    if (FlipBit(folder, random_)) ++report_.bit_flips;
   }
   void HurtWorker(int worker) {
     const int kind = Below(10);
     if (kind < 5) {
       farm_.KillWorker(worker, Between(0, 2000));
       ++report_.worker_kills;
+      if (Below(2) == 0) Damage(fmt::format("{}/cache-w{}", folder_.path(), worker));
     } else if (kind < 9) {
       const bool is_given_up = Below(8) == 0;  // longer than the coordinator waits for a worker
       farm_.StopWorker(worker, is_given_up ? Between(11'000, 13'000) : Between(50, 3000));
@@ -160,6 +173,7 @@ class Adversary {
   }
 
   const ChaosOptions& options_;
+  const ChaosFolder& folder_;
   ChaosFarm& farm_;
   DiskFiller& filler_;
   ChaosReport& report_;
@@ -227,7 +241,7 @@ void Run(const ChaosOptions& options, const ChaosFolder& folder, ChaosReport& re
     });
   }
   DiskFiller filler(folder.data());
-  Adversary adversary(options, farm, filler, report);
+  Adversary adversary(options, folder, farm, filler, report);
   const auto end =
       Clock::now() + duration_cast<Clock::duration>(std::chrono::duration<double>(options.seconds));
   auto next = Clock::now() + adversary.Pause();
@@ -263,10 +277,11 @@ void Run(const ChaosOptions& options, const ChaosFolder& folder, ChaosReport& re
 std::string ChaosReport::Text() const {
   if (!skipped.empty()) return "skipped: " + skipped;
   std::string text = fmt::format(
-      "workers: {} kills, {} stops, {} drains; coordinator: {} kills, {} stops; disk full {} times\n"
+      "workers: {} kills, {} stops, {} drains; coordinator: {} kills, {} stops; disk full {} times; {} bits "
+      "flipped\n"
       "{} pictures compared; {} results acknowledged, {} of them rendered again\n",
-      worker_kills, worker_stops, worker_drains, coordinator_kills, coordinator_stops, disk_fills, pictures,
-      acknowledged, rendered_again);
+      worker_kills, worker_stops, worker_drains, coordinator_kills, coordinator_stops, disk_fills, bit_flips,
+      pictures, acknowledged, rendered_again);
   for (const std::string& problem : problems) text += "PROBLEM: " + problem + "\n";
   return text + (Passed() ? "passed" : fmt::format("{} problems", problems.size()));
 }

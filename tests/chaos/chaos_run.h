@@ -20,7 +20,8 @@ struct ChaosReport {
   std::string skipped;  // the reason if the run was skipped, or empty
   int worker_kills = 0, worker_stops = 0, worker_drains = 0;
   int coordinator_kills = 0, coordinator_stops = 0, disk_fills = 0;
-  int pictures = 0;  // compared with undisturbed renders
+  int bit_flips = 0;  // in pictures, blobs and caches
+  int pictures = 0;   // compared with undisturbed renders
   size_t acknowledged = 0, rendered_again = 0;
   std::vector<std::string> problems;
 

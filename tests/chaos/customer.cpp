@@ -17,6 +17,8 @@ namespace {
 constexpr std::chrono::minutes kJobPatience{10};  // of a farm with faults
 // With a full disk the farm refuses the files of a scene. A user frees space and tries again.
 constexpr const char* kDiskFull = "No space left on device";
+// A file of the scene was damaged before a worker had it. The next submission sends it again.
+constexpr const char* kFileLost = "or found it corrupt; submit the scene again";
 constexpr std::chrono::milliseconds kDiskFullPause{200};
 constexpr uint64_t kPictureBytesMax = uint64_t{1} << 30;
 constexpr int kFrames = 3;
@@ -75,10 +77,13 @@ void Customers::Work(size_t customer) {
 bool Customers::Do(const ChaosJob& job, size_t customer) {
   std::vector<std::string> words{"submit", job.scene};
   words.insert(words.end(), job.options.begin(), job.options.end());
-  std::string answer;
-  if (!Ask(words, &answer)) return false;
-  const std::string id = answer.substr(0, answer.find('\n'));
-  if (!Ask({"watch", id}, &answer)) return false;
+  std::string answer, id;
+  bool has_lost_files = false;
+  do {
+    if (!Ask(words, &answer)) return false;
+    id = answer.substr(0, answer.find('\n'));
+    if (!Ask({"watch", id}, &answer, &has_lost_files)) return false;
+  } while (has_lost_files);
   const std::string output = fmt::format("{}/customer-{}", folder_, customer);
   const bool is_sequence = job.pictures.size() > 1;
   if (!Ask({"fetch", id, "-o", output + (is_sequence ? ".#.exr" : ".exr")}, &answer)) return false;
@@ -93,7 +98,8 @@ bool Customers::Do(const ChaosJob& job, size_t customer) {
   return true;
 }
 
-bool Customers::Ask(std::vector<std::string> arguments, std::string* answer) {
+bool Customers::Ask(std::vector<std::string> arguments, std::string* answer, bool* has_lost_files) {
+  if (has_lost_files != nullptr) *has_lost_files = false;
   arguments.insert(arguments.end(), {"--coordinator", address_, "--patience", "120"});
   const auto deadline = std::chrono::steady_clock::now() + kJobPatience;
   while (true) {
@@ -108,6 +114,10 @@ bool Customers::Ask(std::vector<std::string> arguments, std::string* answer) {
     if (code == 1 && errors.find(kDiskFull) != std::string::npos && !gave_up_) {
       std::this_thread::sleep_for(kDiskFullPause);
       continue;
+    }
+    if (code == 1 && has_lost_files != nullptr && errors.find(kFileLost) != std::string::npos) {
+      *has_lost_files = true;
+      return true;
     }
     Report(fmt::format("tessera {} {} {}: {}", arguments[0], arguments[1],
                        code ? fmt::format("ended with {}", *code) : "took too long", errors));

@@ -35,7 +35,9 @@ class Customers {
 
  private:
   bool Do(const ChaosJob& job, size_t customer);
-  bool Ask(std::vector<std::string> arguments, std::string* answer);
+  // Returns false after a failure, which is reported. A failure because of a damaged scene file is reported
+  // in `has_lost_files` instead, if that is given.
+  bool Ask(std::vector<std::string> arguments, std::string* answer, bool* has_lost_files = nullptr);
   void Report(const std::string& problem);
 
   const std::string folder_, address_;
