@@ -141,6 +141,7 @@ grpc::Status ResultsCall::Received(const proto::ResultsRequest& results) {
   intake_.Shrink(id_, decoded_bytes_);
   const auto shared = std::make_shared<std::vector<ReturnedUnit>>(std::move(*units));
   core_.Post([this, shared](CoreContext& core) {
+    if (!core.farm.HasJoined(worker_)) return Finish(HasNotJoined());
     core.answers.AwaitResults(id_, [this](const FarmOutput::Results* answer) { Answer(answer); });
     core.farm.ReturnResults(core.now, id_, worker_, std::move(*shared));
   });

@@ -63,6 +63,8 @@ grpc::ServerUnaryReactor* WorkService::Synchronize(grpc::CallbackServerContext* 
     thread.Post([call, id, answer, state = std::move(*state)](CoreContext& core) {
       if (const auto admitted = core.farm.CheckAdmission(state); !admitted)
         return call->Finish(ToStatus(admitted.error()));
+      if (std::string why = core.farm.WhyNoPlace(state.worker); !why.empty())
+        return call->Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, std::move(why)});
       core.answers.AwaitDirective(id, [call, answer](const WorkerDirective* directive) {
         if (directive != nullptr) Write(*directive, *answer);
         call->Finish(directive != nullptr ? grpc::Status::OK : CoordinatorEnds());
@@ -90,7 +92,8 @@ grpc::ServerUnaryReactor* WorkService::ReturnFailure(grpc::CallbackServerContext
     const auto farm = ReadFarmId(request->farm());
     if (!farm) return call.Finish(ToStatus(farm.error()));
     // A failure of another farm is answered, so that the worker forgets it.
-    const auto apply = [=, farm = *farm](CoreContext& core, const auto& fail) {
+    const auto apply = [=, farm = *farm](CoreContext& core, const auto& fail) -> grpc::Status {
+      if (!core.farm.HasJoined(worker)) return HasNotJoined();
       answer->set_farm(WriteFarmId(core.farm.id()));
       if (farm == core.farm.id()) fail();
       return grpc::Status::OK;

@@ -151,7 +151,7 @@ struct WorkerState {
   int slots = 1;
   std::string software_version = kSoftwareVersion;
   std::string build_digest;  // raw bytes; may be empty
-  std::string probe_digest;  // raw bytes; may be empty
+  std::string probe_digest;  // raw bytes
   std::set<std::string> tags;
   std::vector<HeldScene> scenes;
   std::vector<HeldLease> leases;

@@ -26,7 +26,14 @@ Result<void> CheckRelease(const WorkerState& state) {
         fmt::format("worker \"{}\" has version {}, this coordinator {}; install the same release on both",
                     state.name, state.software_version, kSoftwareVersion));
   }
-  if (const std::string digest = Hexadecimal(state.probe_digest); !digest.empty() && digest != kProbeDigest) {
+  const std::string digest = Hexadecimal(state.probe_digest);
+  if (digest.empty()) {
+    return Failed(
+        fmt::format("worker \"{}\" has not rendered the probe unit, whose digest must be {}; install "
+                    "the same release on both",
+                    state.name, kProbeDigest));
+  }
+  if (digest != kProbeDigest) {
     return Failed(
         fmt::format("worker \"{}\" renders different pixels: its probe unit has digest {}, expected {}; "
                     "check its processor, system libraries and build",

@@ -52,10 +52,12 @@ Instant Farm::Patience(Instant now) const {
 // ---- Workers ----
 
 Result<void> Farm::CheckAdmission(const WorkerState& state) const {
-  if (const auto checked = CheckRelease(state); !checked) return checked;
-  if (state_.scheduler.IsFull(state.worker))
-    return Failed(fmt::format("the farm already has {} workers, which is its limit", kWorkersMax));
-  return {};
+  return CheckRelease(state);
+}
+
+std::string Farm::WhyNoPlace(WorkerId worker) const {
+  if (!state_.scheduler.IsFull(worker)) return {};
+  return fmt::format("the farm has {} workers, which is its limit", kWorkersMax);
 }
 
 void Farm::Synchronize(Instant now, CallId call, WorkerState state) {

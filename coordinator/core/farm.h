@@ -41,8 +41,12 @@ class Farm {
   std::vector<Fact> Snapshot() const { return recovery_.Snapshot(); }
 
   // ---- Workers (proto/work.proto) ----
-  // The error says why the worker may not join.
+  // The error says why the worker can never join.
   Result<void> CheckAdmission(const WorkerState& state) const;
+  // Why the worker cannot join now, or empty: it should try again later.
+  std::string WhyNoPlace(WorkerId worker) const;
+  // Whether the worker has sent its state to this process: before that nothing that it returns is accepted.
+  bool HasJoined(WorkerId worker) const { return state_.scheduler.HasJoined(worker); }
   // Answered in some later output: when there is news for the worker, at the latest after the wait it asked
   // for. A worker that comes from another farm, or from none, is answered in the next.
   void Synchronize(Instant now, CallId call, WorkerState state);

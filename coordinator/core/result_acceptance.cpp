@@ -46,6 +46,12 @@ Verdict ResultAcceptance::Decide(Instant now, WorkerId worker, Job& job, Returne
   if (scheduler.IsComplete(job, unit.frame)) return Verdict::kDuplicate;
   if (!scheduler.IsKnown(unit)) {
     reason = "there is no such unit";
+  } else if (!scheduler.IsBegun(unit)) {
+    return Verdict::kObsolete;
+  } else if (scheduler.WorkOf(unit).IsDone({unit.tile, unit.range})) {
+    return Verdict::kDuplicate;
+  } else if (!scheduler.MayHaveLeased(worker, returned.lease, unit)) {
+    return Verdict::kObsolete;  // nobody asked this worker for it: it is rendered by those who are asked
   } else if (const TileGoal& goal = scheduler.WorkOf(unit).Goal(unit.tile);
              !goal.is_final && unit.range.end() > goal.samples) {
     return Verdict::kObsolete;  // it is not known yet whether the tile will want them, and of which pixels
@@ -69,6 +75,15 @@ Verdict ResultAcceptance::Decide(Instant now, WorkerId worker, Job& job, Returne
   const uint64_t after = job.results.samples_done;
   scheduler.CountAccepted(worker, after > before ? after - before : 0, returned.render_seconds);
   return Verdict::kAccepted;
+}
+
+// Whether the tile is as large as its unit says, so that looking at its pixels is cheap.
+bool ResultAcceptance::HasForm(const Job& job, const ReturnedUnit& returned) {
+  const WorkUnit& unit = returned.unit;
+  if (!returned.tile || unit.frame >= job.spec->frames.size()) return false;
+  const FrameSpec& spec = job.spec->frames[unit.frame].spec;
+  return unit.tile < static_cast<uint32_t>(spec.TileCount()) && returned.tile->range == unit.range &&
+         returned.tile->bounds == spec.TileBounds(static_cast<int>(unit.tile));
 }
 
 // What is wrong with a tile that was returned for a known unit, or empty.
@@ -140,7 +155,8 @@ void ResultAcceptance::CountUnmerged(Verdict verdict, const ReturnedUnit& return
                     : verdict == Verdict::kObsolete ? counters.units_obsolete
                                                     : counters.units_refused;
   ++units;
-  if (returned.tile) counters.samples_wasted += PixelSamples(*returned.tile);
+  if (verdict == Verdict::kDuplicate && job != nullptr && HasForm(*job, returned))
+    counters.samples_wasted += PixelSamples(*returned.tile);
   counters.waste_s += returned.render_seconds;
   if (job != nullptr) job->clock.waste_s += returned.render_seconds;
 }

@@ -22,6 +22,7 @@ class ResultAcceptance {
 
  private:
   Verdict Decide(Instant now, WorkerId worker, Job& job, ReturnedUnit& returned, std::string& reason);
+  static bool HasForm(const Job& job, const ReturnedUnit& returned);
   std::string Mismatch(const Job& job, const ReturnedUnit& returned) const;
   std::optional<Verdict> Verify(Instant now, Job& job, WorkerId worker, const ReturnedUnit& returned);
   void Merge(Job& job, const WorkUnit& unit, RadianceTile tile);

@@ -138,6 +138,10 @@ grpc::Status CoordinatorEnds() {
   return {grpc::StatusCode::UNAVAILABLE, "the coordinator is shutting down"};
 }
 
+grpc::Status HasNotJoined() {
+  return {grpc::StatusCode::UNAVAILABLE, "the worker has not joined this coordinator yet"};
+}
+
 bool IsTransient(const grpc::Status& status) {
   return status.error_code() == grpc::StatusCode::UNAVAILABLE ||
          status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;

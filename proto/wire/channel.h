@@ -41,6 +41,8 @@ grpc::Status Shortened(const grpc::Status& status);
 Error ToError(const grpc::Status& status, const std::string& what);
 // The answer to calls that a coordinator cannot serve any more because it ends. Callers try again.
 grpc::Status CoordinatorEnds();
+// A worker returned something before this process of the coordinator knew it: it should try again.
+grpc::Status HasNotJoined();
 // Whether the same call may succeed later: the coordinator was not reached or did not answer in time.
 bool IsTransient(const grpc::Status& status);
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <mutex>
 
+#include "proto/probe.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
@@ -72,6 +73,8 @@ class SyntheticWorkers::One {
     state_.name = fmt::format("synthetic-{}", index);
     state_.slots = slots;
     state_.software_version = kSoftwareVersion;
+    const Digest probe = *Digest::FromHex(kProbeDigest);
+    state_.probe_digest.assign(probe.bytes.begin(), probe.bytes.end());
     state_.wait = kWait;
   }
 

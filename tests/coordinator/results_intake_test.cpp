@@ -218,6 +218,8 @@ TEST_F(Services, TilesAreRefusedUnlessTheyAreThoseOfTheirUnit) {
 TEST_F(Services, ResultsThatDifferFromTheirAnnouncementAreRefused) {
   const uint64_t job = Submit();
   const proto::ResultsRequest results = ResultOf(job, 0, {0, 4}, "not a tile");
+  proto::WorkerDirective directive;
+  ASSERT_TRUE(Synchronize(Worker(milliseconds(0)), directive).ok());
   const auto refusal = [&](uint64_t worker, uint64_t bytes) {
     proto::ResultsRequest announcement;
     announcement.set_worker(worker);

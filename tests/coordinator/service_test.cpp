@@ -143,6 +143,43 @@ TEST_F(Services, WorkersOfAnotherReleaseAreRefused) {
   EXPECT_THAT(status.error_message(), HasSubstr("0.0.0"));
 }
 
+TEST_F(Services, AWorkerThatHasNotRenderedTheProbeIsRefused) {
+  WorkerState state = Worker(milliseconds(0));
+  state.probe_digest.clear();
+  proto::WorkerDirective directive;
+  const grpc::Status status = Synchronize(state, directive);
+  EXPECT_EQ(status.error_code(), StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(status.error_message(), HasSubstr("probe"));
+}
+
+TEST_F(Services, WhatAWorkerReturnsBeforeItJoinsIsToBeSentAgain) {
+  const uint64_t job = Submit();
+  LearnFarm();
+  const proto::ResultsRequest results = ResultOf(job, 0, {0, 4}, "a tile");
+  proto::ResultsAnswer answer;
+  EXPECT_EQ(Return(Announcement(WorkerId{7}, farm, results), results, answer).error_code(),
+            StatusCode::UNAVAILABLE);
+  proto::FailureRequest failure;
+  failure.set_worker(7);
+  failure.set_farm(WriteFarmId(farm));
+  failure.set_scene(WriteDigest(Sha256("a scene")));
+  proto::FailureAnswer answered;
+  EXPECT_EQ(Call(*work, &proto::Work::Stub::ReturnFailure, failure, answered).error_code(),
+            StatusCode::UNAVAILABLE);
+}
+
+TEST_F(Services, AResultThatNobodyAskedTheWorkerForIsNotMerged) {
+  const uint64_t job = Submit();
+  proto::WorkerDirective directive;
+  ASSERT_TRUE(Synchronize(Worker(milliseconds(0)), directive).ok());
+  proto::ResultsRequest results = ResultOf(job, 0, {0, 4}, "a tile");
+  Write(LeaseId{12345, 7}, *results.mutable_results(0)->mutable_lease());
+  proto::ResultsAnswer answer;
+  ASSERT_TRUE(Return(Announcement(WorkerId{7}, farm, results), results, answer).ok());
+  EXPECT_EQ(answer.verdicts(0), proto::ResultsAnswer::OBSOLETE);
+  EXPECT_EQ(Status(job).samples_done(), 0u);
+}
+
 TEST_F(Services, UnknownJobsAreNotFound) {
   proto::JobRequest request;
   request.set_job(77);
@@ -201,6 +238,7 @@ TEST_F(Services, ResultsAndFailuresOfAnotherFarmChangeNothing) {
   EXPECT_EQ(Status(job).samples_done(), 0u);
   proto::FailureRequest failure;
   failure.set_worker(7);
+  failure.set_farm(WriteFarmId(farm));
   failure.set_farm(WriteFarmId(farm));
   failure.set_scene(WriteDigest(scene_key));
   failure.set_reason("another farm's");

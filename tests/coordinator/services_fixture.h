@@ -11,11 +11,13 @@
 #include "coordinator/coordinator.h"
 #include "proto/blobs.grpc.pb.h"
 #include "proto/jobs.grpc.pb.h"
+#include "proto/probe.h"
 #include "proto/scene_package.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
 #include "renderer/film/radiance_tile.h"
+#include "tests/coordinator/core/schedule/former_lease.h"
 #include "tests/coordinator/store/temporary_dir.h"
 
 namespace tessera {
@@ -25,7 +27,12 @@ constexpr milliseconds kPatience{20'000};
 
 class Services : public testing::Test {
  protected:
-  explicit Services(AccessPolicy policy = AdmitEveryone) { Start(std::move(policy)); }
+  // The coordinator has run before, so results of leases that are not known to it may be its own.
+  explicit Services(AccessPolicy policy = AdmitEveryone) {
+    Start(policy);
+    coordinator.reset();
+    Start(std::move(policy));
+  }
 
   CoordinatorOptions OptionsOf(const std::string& data_dir) const {
     CoordinatorOptions options;
@@ -48,6 +55,7 @@ class Services : public testing::Test {
     proto::WorkerDirective directive;
     WorkerState state;
     state.worker = WorkerId{99};
+    state.probe_digest = ProbeDigest();
     state.leaving = true;
     const grpc::Status status = Synchronize(state, directive);
     if (status.ok()) farm = *ReadFarmId(directive.farm());
@@ -121,12 +129,18 @@ class Services : public testing::Test {
     proto::ResultsRequest request;
     proto::UnitResult& result = *request.add_results();
     Write(WorkUnit{JobId{job}, 0, tile, range, scene_key}, *result.mutable_unit());
+    Write(FormerLease(), *result.mutable_lease());
     result.set_tile(encoded);
     result.set_render_seconds(0.01);
     return request;
   }
+  // The worker lists the leases of the results first.
   grpc::Status Return(const proto::ResultsRequest& results, proto::ResultsAnswer& answer) {
-    LearnFarm();
+    WorkerState state = Worker(milliseconds(0));
+    for (const proto::UnitResult& each : results.results())
+      state.leases.push_back({FormerLease(), *ReadWorkUnit(each.unit()), LeaseStage::kRunning, {}});
+    proto::WorkerDirective directive;
+    EXPECT_TRUE(Synchronize(state, directive).ok());
     return Return(Announcement(WorkerId{7}, farm, results), results, answer);
   }
   grpc::Status Return(const proto::ResultsRequest& announcement, const proto::ResultsRequest& results,
@@ -161,6 +175,10 @@ class Services : public testing::Test {
     EXPECT_TRUE(!status.ok() || digest == WriteDigest(Sha256(bytes)));
     return status;
   }
+  static std::string ProbeDigest() {
+    const Digest digest = *Digest::FromHex(kProbeDigest);
+    return {digest.bytes.begin(), digest.bytes.end()};
+  }
   WorkerState Worker(milliseconds wait) {
     LearnFarm();
     WorkerState state;
@@ -169,6 +187,7 @@ class Services : public testing::Test {
     state.name = "tester";
     state.farm = farm;
     state.wait = wait;
+    state.probe_digest = ProbeDigest();
     return state;
   }
   grpc::Status Synchronize(const WorkerState& state, proto::WorkerDirective& directive) {

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "proto/jobs.grpc.pb.h"
+#include "proto/probe.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
@@ -87,6 +88,17 @@ TEST_F(HostileMessages, TilesThatNobodyRequestedAreNotUnpacked) {
   announcement.set_worker(7);
   announcement.set_bytes(results.ByteSizeLong());
   const auto work = proto::Work::NewStub(OpenChannel(*ParseAddress(address(), "test")));
+  WorkerState state;
+  state.worker = WorkerId{7};
+  state.sequence = 1;
+  state.name = "hostile";
+  const Digest probe = *Digest::FromHex(kProbeDigest);
+  state.probe_digest.assign(probe.bytes.begin(), probe.bytes.end());
+  proto::WorkerState joining;
+  tessera::Write(state, joining);
+  grpc::ClientContext join_context;
+  proto::WorkerDirective directive;
+  ASSERT_TRUE(work->Synchronize(&join_context, joining, &directive).ok());
   // What it takes in truth, and nothing at all.
   for (const uint64_t decoded_bytes : {uint64_t{100} << 20, uint64_t{0}}) {
     announcement.set_decoded_bytes(decoded_bytes);
@@ -96,7 +108,7 @@ TEST_F(HostileMessages, TilesThatNobodyRequestedAreNotUnpacked) {
     writer->Write(announcement);
     writer->WriteLast(results, {});
     EXPECT_TRUE(writer->Finish().ok());
-    EXPECT_THAT(answer.verdicts(), testing::Each(testing::Ne(proto::ResultsAnswer::ACCEPTED)));
+    EXPECT_THAT(answer.verdicts(), testing::Each(proto::ResultsAnswer::OBSOLETE));
   }
   EXPECT_LT(PeakBytes(coordinator().pid()), size_t{100} << 20);
 }

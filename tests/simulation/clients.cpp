@@ -53,6 +53,7 @@ void Clients::MakeJob(int number, size_t directory) {
   model.spec = spec;
   model.cost = world_.random.Real(0.00005, 0.001);
   model.is_poisoned = world_.options.poison && number == 0;
+  model.is_killer = world_.options.killer && number == world_.options.jobs - 1;
   world_.jobs.push_back(std::move(model));
   world_.queue.After(world_.random.Duration(0, 10), [this, job = world_.jobs.size() - 1] { Submit(job); });
 }

@@ -93,6 +93,12 @@ void BackUpOrRestore(const Faults::Parts& on) {
   }
 }
 
+// Power or network of the workers fails, and the coordinator goes on.
+void CrashCrowd(const Faults::Parts& on) {
+  on.world.Trace("crowd");
+  on.machines.CrashAll();
+}
+
 void PauseOrResume(const Faults::Parts& on) {
   on.clients.PauseOrResumeSome();
 }
@@ -121,6 +127,7 @@ constexpr FaultKind kFaultKinds[] = {
     {"priority", 0.3, 1, 10, ChangePriority},
     {"swap", 0.25, 5, 25, SwapDirectory},
     {"restore", 0.25, 3, 15, BackUpOrRestore},
+    {"crowd", 0.2, 3, 30, CrashCrowd},
 };
 
 }  // namespace

@@ -70,6 +70,12 @@ void Machines::StartUnits(size_t m) {
   WorkerModel& worker = *machines_[m].worker;
   while (const auto task = worker.StartUnit(Now(m))) {
     const double seconds = CostOf(task->lease.unit) / worker.traits().speed;
+    const WorkUnit& unit = task->lease.unit;
+    const auto [model, frame] = world_.FrameOf(unit.scene);
+    if (model->is_killer && frame == 0 && unit.tile == 0) {
+      OnMachine(m, FromSeconds(seconds / 2), [=, this](Machine&) { Crash(m); });
+      return;
+    }
     OnMachine(m, FromSeconds(seconds), [=, this](Machine&) { FinishUnit(m, *task, seconds); });
   }
 }
@@ -140,7 +146,7 @@ void Machines::SendResults(size_t m, uint64_t batch, std::vector<FinishedUnit> r
   const WorkerId worker = machines_[m].worker->id();
   SendToFarm(m, [=, this] {
     Farm* const farm = coordinator_.farm();
-    if (farm == nullptr) return;
+    if (farm == nullptr || !farm->HasJoined(worker)) return;
     const CallId call = coordinator_.NextCall();
     std::vector<WorkUnit> units;
     std::vector<ReturnedUnit> returned;
@@ -171,7 +177,7 @@ void Machines::SendFailure(size_t m, uint64_t batch, const FailureReport& failur
   const WorkerId worker = machines_[m].worker->id();
   SendToFarm(m, [=, this] {
     Farm* const farm = coordinator_.farm();
-    if (farm == nullptr) return;
+    if (farm == nullptr || !farm->HasJoined(worker)) return;
     world_.Trace(fmt::format("failure worker={} {}", Number(worker), failure.unit.Text()));
     if (failure.farm == farm->id())
       farm->FailUnit(coordinator_.now(), worker, failure.lease, failure.unit, failure.reason);

@@ -75,6 +75,7 @@ void Machines::Die(size_t m) {
   Machine& machine = machines_[m];
   if (!machine.worker) return;
   world_.Trace(fmt::format("die node={}", m));
+  ++world_.deaths;
   if (world_.random.Chance(0.3)) {
     WorkerState goodbye = machine.worker->State(Now(m));
     goodbye.leaving = true;
@@ -86,6 +87,14 @@ void Machines::Die(size_t m) {
     });
   }
   if (world_.random.Chance(0.7)) coordinator_.Cut(machine.last_call);
+  RestartLater(m);
+}
+
+void Machines::Crash(size_t m) {
+  if (!machines_[m].worker) return;
+  world_.Trace(fmt::format("killed node={}", m));
+  ++world_.deaths;
+  coordinator_.Cut(machines_[m].last_call);
   RestartLater(m);
 }
 
@@ -107,6 +116,19 @@ void Machines::AwaitDrained(size_t m, Instant until) {
       AwaitDrained(m, until);
     }
   });
+}
+
+void Machines::CrashAll() {
+  // For the coordinator the death of the only worker that is in contact is that of a single one.
+  const auto in_contact = std::ranges::count_if(machines_, [&](const Machine& machine) {
+    return machine.worker != nullptr && machine.hung_until <= world_.queue.now();
+  });
+  if (in_contact <= 1) ++world_.deaths;
+  for (size_t m = 0; m < machines_.size(); ++m) {
+    if (!machines_[m].worker) continue;
+    coordinator_.Cut(machines_[m].last_call);
+    RestartLater(m);
+  }
 }
 
 void Machines::CutOffUntil(size_t m, Instant until, bool receives, bool sends) {

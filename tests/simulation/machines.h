@@ -25,6 +25,8 @@ class Machines {
   // ---- Faults ----
   // The process is killed or says goodbye first; a new one starts later.
   void Die(size_t machine);
+  // The process crashes, which the coordinator notices.
+  void Crash(size_t machine);
   // The process is asked to end: it returns what waits, finishes what runs, and ends.
   void Drain(size_t machine);
   void HangUntil(size_t machine, Instant until) { machines_[machine].hung_until = until; }
@@ -32,6 +34,8 @@ class Machines {
   void CutOffUntil(size_t machine, Instant until, bool receives, bool sends);
   void AdvanceClock(size_t machine, Instant jump) { machines_[machine].clock += jump; }
   void KillAll();
+  // The same, and the coordinator notices: all connections break.
+  void CrashAll();
   // No machine hangs or is cut off any more, and sound ones join.
   void Heal(int sound_machines);
 

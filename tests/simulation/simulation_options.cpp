@@ -30,6 +30,8 @@ SimulationOptions DrawOptions(uint64_t seed) {
   options.one_lies = random.Chance(0.15);
   if (options.one_lies) options.verify_share = 1;
   options.noise_threshold = maybe(0.5, 0.02, 0.3);
+  Random later(Hash(seed, 79));  // a new option does not change the others of a seed
+  options.killer = later.Chance(0.15);
   options.faults = DrawFaults(seed, options.faults_s);
   return options;
 }
@@ -43,11 +45,13 @@ std::string SimulationOptions::Text() const {
   return fmt::format(
       "workers={} jobs={} loss={:.2f} duplication={:.2f} reordering={:.2f} delay_max_s={:.3f} "
       "slow_share={:.2f} "
-      "faults={} one_fails_units={} one_damages_results={} poison={} cancel_one={} verify_share={:.2f} "
+      "faults={} one_fails_units={} one_damages_results={} poison={} killer={} cancel_one={} "
+      "verify_share={:.2f} "
       "one_lies={} "
       "noise_threshold={:.3f}",
       workers, jobs, loss, duplication, reordering, delay_max_s, slow_share, FaultsText(faults),
-      one_fails_units, one_damages_results, poison, cancel_one, verify_share, one_lies, noise_threshold);
+      one_fails_units, one_damages_results, poison, killer, cancel_one, verify_share, one_lies,
+      noise_threshold);
 }
 
 }  // namespace tessera

@@ -38,6 +38,7 @@ struct SimulationOptions {
   bool one_fails_units = false;
   bool one_damages_results = false;
   bool poison = false;  // one job has a unit that every worker fails
+  bool killer = false;  // one job has a unit that kills every worker that renders it
   bool cancel_one = false;
   double verify_share = 0;  // of every job
   bool one_lies = false;    // a worker returns wrong sums of the right form; all units are verified then

@@ -27,6 +27,7 @@ struct JobModel {
   std::vector<FramePicture> pictures;  // of the reference
   double cost = 0;                     // seconds per pixel sample
   bool is_poisoned = false;            // has a unit that every worker fails
+  bool is_killer = false;              // has a unit that kills every worker that renders it
   bool is_acknowledged = false;        // the client knows that the farm has it
   bool is_cancelled = false;           // the client asked for it
   JobState told = JobState::kWaiting;  // the last state that was on stable storage
@@ -72,6 +73,7 @@ class World {
   std::vector<JobModel> jobs;
   size_t directory = 0;               // the data directory in use
   uint64_t restored = 0;              // how often any has been restored to an earlier state
+  int deaths = 0;                     // of single workers
   std::set<WorkerId> faulty_workers;  // that fail units, damage results or return wrong ones
   SimulationReport report;
 

@@ -20,6 +20,7 @@ void Dispatcher::Dispatch(Instant now) {
 }
 
 bool Dispatcher::GrantOne(Instant now, WorkerRecord& worker) {
+  if (const auto trial = trials_.TrialOf(now, worker)) return GrantTrial(now, worker, *trial);
   const FrameChoice choice = Choose(now, worker, std::nullopt);
   if (choice.frame == nullptr) return false;
   GrantFrom(now, worker, choice);
@@ -27,9 +28,25 @@ bool Dispatcher::GrantOne(Instant now, WorkerRecord& worker) {
   return true;
 }
 
+// The worker finishes what it holds first and gets nothing else, so that there is one cause if it vanishes.
+bool Dispatcher::GrantTrial(Instant now, WorkerRecord& worker, const SuspectTrials::Trial& trial) {
+  if (!state_.leases.OfWorker(worker.id).empty()) return false;
+  if (!worker.has_ready(trial.choice.frame->scene.key)) {
+    scenes_.Request(worker, trial.choice);
+    return false;
+  }
+  GrantFrom(now, worker, trial.choice, [&](uint32_t tile) { return trial.Allows(worker.id, tile); });
+  return true;
+}
+
 void Dispatcher::GrantFrom(Instant now, WorkerRecord& worker, const FrameChoice& choice) {
+  const FailureBook& failures = choice.frame->failures;
+  GrantFrom(now, worker, choice, [&](uint32_t tile) { return failures.May(worker.id, tile); });
+}
+
+void Dispatcher::GrantFrom(Instant now, WorkerRecord& worker, const FrameChoice& choice,
+                           const MayRender& may) {
   ActiveFrame& frame = *choice.frame;
-  const auto may = [&](uint32_t tile) { return frame.failures.May(worker.id, tile); };
   auto samples = frame.verification.Find(worker.id, may);
   if (!samples) {
     const double seconds =

@@ -1,18 +1,20 @@
 // Decides which worker gets which unit next. Owned by the scheduler.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <set>
 
 #include "coordinator/core/schedule/lease_control.h"
 #include "coordinator/core/schedule/scene_locality.h"
+#include "coordinator/core/schedule/suspect_trials.h"
 
 namespace tessera {
 
 class Dispatcher {
  public:
-  Dispatcher(ScheduleState& state, LeaseControl& leases, SceneLocality& scenes)
-      : state_(state), leases_(leases), scenes_(scenes) {}
+  Dispatcher(ScheduleState& state, LeaseControl& leases, SceneLocality& scenes, SuspectTrials& trials)
+      : state_(state), leases_(leases), scenes_(scenes), trials_(trials) {}
 
   // Gives leases to all workers that have room, as far as there is work for them.
   void Dispatch(Instant now);
@@ -26,6 +28,9 @@ class Dispatcher {
 
  private:
   bool GrantOne(Instant now, WorkerRecord& worker);
+  bool GrantTrial(Instant now, WorkerRecord& worker, const SuspectTrials::Trial& trial);
+  using MayRender = std::function<bool(uint32_t tile)>;
+  void GrantFrom(Instant now, WorkerRecord& worker, const FrameChoice& choice, const MayRender& may);
   void GrantFrom(Instant now, WorkerRecord& worker, const FrameChoice& choice);
   FrameChoice Choose(Instant now, WorkerRecord& worker, std::optional<int> above_priority);
   FrameChoice ChooseAmong(Instant now, WorkerRecord& worker, const std::set<JobId>& jobs);
@@ -35,6 +40,7 @@ class Dispatcher {
   ScheduleState& state_;
   LeaseControl& leases_;
   SceneLocality& scenes_;
+  SuspectTrials& trials_;
   std::set<WorkerId> preempt_;
 };
 

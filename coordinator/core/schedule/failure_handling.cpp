@@ -9,19 +9,28 @@
 
 namespace tessera {
 
-void FailureHandling::FailUnit(Instant now, WorkerId worker_id, LeaseId lease, const WorkUnit& unit,
+bool FailureHandling::Hold(WorkerId worker, LeaseId lease, const WorkUnit& unit) const {
+  return state_.leases.IsHeldBy(lease, worker) && state_.leases.At(lease).lease.unit == unit;
+}
+
+void FailureHandling::FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
                                const std::string& reason) {
-  if (state_.leases.IsHeldBy(lease, worker_id)) leases_.Return(lease);
-  WorkerRecord* const worker = state_.workers.Find(worker_id);
-  if (worker == nullptr || !state_.jobs.IsKnown(unit)) return;
+  if (!Hold(worker, lease, unit)) return;
+  leases_.Return(lease);
+  RecordFailure(now, worker, unit, reason);
+}
+
+void FailureHandling::RecordFailure(Instant now, WorkerId worker_id, const WorkUnit& unit,
+                                    const std::string& reason) {
+  WorkerRecord& worker = state_.workers.At(worker_id);
   ActiveFrame& frame = *state_.jobs.FindFrame(unit);
   const TileSamples samples{unit.tile, unit.range};
   if (frame.work.IsDone(samples)) return;
-  ++worker->units_failed;
+  ++worker.units_failed;
   ++state_.counters.units_failed;
   state_.log.push_back(fmt::format("unit_failed worker={:016x} name={} unit={} reason={}", Number(worker_id),
-                                   LogText(worker->name), LogText(unit.Text()), LogText(reason)));
-  frame.failures.Record({samples, worker_id, worker->name + ": " + reason, now});
+                                   LogText(worker.name), LogText(unit.Text()), LogText(reason)));
+  frame.failures.Record({samples, worker_id, worker.name + ": " + reason, now});
   if (const auto fatal = frame.failures.FatalReason(attempts_max_))
     FailJob(unit.job, "a unit cannot be rendered: " + *fatal);
 }
@@ -29,7 +38,7 @@ void FailureHandling::FailUnit(Instant now, WorkerId worker_id, LeaseId lease, c
 void FailureHandling::FailScene(Instant now, WorkerId worker_id, const Digest& scene,
                                 const std::string& reason) {
   WorkerRecord* const worker = state_.workers.Find(worker_id);
-  if (worker == nullptr) return;
+  if (worker == nullptr || !worker->Expects(scene)) return;
   worker->scenes.erase(scene);
   std::erase_if(worker->wanted, [&](const SceneRequest& order) { return order.key == scene; });
   worker->loading_since.erase(scene);
@@ -40,10 +49,10 @@ void FailureHandling::FailScene(Instant now, WorkerId worker_id, const Digest& s
   for (const LeaseId lease : leases) {
     if (state_.leases.At(lease).lease.unit.scene == scene) leases_.Return(lease);
   }
+  ++worker->units_failed;
   for (const auto& [id, job] : state_.jobs.open()) {
     for (auto& [index, frame] : job->schedule.active) {
       if (frame.scene.key != scene) continue;
-      ++worker->units_failed;
       frame.failures.Record({std::nullopt, worker_id, worker->name + ": " + reason, now});
       if (const auto fatal = frame.failures.FatalReason(attempts_max_))
         FailJob(id, "the scene cannot be loaded: " + *fatal);
@@ -52,8 +61,10 @@ void FailureHandling::FailScene(Instant now, WorkerId worker_id, const Digest& s
   leases_.UpdateRoom(*worker);
 }
 
+// Without the lease anybody may have sent the result in the worker's name, so it does not count against it.
 void FailureHandling::RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
                                    const std::string& reason) {
+  if (!Hold(worker, lease, unit)) return;
   FailUnit(now, worker, lease, unit, reason);
   Strike(worker, "returned wrong results: " + reason);
 }
@@ -63,6 +74,7 @@ void FailureHandling::Disprove(WorkerId by, const WorkUnit& unit, ActiveFrame& f
   const auto is_done = [&](TileSamples samples) { return frame.work.IsDone(samples); };
   for (const WorkerId at_fault : frame.failures.Disprove(unit.tile, by, is_done))
     Strike(at_fault, "failed units that others finished");
+  state_.idle.UnblockAll();  // those at fault may try again
 }
 
 void FailureHandling::Strike(WorkerId id, const std::string& reason) {
@@ -101,6 +113,15 @@ void FailureHandling::FailWhatAllFailed(Instant now) {
         FailJob(id, "a unit cannot be rendered: " + *fatal);
     }
   }
+}
+
+std::string FailureHandling::WhyNoneMay(const Job& job, const std::set<WorkerId>& able) {
+  for (const auto& [index, frame] : job.schedule.active) {
+    if (frame.failures.empty()) continue;
+    if (const auto why = frame.failures.FatalReasonOfAll(able, Instant::max()))
+      return "every worker that is connected failed a unit of it, so another one is needed: " + *why;
+  }
+  return {};
 }
 
 }  // namespace tessera

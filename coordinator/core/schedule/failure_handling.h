@@ -21,9 +21,10 @@ class FailureHandling {
   FailureHandling(ScheduleState& state, LeaseControl& leases, int attempts_max)
       : state_(state), leases_(leases), attempts_max_(attempts_max) {}
 
-  // The worker could not render the unit.
+  // The worker could not render the unit. Does nothing unless it holds the lease of that unit.
   void FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason);
-  // The worker could not load the scene: as if it had failed all of its units, in every job.
+  // The worker could not load the scene: as if it had failed all of its units, in every job. Does nothing
+  // unless it was told to load it.
   void FailScene(Instant now, WorkerId worker, const Digest& scene, const std::string& reason);
   // The worker returned a wrong result: a failure that also counts against the worker.
   void RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
@@ -34,10 +35,15 @@ class FailureHandling {
   void FailJob(JobId job, const std::string& reason);
   // Fails jobs that every able worker has failed, even if those are fewer than attempts_max.
   void FailWhatAllFailed(Instant now);
+  // What of the job none of the able workers (not empty) may render, because all of them failed it, and why;
+  // empty if there is nothing.
+  static std::string WhyNoneMay(const Job& job, const std::set<WorkerId>& able);
   // Jobs with a unit that no worker can render, since the last call. The caller removes them.
   std::vector<FailedJob> TakeFailedJobs() { return std::exchange(failed_, {}); }
 
  private:
+  bool Hold(WorkerId worker, LeaseId lease, const WorkUnit& unit) const;
+  void RecordFailure(Instant now, WorkerId worker, const WorkUnit& unit, const std::string& reason);
   void Strike(WorkerId worker, const std::string& reason);
 
   ScheduleState& state_;

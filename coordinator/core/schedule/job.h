@@ -134,7 +134,7 @@ struct Job {
     return unit.frame < submitted->frames.size() && unit.scene == SceneOf(unit.frame);
   }
 
-  // Makes the frame active.
+  // Makes the frame active. JobQueue::Begin lets it share what is known of its scene.
   ActiveFrame& Begin(uint32_t frame) {
     schedule.ahead.erase(frame);
     const auto done = in_spool.find(frame);

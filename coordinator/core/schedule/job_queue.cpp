@@ -50,12 +50,27 @@ const Job* JobQueue::Find(JobId id) const {
   return found == open_.end() ? nullptr : found->second;
 }
 
+ActiveFrame& JobQueue::Begin(Job& job, uint32_t index) {
+  ActiveFrame& frame = job.Begin(index);
+  std::erase_if(scene_histories_, [](const auto& each) { return each.second.expired(); });
+  auto& known = scene_histories_[frame.scene.key];
+  auto history = known.lock();
+  if (history == nullptr) known = history = std::make_shared<FailureBook::SceneHistory>();
+  frame.failures = FailureBook(std::move(history));
+  return frame;
+}
+
 ActiveFrame* JobQueue::FindFrame(const WorkUnit& unit) {
   Job* const job = Find(unit.job);
   if (job == nullptr) return nullptr;
-  if (job->schedule.ahead.contains(unit.frame)) return &job->Begin(unit.frame);
   const auto found = job->schedule.active.find(unit.frame);
   return found == job->schedule.active.end() ? nullptr : &found->second;
+}
+
+ActiveFrame* JobQueue::FindOrBegin(const WorkUnit& unit) {
+  Job* const job = Find(unit.job);
+  if (job != nullptr && job->schedule.ahead.contains(unit.frame)) return &Begin(*job, unit.frame);
+  return FindFrame(unit);
 }
 
 bool JobQueue::IsKnown(const WorkUnit& unit) const {

@@ -28,9 +28,13 @@ class JobQueue {
   const Job* Find(JobId id) const;
   Job& At(JobId id) { return *open_.at(id); }
   const Job& At(JobId id) const { return *open_.at(id); }
-  // The frame of the unit if it is open; begins it, as a result of a former process's lease may be the first.
+  // Makes the frame active.
+  ActiveFrame& Begin(Job& job, uint32_t frame);
+  // The frame of the unit if it is begun and not complete.
   ActiveFrame* FindFrame(const WorkUnit& unit);
-  // Whether the unit can be a part of an open frame, and is of that frame's scene.
+  // The same; begins the frame if it is ahead: a lease of a former process is known, or a result of it.
+  ActiveFrame* FindOrBegin(const WorkUnit& unit);
+  // Whether the unit can be a part of an open frame, begun or not, and is of that frame's scene.
   bool IsKnown(const WorkUnit& unit) const;
   const std::map<JobId, Job*>& open() const { return open_; }
   // Jobs that are not paused.
@@ -50,6 +54,7 @@ class JobQueue {
 
   std::map<JobId, Job*> open_;
   Priorities runnable_;
+  std::map<Digest, std::weak_ptr<FailureBook::SceneHistory>> scene_histories_;  // of active frames
 };
 
 }  // namespace tessera

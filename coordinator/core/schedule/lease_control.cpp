@@ -25,6 +25,7 @@ LeaseRecord LeaseControl::End(LeaseId id) {
   std::erase(worker.pending.leases, id);
   ActiveFrame& frame = state_.jobs.At(unit.job).schedule.active.at(unit.frame);
   frame.verification.Release({unit.tile, unit.range}, worker.id);
+  if (state_.losses.TrialOf(worker.id)) state_.idle.Remove(worker.id);  // it waits for the end of its leases
   UpdateRoom(worker);
   return record;
 }

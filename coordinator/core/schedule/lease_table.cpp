@@ -19,6 +19,16 @@ bool LeaseTable::MayHaveGiven(LeaseId id) const {
   return id.session != session_ || id.number < next_;
 }
 
+bool LeaseTable::MayHaveBeen(LeaseId id, WorkerId worker, const WorkUnit& unit) const {
+  if (const auto held = records_.find(id); held != records_.end())
+    return held->second.worker == worker && held->second.lease.unit == unit;
+  if (!IsOurs(id)) return id.number > uint64_t{1} << kLeasesPerEpochBits && id.number < first_;
+  const size_t place = id.number % kEndedKept;
+  if (place >= ended_.size()) return false;
+  const EndedLease& ended = ended_[place];
+  return ended.id == id && ended.worker == worker && ended.unit == unit;
+}
+
 double LeaseTable::Queue::Seconds(double speed) const {
   return cost / speed + unknown * kUnknownUnitDuration_s;
 }
@@ -46,6 +56,11 @@ LeaseRecord LeaseTable::Remove(LeaseId id) {
   TESSERA_CHECK(found != records_.end());
   LeaseRecord record = std::move(found->second);
   records_.erase(found);
+  if (IsOurs(id)) {
+    const size_t place = id.number % kEndedKept;
+    if (place >= ended_.size()) ended_.resize(place + 1);
+    ended_[place] = {id, record.worker, record.lease.unit};
+  }
   RemoveFromQueue(queues_.at(record.worker), record);
   RemoveFromJob(jobs_.at(record.lease.unit.job), record);
   return record;

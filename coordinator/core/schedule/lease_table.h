@@ -67,11 +67,14 @@ class LeaseTable {
   // data directory is restored to an earlier state. `epoch` grows with every process that works on the
   // directory.
   LeaseTable(uint64_t session, uint32_t epoch)
-      : session_(session), next_(uint64_t{epoch} << kLeasesPerEpochBits | 1) {}
+      : session_(session), first_(uint64_t{epoch} << kLeasesPerEpochBits | 1), next_(first_) {}
 
   LeaseId NextId() { return {next_++, session_}; }
   // Whether this process or a former one may have given the id.
   bool MayHaveGiven(LeaseId id) const;
+  // Whether the lease is or was one of this unit and this worker, as far as is known: former processes took
+  // what they knew of theirs with them, and of leases that ended some kEndedKept are remembered.
+  bool MayHaveBeen(LeaseId id, WorkerId worker, const WorkUnit& unit) const;
 
   // A new lease, the last in its holder's queue.
   LeaseRecord& Add(Instant now, const Holder& holder, Lease lease, std::optional<double> cost);
@@ -122,12 +125,22 @@ class LeaseTable {
   static void AddToJob(JobLeases& job, const LeaseRecord& record);
   static void RemoveFromJob(JobLeases& job, const LeaseRecord& record);
 
+  struct EndedLease {
+    LeaseId id{};
+    WorkerId worker{};
+    WorkUnit unit;
+  };
+  // Some seconds of a large farm: what a lease that was lost leaves behind arrives within those.
+  static constexpr size_t kEndedKept = size_t{1} << 16;
   // Ids order leases by age across epochs; at a million leases a second they last for 12 days, then ages of
   // different epochs mix while ids stay unique.
   static constexpr int kLeasesPerEpochBits = 40;
+  bool IsOurs(LeaseId id) const { return id.session == session_; }
 
   uint64_t session_;
+  uint64_t first_;  // of this process
   uint64_t next_;
+  std::vector<EndedLease> ended_;  // a ring, by number
   std::unordered_map<LeaseId, LeaseRecord> records_;
   std::unordered_map<WorkerId, Queue> queues_;
   std::map<JobId, JobLeases> jobs_;

@@ -49,6 +49,9 @@ constexpr Instant kPrefetchInterval = seconds(1);  // jobs take longer or need n
 // Workers call every 2 s. One that has been silent for this long hangs or is cut off; a loaded machine may
 // miss some calls.
 constexpr Instant kWorkerSilenceMax = seconds(10);
+// A state with a lower sequence than the last one was overtaken on its way. After this long it was not: the
+// higher one was not the worker's. Shorter than kWorkerSilenceMax, so that the worker is not lost meanwhile.
+constexpr Instant kStateReorderMax = seconds(5);
 // A lease that was sent and never listed was lost on the way. Well above the interval of calls.
 constexpr Instant kLeaseUnlistedMax = seconds(6);
 // A lease that was listed and no longer is, though the worker lives.
@@ -91,6 +94,22 @@ constexpr Instant kPoisonGrace = seconds(60);
 constexpr int kStrikesMax = 3;
 // Accepted units in a row after which a worker's strikes are forgiven.
 constexpr int kForgivenessUnits = 1000;
+// ---- Workers that vanish (loss_book.h) ----
+// Different workers that are lost with a scene or unit in hand before it has killed them: as with failures.
+constexpr size_t kLossesMax = 3;
+// Losses within this time have one cause outside: power, network, a scheduler that ends its jobs. Well above
+// the interval of calls, after which silence is noticed.
+constexpr Instant kCrowdWindow = seconds(5);
+// On large farms some workers always vanish: a crowd is this part of the farm, and at least one other worker.
+constexpr size_t kCrowdDivisor = 50;
+// A worker that fell silent may only be cut off or hang, and is waited for before its loss counts.
+constexpr Instant kSilentLossSettles = seconds(25);
+// After a loss a suspect rests until all other losses of the same moment are noticed and judged. Who tries it
+// must have been in contact after them.
+constexpr Instant kTrialRest = seconds(6), kTrialContactAfter = seconds(3);
+// Kept of each suspect and in all: far more than are needed to decide.
+constexpr size_t kLossesKeptMax = 100, kVanishedKeptMax = 10'000;
+
 // Failures kept per frame: far more than are needed to decide.
 constexpr size_t kFailuresKeptMax = 1000;
 

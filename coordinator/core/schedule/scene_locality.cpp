@@ -10,9 +10,7 @@ namespace {
 
 bool HasWorkFor(const ActiveFrame& frame, const WorkerRecord& worker) {
   const auto may = [&](uint32_t tile) { return frame.failures.May(worker.id, tile); };
-  const bool has_open =
-      frame.work.HasOpen() &&
-      (frame.failures.empty() ? !frame.failures.HasFailedScene(worker.id) : frame.work.HasOpen(may));
+  const bool has_open = frame.failures.empty() ? frame.work.HasOpen() : frame.work.HasOpen(may);
   return has_open || frame.verification.Find(worker.id, may);
 }
 
@@ -38,7 +36,7 @@ void SceneLocality::Activate(Job& job) {
   for (const auto& [index, frame] : schedule.active) open += frame.work.HasOpen() ? 1 : 0;
   const uint32_t wanted = FramesAbreast(job) + 1;
   while (open < wanted && !schedule.ahead.empty() && schedule.active.size() < kFramesActiveMax) {
-    job.Begin(*schedule.ahead.begin());
+    state_.jobs.Begin(job, *schedule.ahead.begin());
     state_.idle.UnblockAll();
     ++open;
   }

@@ -9,6 +9,7 @@
 #include "coordinator/core/schedule/idle_workers.h"
 #include "coordinator/core/schedule/job_queue.h"
 #include "coordinator/core/schedule/lease_table.h"
+#include "coordinator/core/schedule/loss_book.h"
 #include "coordinator/core/schedule/worker_roster.h"
 
 namespace tessera {
@@ -26,6 +27,7 @@ struct ScheduleState {
   WorkerRoster workers;
   LeaseTable leases;
   IdleWorkers idle;
+  LossBook losses;
   FarmCounters counters;
   std::vector<GivenUpTime> given_up;
   std::vector<std::string> log;  // "event key=value ..."

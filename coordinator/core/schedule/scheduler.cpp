@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "coordinator/core/schedule/policy.h"
 #include "renderer/text/unicode.h"
 #include "renderer/util/check.h"
@@ -18,19 +20,22 @@ Scheduler::Scheduler(SchedulerOptions options)
     : state_(options.session, options.epoch),
       leases_(state_),
       scenes_(state_),
-      dispatcher_(state_, leases_, scenes_),
-      tail_(state_, leases_),
       failures_(state_, leases_, options.attempts_max),
+      trials_(state_, failures_),
+      dispatcher_(state_, leases_, scenes_, trials_),
+      tail_(state_, leases_),
       votes_(state_, leases_, failures_, options.attempts_max),
       units_(state_, leases_, failures_, votes_),
-      sync_(state_, leases_, scenes_, dispatcher_, votes_) {}
+      sync_(state_, leases_, scenes_, dispatcher_, trials_, votes_) {}
 
 void Scheduler::Advance(Instant now) {
   if (now >= expiry_due_) {
     expiry_due_ = now + kExpiryInterval;
     sync_.Expire(now);
     failures_.FailWhatAllFailed(now);
+    trials_.Advance(now);
   }
+  trials_.Mark();
   dispatcher_.Preempt(now);
   dispatcher_.Dispatch(now);
   tail_.Relieve(now);
@@ -71,6 +76,7 @@ void Scheduler::RemoveJob(Job& job) {
   if (state_.jobs.Find(job.id) == nullptr) return;
   leases_.RevokeAllOf(job);
   state_.leases.ForgetJob(job.id);
+  state_.losses.ForgetJob(job.id);
   scenes_.StopRequests(job);
   state_.jobs.Remove(job);
   job.schedule = {};
@@ -127,6 +133,11 @@ bool Scheduler::IsFull(WorkerId worker) const {
   return state_.workers.is_full() && state_.workers.Find(worker) == nullptr;
 }
 
+bool Scheduler::HasJoined(WorkerId id) const {
+  const WorkerRecord* const worker = state_.workers.Find(id);
+  return worker != nullptr && worker->has_joined;
+}
+
 bool Scheduler::IsComplete(const Job& job, uint32_t frame) const {
   return !job.schedule.active.contains(frame) && !job.schedule.ahead.contains(frame);
 }
@@ -147,11 +158,17 @@ std::string Scheduler::Obstacle(JobId id) const {
   if (job == nullptr) return {};
   const std::set<std::string>& tags = job->spec->required_tags;
   if (tags.empty() && state_.workers.total_slots() == 0) return state_.workers.WhyNoneFor(tags);
-  if (tags.empty() && job->spec->verify_share <= 0) return {};  // the common case is cheap
+  const auto& frames = job->schedule.active;
+  const bool has_failures = std::any_of(frames.begin(), frames.end(),
+                                        [](const auto& each) { return !each.second.failures.empty(); });
+  // The common case is cheap.
+  if (tags.empty() && job->spec->verify_share <= 0 && !has_failures) return {};
   const std::set<WorkerId> able = state_.workers.AbleFor(tags);
   if (able.empty()) return state_.workers.WhyNoneFor(tags);
+  if (const std::string why = trials_.WhyOnTrial(*job); !why.empty()) return why;
+  if (const std::string why = FailureHandling::WhyNoneMay(*job, able); !why.empty()) return why;
   size_t stuck = 0;
-  for (const auto& [index, frame] : job->schedule.active) stuck += frame.verification.CountStuck(able);
+  for (const auto& [index, frame] : frames) stuck += frame.verification.CountStuck(able);
   if (stuck == 0) return {};
   return fmt::format("{} unit{} to be verified by another worker: connect one more", stuck,
                      stuck == 1 ? " waits" : "s wait");

@@ -4,7 +4,8 @@
 //
 // It conducts its parts, one file each: the lease table, the worker roster, the job queue and idle workers
 // hold what is known (schedule_state.h); lease control, scene locality, dispatcher, tail relief, failure
-// handling, vote counting and worker sync change it. The numbers it decides by are in policy.h.
+// handling, trials of suspects, vote counting and worker sync change it. The numbers it decides by are in
+// policy.h.
 #pragma once
 
 #include <string>
@@ -16,6 +17,7 @@
 #include "coordinator/core/schedule/lease_control.h"
 #include "coordinator/core/schedule/scene_locality.h"
 #include "coordinator/core/schedule/schedule_state.h"
+#include "coordinator/core/schedule/suspect_trials.h"
 #include "coordinator/core/schedule/tail_relief.h"
 #include "coordinator/core/schedule/unit_completion.h"
 #include "coordinator/core/schedule/vote_counting.h"
@@ -59,7 +61,8 @@ class Scheduler {
 
   // ---- Workers ----
   void Synchronize(Instant now, const WorkerState& state) { sync_.Synchronize(now, state); }
-  void Disconnect(Instant now, WorkerId worker) { sync_.Disconnect(now, worker); }
+  // The worker's connection broke.
+  void Disconnect(Instant now, WorkerId worker) { sync_.Disconnect(now, worker, Departure::kCut); }
   // From now on the worker gets nothing new and finishes what it holds.
   void Drain(WorkerId worker);
   // Ends a drain and a quarantine and forgives the worker's strikes.
@@ -70,13 +73,21 @@ class Scheduler {
   // Whether results of the worker count: those of a worker in quarantine do not.
   bool IsTrusted(WorkerId worker) const;
   bool IsFull(WorkerId worker) const;
+  // Whether the worker has sent its state to this process.
+  bool HasJoined(WorkerId worker) const;
 
   // ---- Results ----
   // Whether the unit can be a part of an open frame, whoever holds it.
   bool IsKnown(const WorkUnit& unit) const { return state_.jobs.IsKnown(unit); }
-  // What of the frame of a known unit is done and wanted.
+  // Whether the unit's frame is begun and not complete. Results of others are not wanted yet.
+  bool IsBegun(const WorkUnit& unit) { return state_.jobs.FindFrame(unit) != nullptr; }
+  // Whether the unit is or was leased to the worker, as far as is known.
+  bool MayHaveLeased(WorkerId worker, LeaseId lease, const WorkUnit& unit) const {
+    return state_.leases.MayHaveBeen(lease, worker, unit);
+  }
+  // What of the frame of a known unit that is begun is done and wanted.
   const FrameWork& WorkOf(const WorkUnit& unit) { return state_.jobs.FindFrame(unit)->work; }
-  // Where the values of a known unit's result are.
+  // Where the values of such a unit's result are.
   const ChannelLayout& LayoutOf(const WorkUnit& unit) { return state_.jobs.FindFrame(unit)->layout; }
   // Whether all samples of the frame are done.
   bool IsComplete(const Job& job, uint32_t frame) const;
@@ -140,9 +151,10 @@ class Scheduler {
   ScheduleState state_;
   LeaseControl leases_;
   SceneLocality scenes_;
+  FailureHandling failures_;
+  SuspectTrials trials_;
   Dispatcher dispatcher_;
   TailRelief tail_;
-  FailureHandling failures_;
   VoteCounting votes_;
   UnitCompletion units_;
   WorkerSync sync_;

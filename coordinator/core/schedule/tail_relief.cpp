@@ -57,6 +57,7 @@ bool TailRelief::IsFit(const WorkerRecord& helper, const LeaseRecord& slow) cons
   const Job& job = state_.jobs.At(unit.job);
   const ActiveFrame& frame = job.schedule.active.at(unit.frame);
   if (job.is_paused || !helper.has_tags(job.spec->required_tags)) return false;
+  if (state_.losses.TrialOf(helper.id)) return false;
   if (slow.worker == helper.id || !helper.has_ready(frame.scene.key)) return false;
   if (!frame.failures.May(helper.id, unit.tile)) return false;
   const TileSamples samples{unit.tile, unit.range};

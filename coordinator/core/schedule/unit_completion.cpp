@@ -16,6 +16,9 @@ bool UnitCompletion::Finish(Instant now, WorkerId worker, LeaseId lease, const W
   if (!frame.work.Finish({unit.tile, unit.range})) return false;
   Credit(worker, frame, unit, render_seconds);
   failures_.Disprove(worker, unit, frame);
+  state_.losses.Rendered({frame.scene.key, unit.job, unit.frame, unit.tile}, [&](SampleRange range) {
+    return frame.work.IsDone({unit.tile, range});
+  });
   DropDoneLeases(frame, unit);
   Retire(state_.jobs.At(unit.job), unit.frame);
   return true;
@@ -86,12 +89,17 @@ VoteOutcome UnitCompletion::RecordVote(Instant now, WorkerId id, LeaseId lease, 
   const WorkerRecord* const worker = state_.workers.Find(id);
   const std::string name = worker != nullptr ? worker->name : fmt::format("{:016x}", Number(id));
   VoteOutcome outcome = votes_.RecordVote(unit, {id, name, result});
-  if (outcome.kind == VoteOutcome::Kind::kHeld) Credit(id, frame, unit, render_seconds);
+  if (outcome.kind == VoteOutcome::Kind::kHeld) {
+    Credit(id, frame, unit, render_seconds);
+    state_.losses.Rendered({frame.scene.key, unit.job, unit.frame, unit.tile}, [&](SampleRange range) {
+      return range.begin >= unit.range.begin && range.end() <= unit.range.end();
+    });
+  }
   return outcome;
 }
 
 void UnitCompletion::RestoreDone(JobId id, uint32_t index, TileSamples samples) {
-  ActiveFrame* const frame = state_.jobs.FindFrame({id, index, samples.tile, samples.range});
+  ActiveFrame* const frame = state_.jobs.FindOrBegin({id, index, samples.tile, samples.range});
   if (frame == nullptr) return;
   frame->work.Finish(samples);
   if (frame->work.Complete()) state_.jobs.At(id).schedule.active.erase(index);

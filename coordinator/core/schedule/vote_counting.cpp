@@ -58,7 +58,7 @@ VoteOutcome VoteCounting::RecordVote(const WorkUnit& unit, const Vote& vote) {
 void VoteCounting::RestoreVote(const WorkUnit& unit, const Vote& vote) {
   const WorkerRecord* const worker = state_.workers.Find(vote.worker);
   if (!state_.jobs.IsKnown(unit) || (worker != nullptr && worker->is_quarantined())) return;
-  ActiveFrame& frame = *state_.jobs.FindFrame(unit);
+  ActiveFrame& frame = *state_.jobs.FindOrBegin(unit);
   const TileSamples samples{unit.tile, unit.range};
   if (JoinVerification(frame, samples)) frame.verification.RecordVote(samples, vote);
 }

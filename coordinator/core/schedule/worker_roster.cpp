@@ -24,6 +24,33 @@ WorkerRecord& WorkerRoster::FindOrAdd(WorkerId id) {
   return *known;
 }
 
+void WorkerRoster::UpdateGone(WorkerRecord& worker) {
+  const bool is_gone = !worker.is_live && !worker.is_blocked();
+  if (is_gone == worker.gone_since_.has_value()) return;
+  if (is_gone) {
+    worker.gone_since_ = worker.last_contact;
+    gone_.emplace(*worker.gone_since_, worker.id);
+  } else {
+    gone_.erase({*worker.gone_since_, worker.id});
+    worker.gone_since_.reset();
+  }
+}
+
+std::optional<WorkerId> WorkerRoster::MakePlace() {
+  if (workers_.size() < kWorkersMax || gone_.empty()) return std::nullopt;
+  const WorkerId id = gone_.begin()->second;
+  Forget(id);
+  return id;
+}
+
+void WorkerRoster::Forget(WorkerId id) {
+  const WorkerRecord& worker = *by_id_.at(id);
+  if (worker.gone_since_) gone_.erase({*worker.gone_since_, id});
+  news_.erase(id);
+  by_id_.erase(id);
+  workers_.erase(id);
+}
+
 std::pair<WorkerRecord*, bool> WorkerRoster::Admit(Instant now, const WorkerState& state) {
   WorkerRecord& worker = FindOrAdd(state.worker);
   const bool is_new = !worker.is_live;
@@ -37,7 +64,9 @@ std::pair<WorkerRecord*, bool> WorkerRoster::Admit(Instant now, const WorkerStat
   worker.tags = state.tags;
   worker.slots = state.slots;
   worker.is_leaving = state.draining;
+  worker.has_joined = true;
   worker.last_contact = now;
+  UpdateGone(worker);
   return {&worker, is_new};
 }
 
@@ -49,6 +78,7 @@ void WorkerRoster::Disconnect(Instant now, WorkerRecord& worker) {
   worker.loading_since.clear();
   worker.prefetch.clear();
   worker.pending.has_prefetch = false;
+  UpdateGone(worker);
 }
 
 std::vector<WorkerId> WorkerRoster::Silent(Instant now) const {
@@ -65,11 +95,7 @@ std::vector<WorkerId> WorkerRoster::ForgetGone(Instant now) {
     const Instant patience = worker.is_blocked() ? kBlockForgotten : kWorkerForgotten;
     if (!worker.is_live && now - worker.last_contact > patience) gone.push_back(id);
   }
-  for (const WorkerId id : gone) {
-    news_.erase(id);
-    by_id_.erase(id);
-    workers_.erase(id);
-  }
+  for (const WorkerId id : gone) Forget(id);
   return gone;
 }
 
@@ -145,6 +171,7 @@ void WorkerRoster::NoteBlock(WorkerRecord& worker) {
   worker.pending.has_notice = true;
   news_.insert(worker.id);
   UpdateTotals(worker);
+  UpdateGone(worker);
 }
 
 void WorkerRoster::RestoreBlock(Instant now, const WorkerBlock& block) {
@@ -154,6 +181,7 @@ void WorkerRoster::RestoreBlock(Instant now, const WorkerBlock& block) {
   worker.is_drained = block.is_drained;
   worker.quarantine = block.quarantine;
   worker.last_contact = now;
+  UpdateGone(worker);
 }
 
 std::vector<WorkerBlock> WorkerRoster::Blocks() const {
@@ -198,8 +226,18 @@ std::string WorkerRoster::WhyNoneFor(const std::set<std::string>& tags) const {
     if (!worker.is_live) continue;
     for (const std::string& tag : worker.tags) missing.erase(tag);
   }
-  if (!missing.empty()) return fmt::format("no worker has tag {}", *missing.begin());
-  return fmt::format("no worker has all of the tags {}", all);
+  const std::string reason = missing.empty() ? fmt::format("no worker has all of the tags {}", all)
+                                             : fmt::format("no worker has tag {}", *missing.begin());
+  const size_t away = CountAway(tags);
+  if (away == 0) return reason;
+  return fmt::format("no connected worker has tag{} {}; {} that had {} gone", tags.size() == 1 ? "" : "s",
+                     all, away, away == 1 ? "is" : "are");
+}
+
+size_t WorkerRoster::CountAway(const std::set<std::string>& tags) const {
+  return static_cast<size_t>(std::count_if(workers_.begin(), workers_.end(), [&](const auto& each) {
+    return !each.second.is_live && each.second.has_joined && each.second.has_tags(tags);
+  }));
 }
 
 void WorkerRoster::Announce(WorkerRecord& worker, LeaseId lease) {

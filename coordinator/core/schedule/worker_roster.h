@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -42,7 +43,9 @@ struct WorkerRecord {
   bool is_drained = false;  // by the operator
   std::string quarantine;   // its reason; empty if the worker is not in quarantine
   Instant last_contact{};
-  uint64_t sequence = 0;  // of its last state
+  bool has_joined = false;  // in this process of the coordinator
+  uint64_t sequence = 0;    // of its last state
+  Instant sequence_at{};    // when that arrived
 
   double speed = 1;  // relative to the reference machine that costs are expressed in
   uint64_t speed_measurements = 0;
@@ -78,9 +81,14 @@ struct WorkerRecord {
     return std::any_of(wanted.begin(), wanted.end(),
                        [&](const SceneRequest& order) { return order.key == scene; });
   }
+  // Whether it has the scene or was told to load it.
+  bool Expects(const Digest& scene) const {
+    return scenes.contains(scene) || loading_since.contains(scene) || wants(scene);
+  }
 
  private:
   friend class WorkerRoster;
+  std::optional<Instant> gone_since_;  // while it is neither connected nor blocked
   // What the roster has added to its totals for this worker.
   double speed_counted_ = 0;
   int slots_counted_ = 0;
@@ -106,12 +114,17 @@ class WorkerRoster {
   const std::map<WorkerId, WorkerRecord>& all() const { return workers_; }
   size_t size() const { return workers_.size(); }
   bool empty() const { return workers_.empty(); }
-  bool is_full() const { return workers_.size() >= kWorkersMax; }
+  // Whether there is no place for another worker, not even that of one that has gone.
+  bool is_full() const { return workers_.size() >= kWorkersMax && gone_.empty(); }
 
   // ---- Coming and going ----
+  // Makes a place for a new worker if there is none: forgets the one that has been away for longest, and
+  // returns its id.
+  std::optional<WorkerId> MakePlace();
   // Updates the worker from the state that it sent. True if it was not connected before.
   std::pair<WorkerRecord*, bool> Admit(Instant now, const WorkerState& state);
-  // The worker is not connected any more.
+  // The worker is not connected any more. It is remembered for some time, but gives its place up to a new
+  // one.
   void Disconnect(Instant now, WorkerRecord& worker);
   // Connected workers whose last state is too old.
   std::vector<WorkerId> Silent(Instant now) const;
@@ -165,13 +178,19 @@ class WorkerRoster {
  private:
   void NoteBlock(WorkerRecord& worker);
   std::string WhyIdle(const std::set<std::string>& tags) const;
+  size_t CountAway(const std::set<std::string>& tags) const;
 
   // The worker's record; a new one if there is none.
   WorkerRecord& FindOrAdd(WorkerId id);
+  // Call after every change of whether the worker is connected or blocked.
+  void UpdateGone(WorkerRecord& worker);
+  void Forget(WorkerId id);
 
   std::map<WorkerId, WorkerRecord> workers_;
   // Of all; every result looks up its worker several times.
   std::unordered_map<WorkerId, WorkerRecord*> by_id_;
+  // Workers that are not connected and not blocked, the one that has been away for longest first.
+  std::set<std::pair<Instant, WorkerId>> gone_;
   std::set<WorkerId> news_;
   double total_speed_ = 0;
   int total_slots_ = 0;

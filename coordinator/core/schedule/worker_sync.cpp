@@ -9,21 +9,27 @@ namespace tessera {
 
 void WorkerSync::Synchronize(Instant now, const WorkerState& state) {
   const WorkerRecord* const known = state_.workers.Find(state.worker);
-  if (known != nullptr && state.sequence < known->sequence) return;
+  const bool is_late = known != nullptr && state.sequence < known->sequence;
+  if (is_late && now - known->sequence_at < kStateReorderMax) return;
+  if (known == nullptr) {
+    if (const auto forgotten = state_.workers.MakePlace()) state_.leases.ForgetWorker(*forgotten);
+  }
   const auto [record, is_new] = state_.workers.Admit(now, state);
   WorkerRecord& worker = *record;
   if (is_new) {
+    state_.losses.Return(worker.id);
     state_.log.push_back(fmt::format("worker_joined worker={:016x} name={} slots={}", Number(worker.id),
                                      LogText(worker.name), worker.slots));
   }
   worker.sequence = state.sequence;
+  worker.sequence_at = now;
   UpdateScenes(now, worker, state);
   worker.pace.Record(now, state.activity);
   for (const LeaseId lease : state.returned_leases) {
     if (state_.leases.IsHeldBy(lease, worker.id)) leases_.Return(lease);
   }
   ReconcileLeases(now, worker, state);
-  if (state.leaving) Disconnect(now, worker.id);
+  if (state.leaving) Disconnect(now, worker.id, Departure::kGoodbye);
   state_.workers.UpdateTotals(worker);
   leases_.UpdateRoom(worker);
 }
@@ -79,7 +85,7 @@ bool WorkerSync::TakeOver(Instant now, WorkerRecord& worker, const HeldLease& he
   Job& job = state_.jobs.At(held.unit.job);
   if (job.is_paused && held.stage == LeaseStage::kWaiting) return false;
   if (!worker.has_tags(job.spec->required_tags)) return false;
-  ActiveFrame& frame = *state_.jobs.FindFrame(held.unit);
+  ActiveFrame& frame = *state_.jobs.FindOrBegin(held.unit);
   if (!frame.failures.May(worker.id, held.unit.tile)) return false;
   const TileSamples samples{held.unit.tile, held.unit.range};
   const bool is_free = frame.verification.IsVerifying(samples)
@@ -95,9 +101,10 @@ bool WorkerSync::TakeOver(Instant now, WorkerRecord& worker, const HeldLease& he
   return true;
 }
 
-void WorkerSync::Disconnect(Instant now, WorkerId id) {
+void WorkerSync::Disconnect(Instant now, WorkerId id, Departure how) {
   WorkerRecord* const worker = state_.workers.Find(id);
   if (worker == nullptr || !worker->is_live) return;
+  if (how != Departure::kGoodbye) trials_.Lose(now, *worker, how == Departure::kSilent);
   state_.workers.Disconnect(now, *worker);
   ++state_.counters.workers_lost;
   state_.log.push_back(fmt::format("worker_lost worker={:016x} name={} leases={}", Number(id),
@@ -110,7 +117,7 @@ void WorkerSync::Disconnect(Instant now, WorkerId id) {
 }
 
 void WorkerSync::Expire(Instant now) {
-  for (const WorkerId id : state_.workers.Silent(now)) Disconnect(now, id);
+  for (const WorkerId id : state_.workers.Silent(now)) Disconnect(now, id, Departure::kSilent);
   for (const LeaseId id : state_.leases.Expired(now)) {
     const LeaseRecord& record = state_.leases.At(id);
     ++state_.counters.leases_expired;

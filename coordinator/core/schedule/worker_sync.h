@@ -4,6 +4,7 @@
 #pragma once
 
 #include "coordinator/core/schedule/dispatcher.h"
+#include "coordinator/core/schedule/suspect_trials.h"
 #include "coordinator/core/schedule/vote_counting.h"
 
 namespace tessera {
@@ -14,16 +15,28 @@ struct LeaseGrants {
   std::vector<LeaseId> drop;
 };
 
+// How a worker went.
+enum class Departure {
+  kGoodbye,
+  kCut,    // its connection broke
+  kSilent  // it has not called for long
+};
+
 class WorkerSync {
  public:
   WorkerSync(ScheduleState& state, LeaseControl& leases, SceneLocality& scenes, Dispatcher& dispatcher,
-             VoteCounting& votes)
-      : state_(state), leases_(leases), scenes_(scenes), dispatcher_(dispatcher), votes_(votes) {}
+             SuspectTrials& trials, VoteCounting& votes)
+      : state_(state),
+        leases_(leases),
+        scenes_(scenes),
+        dispatcher_(dispatcher),
+        trials_(trials),
+        votes_(votes) {}
 
-  // Does nothing if a later state of the worker has arrived already.
+  // Does nothing if a later state of the worker has arrived a moment ago.
   void Synchronize(Instant now, const WorkerState& state);
-  // The connection broke or the worker said goodbye: its leases return. Does nothing if it is not connected.
-  void Disconnect(Instant now, WorkerId worker);
+  // The leases of the worker return. Does nothing if it is not connected.
+  void Disconnect(Instant now, WorkerId worker, Departure how);
   // Ends what has expired: leases, silent workers, the memory of workers that are gone.
   void Expire(Instant now);
 
@@ -40,6 +53,7 @@ class WorkerSync {
   LeaseControl& leases_;
   SceneLocality& scenes_;
   Dispatcher& dispatcher_;
+  SuspectTrials& trials_;
   VoteCounting& votes_;
 };
 

@@ -17,7 +17,9 @@ struct IdentityStage {
   }
   // A result as a worker returns it that holds a lease of `from`.
   Verdict Return(const WorkUnit& unit, FarmId from = kFarm) {
-    farm.ReturnResults(now, CallId{++calls}, WorkerId{1}, {{LeaseId{}, unit, 0.1, Ones(unit.range), from}});
+    JoinWithFormerLease(farm, now, CallId{++calls}, WorkerId{1}, unit);
+    farm.ReturnResults(now, CallId{++calls}, WorkerId{1},
+                       {{FormerLease(), unit, 0.1, Ones(unit.range), from}});
     Step();
     return output.results.at(0).verdicts.at(0);
   }
@@ -40,7 +42,7 @@ struct IdentityStage {
   }
 
   Instant now = std::chrono::seconds(100);
-  Farm farm{SchedulerOptions{1, 3, 55}, 0, kFarm};
+  Farm farm{SchedulerOptions{kLaterEpoch, 3, 55}, 0, kFarm};
   FarmOutput output;
   uint64_t calls = 0;
 };

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "coordinator/core/farm.h"
+#include "tests/coordinator/core/former_lease.h"
 
 namespace tessera {
 namespace {
@@ -45,12 +46,12 @@ class ReportStage : public testing::Test {
     RadianceTile tile{{0, 0, 8, 8}, range, {2}, {}};
     tile.sums.assign(128, static_cast<float>(range.size));
     farm.ReturnResults(now, CallId{++calls}, WorkerId{1},
-                       {{LeaseId{}, {job, 0, 0, range, *farm.SceneOf({job, 0})}, render_seconds, tile}});
+                       {{FormerLease(), {job, 0, 0, range, *farm.SceneOf({job, 0})}, render_seconds, tile}});
   }
   JobTimes Times() const { return farm.Status(now, job)->times; }
 
   Instant now = seconds(100);
-  Farm farm{SchedulerOptions{}};
+  Farm farm{SchedulerOptions{kLaterEpoch}};
   std::shared_ptr<JobSpec> spec = std::make_shared<JobSpec>();
   WorkerState worker;
   JobId job{};
@@ -98,6 +99,7 @@ TEST_F(ReportStage, TheTailAndTheWritingOfPicturesAreReported) {
 
 TEST_F(ReportStage, DuplicatesAreCountedAsWaste) {
   job = *farm.Submit(now, spec);
+  JoinWithFormerLease(farm, now, CallId{++calls}, WorkerId{1}, {job, 0, 0, {0, 2}, *farm.SceneOf({job, 0})});
   Return({0, 2}, 0.5);
   Return({0, 2}, 0.5);
   Step(seconds(0));

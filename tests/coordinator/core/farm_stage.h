@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coordinator/core/farm.h"
+#include "tests/coordinator/core/former_lease.h"
 
 namespace tessera {
 
@@ -40,8 +41,9 @@ struct FarmStage {
   }
   Verdict Return(JobId job, SampleRange range, Result<RadianceTile> tile, uint32_t frame = 0,
                  uint32_t tile_index = 0, uint64_t worker = 1) {
-    farm.ReturnResults(now, CallId{++calls}, WorkerId{worker},
-                       {{LeaseId{}, Unit(job, frame, tile_index, range), 0.1, tile}});
+    const WorkUnit unit = Unit(job, frame, tile_index, range);
+    JoinWithFormerLease(farm, now, CallId{++calls}, WorkerId{worker}, unit);
+    farm.ReturnResults(now, CallId{++calls}, WorkerId{worker}, {{FormerLease(), unit, 0.1, tile}});
     Step();
     reason = output.results[0].reasons.empty() ? "" : output.results[0].reasons[0];
     return output.results[0].verdicts[0];
@@ -59,7 +61,7 @@ struct FarmStage {
   }
 
   Instant now = std::chrono::seconds(100);
-  Farm farm{SchedulerOptions{}};
+  Farm farm{SchedulerOptions{kLaterEpoch}};
   FarmOutput output;
   std::vector<std::string> facts;
   std::string reason;

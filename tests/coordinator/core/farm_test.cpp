@@ -19,6 +19,9 @@ TEST(Farm, AJobGoesFromSubmissionToPicture) {
   EXPECT_EQ(stage.Status(job).state, JobState::kRunning);
   EXPECT_EQ(stage.Status(job).samples_done, 128u);
   EXPECT_EQ(stage.Status(job).samples_total, 256u);
+  WorkerState goodbye = stage.Worker(1);
+  goodbye.leaving = true;
+  stage.farm.Synchronize(stage.now, CallId{stage.calls}, goodbye);
   EXPECT_EQ(stage.Status(job).reason, "no worker is connected");
   EXPECT_EQ(stage.Return(job, {0, 2}, Ones({0, 2})), Verdict::kAccepted);
   EXPECT_EQ(stage.Status(job).reason, "") << "what is left to do needs no worker";
@@ -222,7 +225,6 @@ TEST(Farm, ANewerCallAnswersTheOlder) {
 TEST(Farm, WorkersOfAnotherReleaseAreNotAdmitted) {
   const FarmStage stage;
   WorkerState state;
-  EXPECT_TRUE(stage.farm.CheckAdmission(state));
   state.software_version = "0.0.1";
   EXPECT_THAT(stage.farm.CheckAdmission(state).error().message, HasSubstr("0.0.1"));
   state = {};
@@ -236,6 +238,8 @@ TEST(Farm, AWorkerWithAnotherProbeDigestIsRefusedWithBothDigests) {
   const auto bytes_of = [](const Digest& digest) {
     return std::string(digest.bytes.begin(), digest.bytes.end());
   };
+  ASSERT_FALSE(stage.farm.CheckAdmission(state)) << "the probe is not optional";
+  EXPECT_THAT(stage.farm.CheckAdmission(state).error().message, HasSubstr("has not rendered the probe unit"));
   state.probe_digest = bytes_of(*Digest::FromHex(kProbeDigest));
   EXPECT_TRUE(stage.farm.CheckAdmission(state));
   state.probe_digest = bytes_of(Sha256("another machine"));

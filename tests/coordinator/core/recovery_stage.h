@@ -9,6 +9,7 @@
 #include "coordinator/core/farm.h"
 #include "renderer/film/adaptive.h"
 #include "renderer/util/hash.h"
+#include "tests/coordinator/core/former_lease.h"
 
 namespace tessera {
 
@@ -66,7 +67,7 @@ struct Disk {
 
 struct Process {
   explicit Process(Disk& disk, uint64_t kept_bytes_max = kKeptBytesMaxDefault)
-      : disk(disk), farm(SchedulerOptions{}, kept_bytes_max) {
+      : disk(disk), farm(SchedulerOptions{kLaterEpoch}, kept_bytes_max) {
     for (const std::string& fact : disk.facts) farm.Restore(*DecodeFact(fact));
     std::set<FrameId> frames;
     for (const auto& [frame, nodes] : disk.base) frames.insert(frame);
@@ -106,8 +107,9 @@ struct Process {
   Verdict Return(JobId job, uint32_t frame, uint32_t tile, SampleRange range, const PixelMask& pixels = {}) {
     const FrameSpec& spec = farm.Spec(job)->frames[frame].spec;
     const RadianceTile rendered = Rendered(spec, frame, tile, range, pixels);
-    farm.ReturnResults(now, CallId{1}, WorkerId{1},
-                       {{LeaseId{}, {job, frame, tile, range, *farm.SceneOf({job, frame})}, 0.1, rendered}});
+    const WorkUnit unit{job, frame, tile, range, *farm.SceneOf({job, frame})};
+    JoinWithFormerLease(farm, now, CallId{++calls}, WorkerId{1}, unit);
+    farm.ReturnResults(now, CallId{++calls}, WorkerId{1}, {{FormerLease(), unit, 0.1, rendered}});
     Step();
     return last[0].verdicts[0];
   }
@@ -148,6 +150,7 @@ struct Process {
   std::vector<FrameId> loads;
   std::vector<std::string> log;
   std::vector<FarmOutput::Results> last;
+  uint64_t calls = 0;
 };
 
 }  // namespace tessera

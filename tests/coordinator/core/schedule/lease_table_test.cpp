@@ -143,5 +143,25 @@ TEST(LeaseTable, KnowsWhichIdsMayHaveBeenGiven) {
   EXPECT_TRUE(stage.table.MayHaveGiven({given.number + 1, given.session + 1})) << "by a former process";
 }
 
+TEST(LeaseTable, RemembersWhoseLeasesEnded) {
+  TableStage stage;
+  const LeaseId id = stage.Add(kAnn, 0, {0, 1});
+  const WorkUnit unit = stage.table.At(id).lease.unit;
+  for (const bool has_ended : {false, true}) {
+    if (has_ended) stage.table.Remove(id);
+    EXPECT_TRUE(stage.table.MayHaveBeen(id, kAnn, unit));
+    EXPECT_FALSE(stage.table.MayHaveBeen(id, kBob, unit));
+    WorkUnit other = unit;
+    ++other.tile;
+    EXPECT_FALSE(stage.table.MayHaveBeen(id, kAnn, other));
+    EXPECT_FALSE(stage.table.MayHaveBeen({id.number + 1, id.session}, kAnn, unit)) << "never given";
+  }
+  EXPECT_TRUE(stage.table.MayHaveBeen({uint64_t{1} << 40 | 5, id.session + 1}, kAnn, unit))
+      << "of a former process, which took what it knew with it";
+  EXPECT_FALSE(stage.table.MayHaveBeen({id.number, id.session + 1}, kAnn, unit))
+      << "there was no such process";
+  EXPECT_FALSE(stage.table.MayHaveBeen({5, id.session + 1}, kAnn, unit)) << "nor such a one";
+}
+
 }  // namespace
 }  // namespace tessera

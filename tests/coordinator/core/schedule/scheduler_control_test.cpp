@@ -1,6 +1,8 @@
 // What people change while jobs run: pauses and priorities.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/coordinator/core/schedule/scheduler_stage.h"
 
 namespace tessera {
@@ -211,7 +213,22 @@ TEST(SchedulerControl, AJobThatNoWorkerCanRenderShowsWhichTagIsMissing) {
   EXPECT_EQ(stage.scheduler.Obstacle(one), "no worker with tag gpu accepts work: 1 drained");
   EXPECT_EQ(stage.scheduler.Obstacle(two), "no worker has all of the tags gpu, linux");
   stage.scheduler.Disconnect(stage.now, WorkerId{1});
-  EXPECT_EQ(stage.scheduler.Obstacle(one), "no worker has tag gpu");
+  EXPECT_EQ(stage.scheduler.Obstacle(one), "no connected worker has tag gpu; 1 that had is gone");
+}
+
+TEST(SchedulerControl, AnAbsurdSequenceInAWorkersNameDoesNotMuteIt) {
+  SchedulerStage stage;
+  stage.AddJob(64);
+  stage.Join(1);
+  WorkerState forged = stage.states[1];
+  forged.sequence = std::numeric_limits<uint64_t>::max();
+  stage.scheduler.Synchronize(stage.now, forged);
+  for (int i = 0; i < 30; ++i) {
+    stage.Send(1);
+    stage.Advance(seconds(1));
+    ASSERT_EQ(stage.Status(1), "fine") << "after " << i << " s it is still connected";
+  }
+  EXPECT_FALSE(stage.Held(1).empty());
 }
 
 TEST(SchedulerControl, AJobShowsWhyNoWorkerWorksAtAll) {

@@ -119,6 +119,78 @@ TEST(SchedulerFailure, ASceneThatThreeWorkersCannotLoadFailsItsJob) {
   EXPECT_THAT(failed[0].reason, HasSubstr("w2: a.pbrt:3:1: no such file"));
 }
 
+TEST(SchedulerFailure, WorkersThatFailedASceneOnceRenderItWhenTheOnlyOtherWorkerThatCouldLeaves) {
+  SchedulerStage stage;
+  const JobId job = stage.AddJob(64);
+  stage.Join(3);
+  for (const uint64_t w : {1, 2}) {
+    stage.Worker(w);
+    stage.Send(w);
+    stage.Advance();
+    stage.scheduler.FailScene(stage.now, WorkerId{w}, stage.SceneOf(job), "the download timed out");
+  }
+  stage.Advance();
+  ASSERT_FALSE(stage.Held(3).empty());
+  stage.Finish(3, stage.Held(3)[0], 0.1);
+  stage.scheduler.Disconnect(stage.now, WorkerId{3});
+  stage.states.erase(3);
+  stage.held.erase(3);
+  for (const uint64_t w : {1, 2}) stage.Join(w);
+  stage.Advance();
+  EXPECT_FALSE(stage.Held(1).empty());
+  EXPECT_FALSE(stage.Held(2).empty());
+  EXPECT_EQ(stage.Status(1), "fine");
+}
+
+TEST(SchedulerFailure, OneFailureOfASceneCountsOnceHoweverManyJobsAreOfIt) {
+  SchedulerStage stage;
+  const JobId job = stage.AddJob(64);
+  for (uint64_t again = 2; again <= 5; ++again) {
+    auto spec = std::make_shared<JobSpec>(*stage.specs.at(job));
+    spec->submission = again + 100;
+    stage.Open(JobId{again + 100}, spec);
+  }
+  stage.Join(2, 64);
+  stage.Worker(1);
+  stage.Send(1);
+  stage.Advance();
+  stage.scheduler.FailScene(stage.now, WorkerId{1}, stage.SceneOf(job), "the download timed out");
+  for (int round = 0; round < 3; ++round) {
+    stage.FinishAll(2, 0.01);
+    stage.Advance();
+  }
+  EXPECT_EQ(stage.Status(1), "fine");
+}
+
+TEST(SchedulerFailure, AJobThatAllConnectedWorkersFailedShowsThatItNeedsAnother) {
+  SchedulerStage stage;
+  const JobId job = stage.AddJob(1);
+  stage.Join(1);
+  stage.Advance();
+  EXPECT_EQ(stage.scheduler.Obstacle(job), "");
+  stage.Fail(1, stage.Held(1)[0], "no");
+  EXPECT_THAT(stage.scheduler.Obstacle(job), AllOf(HasSubstr("another one is needed"), HasSubstr("w1: no")));
+  stage.Join(2);
+  EXPECT_EQ(stage.scheduler.Obstacle(job), "");
+}
+
+TEST(SchedulerFailure, FailuresByWorkersThatNeverHeldTheUnitAreIgnored) {
+  SchedulerStage stage;
+  const JobId job = stage.AddJob(1);
+  stage.Join(1, 16);
+  stage.Advance();
+  const Lease lease = stage.Held(1)[0];
+  for (uint64_t w = 2; w <= 5; ++w) {
+    stage.Worker(w);
+    stage.Send(w);
+    stage.scheduler.FailUnit(stage.now, WorkerId{w}, lease.id, lease.unit, "made up");
+    stage.scheduler.FailScene(stage.now, WorkerId{w}, stage.SceneOf(job), "made up");
+    stage.scheduler.RefuseResult(stage.now, WorkerId{1}, LeaseId{}, lease.unit, "made up");
+  }
+  EXPECT_TRUE(stage.scheduler.TakeFailedJobs().empty());
+  EXPECT_EQ(stage.Status(1), "fine") << "nobody can make it look bad";
+}
+
 TEST(SchedulerFailure, AWorkerThatFailsWhatOthersFinishIsQuarantined) {
   SchedulerStage stage;
   stage.AddJob(64);

@@ -10,12 +10,13 @@
 
 #include "coordinator/core/schedule/policy.h"
 #include "coordinator/core/schedule/scheduler.h"
+#include "tests/coordinator/core/schedule/former_lease.h"
 
 namespace tessera {
 
 class SchedulerStage {
  public:
-  explicit SchedulerStage(SchedulerOptions options = {}) : scheduler(options) {}
+  explicit SchedulerStage(SchedulerOptions options = {kLaterEpoch}) : scheduler(options) {}
 
   // A job of `frames` frames of 64 x 64 pixels in 16 tiles.
   JobId AddJob(uint32_t samples, int priority = 0, int frames = 1) {

@@ -57,7 +57,7 @@ TEST(SchedulerTail, AStragglersRangeIsSplitAmongManyIdleSlots) {
   // Worker 1 holds samples 32 to 64 of tile 0, from a former coordinator; all else is done, at 0.1 s per
   // sample.
   state.leases = {
-      {LeaseId{5}, {job, 0, 0, {32, 32}, stage.SceneOf(job)}, LeaseStage::kRunning, milliseconds(0)}};
+      {FormerLease(5), {job, 0, 0, {32, 32}, stage.SceneOf(job)}, LeaseStage::kRunning, milliseconds(0)}};
   state.sequence = 1;
   stage.scheduler.Synchronize(stage.now, state);
   const auto unit = [&](uint32_t tile, SampleRange range) {
@@ -84,7 +84,7 @@ TEST(SchedulerTail, AStragglersRangeIsSplitAmongManyIdleSlots) {
   EXPECT_TRUE(covered.Contains({32, 32})) << "all pieces are handed out";
   for (const Lease& lease : stage.Held(2)) stage.Finish(2, lease, 0.8);
   stage.Advance();
-  EXPECT_EQ(stage.dropped[1], std::vector{LeaseId{5}}) << "the straggler is told to stop";
+  EXPECT_EQ(stage.dropped[1], std::vector{FormerLease(5)}) << "the straggler is told to stop";
   EXPECT_TRUE(stage.IsComplete(job, 0));
 }
 

@@ -82,6 +82,8 @@ TEST(WorkerRoster, ExplainsWhyNoWorkerIsAble) {
   EXPECT_EQ(stage.roster.WhyNoneFor({"big", "gpu"}), "no worker has all of the tags big, gpu");
   stage.roster.Drain(worker);
   EXPECT_EQ(stage.roster.WhyNoneFor({"gpu"}), "no worker with tag gpu accepts work: 1 drained");
+  stage.roster.Disconnect(stage.now, worker);
+  EXPECT_EQ(stage.roster.WhyNoneFor({"gpu"}), "no connected worker has tag gpu; 1 that had is gone");
   EXPECT_THAT(stage.roster.AbleFor({"big"}), ElementsAre(WorkerId{2}));
 }
 
@@ -96,6 +98,26 @@ TEST(WorkerRoster, ForgetsWorkersThatAreAwayButBlockedOnesLater) {
   const Instant later = stage.now + kWorkerForgotten + milliseconds(1);
   EXPECT_THAT(stage.roster.ForgetGone(later), ElementsAre(WorkerId{1}));
   EXPECT_NE(stage.roster.Find(WorkerId{2}), nullptr);
+}
+
+TEST(WorkerRoster, WorkersThatHaveGoneGiveTheirPlacesUpBlockedOnesDoNot) {
+  RosterStage stage;
+  for (uint64_t id = 1; id <= kWorkersMax; ++id) stage.Join(id);
+  EXPECT_TRUE(stage.roster.is_full());
+  EXPECT_EQ(stage.roster.MakePlace(), std::nullopt);
+  stage.roster.Drain(stage.roster.At(WorkerId{1}));
+  stage.roster.Disconnect(stage.now, stage.roster.At(WorkerId{1}));
+  EXPECT_TRUE(stage.roster.is_full()) << "a drained worker is remembered";
+  stage.now += seconds(1);
+  stage.roster.Disconnect(stage.now, stage.Join(3));
+  stage.now += seconds(1);
+  stage.roster.Disconnect(stage.now, stage.Join(2));
+  EXPECT_FALSE(stage.roster.is_full());
+  EXPECT_EQ(stage.roster.MakePlace(), WorkerId{3}) << "it has been away for longest";
+  EXPECT_EQ(stage.roster.MakePlace(), std::nullopt) << "there is a place";
+  stage.Join(kWorkersMax + 1);
+  stage.Join(2);
+  EXPECT_TRUE(stage.roster.is_full()) << "one that has come back keeps its place";
 }
 
 TEST(WorkerRoster, RevokedLeasesAreRememberedUpToALimit) {
