@@ -67,14 +67,15 @@ TEST_F(StartFailure, NoThreadAtAllIsAnErrorOfTheCoordinator) {
   // Stacks that do not fit into the address space.
   const SoftLimit stack(RLIMIT_STACK, 8 * kGigabyte);
   const SoftLimit limit(RLIMIT_AS, 6 * kGigabyte);
-  const auto& [program, words] = Commands().back();
-  const Outcome outcome = RunProgram(folder(), program, words);
+  const auto coordinator = Commands().back();
+  const Outcome outcome = RunProgram(folder(), coordinator.first, coordinator.second);
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.errors, HasSubstr("cannot start a thread"));
 }
 
 TEST_F(StartFailure, TooFewDescriptorsAreAnErrorOfEveryProgram) {
-  for (const rlim_t descriptors : {6, 10, 32}) {
+  // Some more than the programs inherit here, so that their libraries can be loaded.
+  for (const rlim_t descriptors : {24, 63}) {
     const SoftLimit limit(RLIMIT_NOFILE, descriptors);
     ExpectErrors("ulimit -n");
   }
