@@ -1,6 +1,7 @@
 #include "coordinator/recovery.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "coordinator/store/file_journal.h"
 #include "proto/shell/system.h"
@@ -52,6 +53,12 @@ Result<RecoveredFarm> Recover(const DataDir& directory, const RecoveryOptions& o
   auto farm = std::make_unique<Farm>(SchedulerOptions{epoch, options.attempts_max, RandomId()},
                                      options.keep_sums_bytes, id);
   for (const Fact& fact : facts) farm->Restore(fact);
+  // The spool is destroyed before the farm. Kept sums are read later, so this goes to the log directly.
+  (*spool)->NameScenes([known = farm.get()](FrameId frame) { return known->SceneOf(frame); },
+                       [](const std::string& file) {
+                         spdlog::warn("spool_file_ignored file=\"{}\" reason=\"it is of another scene\"",
+                                      file);
+                       });
   if (const auto restored = RestoreSpool(**spool, *farm, on_torn); !restored) return restored.error();
   return RecoveredFarm{std::move(farm), std::move(*journal), std::move(*spool), std::move(log)};
 }

@@ -6,6 +6,7 @@
 
 #include "coordinator/core/extension.h"
 #include "coordinator/core/schedule/policy.h"
+#include "renderer/film/adaptive.h"
 #include "renderer/text/unicode.h"
 
 namespace tessera {
@@ -14,6 +15,16 @@ namespace {
 std::string UnreadableSums(uint32_t frame, const std::string& why) {
   return fmt::format("the sums of frame {} cannot be read back from the spool: {}; submit the scene again",
                      frame, why);
+}
+
+// Whether the first samples of all pixels are merged.
+bool HasFirst(const Merger& merger, uint32_t samples) {
+  const std::vector<SampleRange> ranges = UnitPartition(merger.spec(), samples);
+  for (int tile = 0; tile < merger.spec().TileCount(); ++tile) {
+    const auto has = [&](SampleRange range) { return merger.Has(tile, range); };
+    if (!std::ranges::all_of(ranges, has)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -172,6 +183,11 @@ void FrameCompletion::ContinueFrame(Instant now, Job& job, uint32_t frame,
   for (TileNode& node : *nodes) {
     if (const auto added = merger.Add(std::move(node)); !added) return fail(added.error().message);
   }
+  // The scheduler does not lease what the frame was finished with. Adaptive frames are not extended, so these
+  // are the same samples of each pixel.
+  const uint64_t before =
+      job.results.frame_samples.at(frame) / static_cast<uint64_t>(merger.spec().crop.area());
+  if (!HasFirst(merger, static_cast<uint32_t>(before))) return fail("some are missing");
   if (!state_.scheduler.IsComplete(job, frame)) return;
   if (!merger.Complete()) return fail("some are missing");
   Complete(job, frame);

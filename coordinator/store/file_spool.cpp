@@ -6,6 +6,7 @@
 #include <charconv>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include "renderer/util/check.h"
 
@@ -63,7 +64,14 @@ std::string FileSpool::FolderOf(FrameId id) const {
 FileSpool::Frame& FileSpool::Need(FrameId id) {
   Frame& frame = frames_[id];
   if (frame.files == nullptr) frame.files = std::make_shared<FrameFiles>(FolderOf(id));
+  if (scene_of_ && !std::exchange(frame.is_guarded, true))
+    frame.files->SetGuard({scene_of_(id), on_foreign_});
   return frame;
+}
+
+void FileSpool::NameScenes(SceneOf scene_of, std::function<void(const std::string& path)> on_foreign) {
+  scene_of_ = std::move(scene_of);
+  on_foreign_ = std::move(on_foreign);
 }
 
 std::vector<FileSpool::Found> FileSpool::Frames() const {
@@ -171,12 +179,11 @@ void FileSpool::Drop(FrameId id) {
 }
 
 void FileSpool::Load(FrameId id, OnLoaded done) {
-  const auto found = frames_.find(id);
-  if (found == frames_.end()) {
+  if (!frames_.contains(id)) {
     done(Failed(fmt::format("{}: is not there", FolderOf(id))));
     return;
   }
-  run_([files = found->second.files, done = std::move(done)] {
+  run_([files = Need(id).files, done = std::move(done)] {
     std::vector<TileNode> nodes;
     const auto read = files->Read(false, [&](TileNode node) { nodes.push_back(std::move(node)); });
     done(read ? Result<std::vector<TileNode>>(std::move(nodes)) : read.error());

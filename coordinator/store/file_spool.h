@@ -21,6 +21,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -45,6 +46,12 @@ class FileSpool : public Spool {
   static Result<std::unique_ptr<FileSpool>> Open(const std::string& path, Run run,
                                                  uint64_t segment_bytes_min = kSegmentBytesMin);
 
+  // From now on, files name the scene that their frame is rendered from, and results of another scene are
+  // ignored. `scene_of` is called by the methods below and returns nullopt if the frame is not known.
+  // `on_foreign` is called on any thread, with the path of each file that holds such results when it is read.
+  using SceneOf = std::function<std::optional<Digest>(FrameId)>;
+  void NameScenes(SceneOf scene_of, std::function<void(const std::string& path)> on_foreign);
+
   // ---- After a start ----
   struct Found {
     FrameId frame;
@@ -68,6 +75,7 @@ class FileSpool : public Spool {
     std::shared_ptr<FrameFiles> files;  // shared with what runs in the background
     std::unique_ptr<NodeLog> segment;   // the newest; null: begun when it is needed
     std::vector<TileNode> pending;      // not yet in the log
+    bool is_guarded = false;            // the files know their scene
   };
   FileSpool(std::string path, Run run, uint64_t segment_bytes_min)
       : path_(std::move(path)), run_(std::move(run)), segment_bytes_min_(segment_bytes_min) {}
@@ -80,6 +88,8 @@ class FileSpool : public Spool {
 
   std::string path_;
   Run run_;
+  SceneOf scene_of_;
+  std::function<void(const std::string& path)> on_foreign_;
   uint64_t segment_bytes_min_;
   std::map<FrameId, Frame> frames_;
   std::set<FrameId> open_;         // have an open segment

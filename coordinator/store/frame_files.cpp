@@ -59,6 +59,15 @@ FrameFiles::FrameFiles(std::string folder) : folder_(std::move(folder)) {
   base_next_ = base_.number;
 }
 
+void FrameFiles::SetGuard(SceneGuard guard) {
+  const std::lock_guard lock(mutex_);
+  guard_ = std::move(guard);
+}
+SceneGuard FrameFiles::guard() const {
+  const std::lock_guard lock(mutex_);
+  return guard_;
+}
+
 std::string FrameFiles::SegmentPath(uint64_t number) const {
   return fmt::format("{}/segment-{}", folder_, number);
 }
@@ -71,7 +80,7 @@ Result<std::unique_ptr<NodeLog>> FrameFiles::BeginSegment() {
   const std::lock_guard lock(mutex_);
   const uint64_t newest = segments_.empty() ? 0 : segments_.back().number;
   const uint64_t number = std::max({newest + 1, base_next_, uint64_t{1}});
-  auto log = NodeLog::Create(SegmentPath(number));
+  auto log = NodeLog::Create(SegmentPath(number), guard_);
   if (log) segments_.push_back({number, (*log)->synced_bytes()});
   return log;
 }
@@ -80,7 +89,7 @@ Result<std::unique_ptr<NodeLog>> FrameFiles::ReopenSegment(const std::function<v
                                                            const RecordLog::OnTorn& on_torn) {
   const std::lock_guard lock(mutex_);
   if (segments_.empty()) return std::unique_ptr<NodeLog>();
-  auto log = NodeLog::Open(SegmentPath(segments_.back().number), visit, on_torn);
+  auto log = NodeLog::Open(SegmentPath(segments_.back().number), visit, guard_, on_torn);
   if (log && *log != nullptr) segments_.back().bytes = (*log)->synced_bytes();
   return log;
 }
@@ -125,7 +134,7 @@ Result<uint64_t> FrameFiles::WriteBaseFile(uint64_t number, std::vector<TileNode
   const std::string path = BasePath(number);
   const std::string beside = path + ".new";
   const auto write = [&]() -> Result<uint64_t> {
-    auto log = NodeLog::Create(beside);
+    auto log = NodeLog::Create(beside, guard());
     if (!log) return log.error();
     for (TileNode& node : nodes) (*log)->Append(std::move(node));
     if (const auto synced = (*log)->Sync(); !synced) return synced.error();
@@ -174,6 +183,7 @@ Result<void> FrameFiles::AwaitBase() {
 }
 
 Result<void> FrameFiles::Read(bool but_newest, const std::function<void(TileNode)>& visit) const {
+  const SceneGuard guard = this->guard();
   std::vector<File> segments;
   File base;
   {
@@ -183,13 +193,13 @@ Result<void> FrameFiles::Read(bool but_newest, const std::function<void(TileNode
   }
   if (but_newest && !segments.empty()) segments.pop_back();
   if (base.number > 0) {
-    const auto read = NodeLog::Read(BasePath(base.number), RecordLog::Tail::kWhole, visit);
+    const auto read = NodeLog::Read(BasePath(base.number), RecordLog::Tail::kWhole, visit, guard);
     if (!read) return read.error();
   }
   for (const File& segment : segments) {
     const bool is_newest = segment.number == segments.back().number && !but_newest;
     const auto tail = is_newest ? RecordLog::Tail::kMayBeTorn : RecordLog::Tail::kWhole;
-    const auto read = NodeLog::Read(SegmentPath(segment.number), tail, visit);
+    const auto read = NodeLog::Read(SegmentPath(segment.number), tail, visit, guard);
     if (!read) return read.error();
   }
   return {};

@@ -25,10 +25,12 @@ class FrameFiles {
   // Reads the folder, which need not exist, and removes files that were replaced or never finished.
   explicit FrameFiles(std::string folder);
 
+  // Sets what the frame is rendered from. Call it before files are read or written.
+  void SetGuard(SceneGuard guard);
   // Creates the next segment, and the folder if there is none.
   Result<std::unique_ptr<NodeLog>> BeginSegment();
-  // Visits the nodes of the newest segment and opens it for appending. Null if there is none, or if it is of
-  // a version that is not appended to.
+  // Visits the nodes of the newest segment and opens it for appending. Null if there is none, or if it is
+  // not appended to (NodeLog::Open).
   Result<std::unique_ptr<NodeLog>> ReopenSegment(const std::function<void(TileNode)>& visit,
                                                  const RecordLog::OnTorn& on_torn = {});
   // Sets the size of the newest segment.
@@ -55,11 +57,13 @@ class FrameFiles {
   Result<uint64_t> WriteBaseFile(uint64_t number, std::vector<TileNode> nodes) const;
   std::string SegmentPath(uint64_t number) const;
   std::string BasePath(uint64_t number) const;
+  SceneGuard guard() const;
 
   const std::string folder_;
   mutable std::mutex mutex_;
   std::condition_variable base_ended_;
   // All guarded by mutex_.
+  SceneGuard guard_;
   std::vector<File> segments_;  // from base_.number on, in order
   File base_;                   // number 0: none
   uint64_t base_next_ = 0;      // the base that is being written

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "coordinator/core/byte_codec.h"
@@ -11,7 +12,7 @@
 namespace tessera {
 namespace {
 
-enum class Kind : uint32_t { kChannels = 1, kNode = 2 };
+enum class Kind : uint32_t { kChannels = 1, kNode = 2, kScene = 3 };
 
 constexpr uint32_t kSpoolVersion = 2;
 constexpr uint32_t kSpoolVersionWithoutKinds = 1;
@@ -41,17 +42,20 @@ Result<TileNode> DecodeNode(std::string_view payload) {
 // Reads the payloads of a log one after the other.
 class NodeReader {
  public:
-  explicit NodeReader(const NodeLog::Visit& visit) : visit_(visit) {}
+  NodeReader(const NodeLog::Visit& visit, const SceneGuard& guard) : visit_(visit), guard_(guard) {}
 
   Result<void> Read(std::string_view payload, uint32_t version) {
     if (version == kSpoolVersionWithoutKinds) return ReadNode(payload);
     ByteReader in(payload);
     const auto kind = static_cast<Kind>(in.Read32());
     if (kind == Kind::kChannels) return ReadChannelList(in);
+    if (kind == Kind::kScene) return ReadScene(payload.substr(sizeof(uint32_t)));
     if (kind == Kind::kNode) return ReadNode(payload.substr(sizeof(uint32_t)));
     return Failed("contains a record of an unknown kind: it may be from a newer version");
   }
   const SharedChannels& channels() const { return channels_; }
+  bool has_scene() const { return has_scene_; }
+  bool has_foreign() const { return has_foreign_; }
 
  private:
   Result<void> ReadChannelList(ByteReader& in) {
@@ -64,7 +68,17 @@ class NodeReader {
     channels_ = std::make_shared<const std::vector<Channel>>(std::move(channels));
     return {};
   }
+  Result<void> ReadScene(std::string_view bytes) {
+    Digest scene;
+    if (bytes.size() != scene.bytes.size()) return Failed("contains a scene digest that cannot be read");
+    std::memcpy(scene.bytes.data(), bytes.data(), bytes.size());
+    has_scene_ = true;
+    is_foreign_ = guard_.scene && scene != *guard_.scene;
+    has_foreign_ |= is_foreign_;
+    return {};
+  }
   Result<void> ReadNode(std::string_view bytes) {
+    if (is_foreign_) return {};
     auto node = DecodeNode(bytes);
     if (!node) return node.error();
     node->channels = channels_;
@@ -73,8 +87,16 @@ class NodeReader {
   }
 
   const NodeLog::Visit& visit_;
+  const SceneGuard& guard_;
   SharedChannels channels_;
+  bool has_scene_ = false;    // some nodes name their scene
+  bool is_foreign_ = false;   // the last scene is not the one of the guard
+  bool has_foreign_ = false;  // nor was one before it
 };
+
+void Report(const NodeReader& reader, const SceneGuard& guard, const std::string& path) {
+  if (reader.has_foreign() && guard.on_foreign) guard.on_foreign(path);
+}
 
 RecordLog::Visit VisitorOf(NodeReader& reader) {
   return [&reader](std::string_view payload, uint32_t version) { return reader.Read(payload, version); };
@@ -82,27 +104,37 @@ RecordLog::Visit VisitorOf(NodeReader& reader) {
 
 }  // namespace
 
-Result<std::unique_ptr<NodeLog>> NodeLog::Create(const std::string& path) {
+Result<std::unique_ptr<NodeLog>> NodeLog::Create(const std::string& path, const SceneGuard& guard) {
   auto log = RecordLog::Create(path, kSpoolFormat);
   if (!log) return log.error();
-  return std::unique_ptr<NodeLog>(new NodeLog(std::move(*log), nullptr));
+  return std::unique_ptr<NodeLog>(new NodeLog(std::move(*log), guard.scene, nullptr));
 }
 
 Result<std::unique_ptr<NodeLog>> NodeLog::Open(const std::string& path, const Visit& visit,
-                                               const RecordLog::OnTorn& on_torn) {
-  NodeReader reader(visit);
+                                               const SceneGuard& guard, const RecordLog::OnTorn& on_torn) {
+  NodeReader reader(visit, guard);
   auto log = RecordLog::Open(path, kSpoolFormat, VisitorOf(reader), kSpoolRemedy, on_torn);
   if (!log) return log.error();
-  if ((*log)->version() != kSpoolVersion) return std::unique_ptr<NodeLog>();
-  return std::unique_ptr<NodeLog>(new NodeLog(std::move(*log), reader.channels()));
+  Report(reader, guard, path);
+  if ((*log)->version() != kSpoolVersion || reader.has_foreign()) return std::unique_ptr<NodeLog>();
+  return std::unique_ptr<NodeLog>(
+      new NodeLog(std::move(*log), reader.has_scene() ? std::nullopt : guard.scene, reader.channels()));
 }
 
-Result<void> NodeLog::Read(const std::string& path, RecordLog::Tail tail, const Visit& visit) {
-  NodeReader reader(visit);
-  return RecordLog::Read(path, kSpoolFormat, tail, VisitorOf(reader), kSpoolRemedy);
+Result<void> NodeLog::Read(const std::string& path, RecordLog::Tail tail, const Visit& visit,
+                           const SceneGuard& guard) {
+  NodeReader reader(visit, guard);
+  auto read = RecordLog::Read(path, kSpoolFormat, tail, VisitorOf(reader), kSpoolRemedy);
+  Report(reader, guard, path);
+  return read;
 }
 
 void NodeLog::Append(TileNode node) {
+  if (const auto scene = std::exchange(scene_, std::nullopt)) {
+    ByteWriter record;
+    record.Add32(static_cast<uint32_t>(Kind::kScene));
+    log_->Append(record.Take() + std::string(scene->bytes.begin(), scene->bytes.end()));
+  }
   const bool is_named = node.channels != nullptr;
   if (is_named && node.channels != channels_ && (channels_ == nullptr || *node.channels != *channels_)) {
     ByteWriter list, record;

@@ -94,6 +94,24 @@ TEST_F(Identity, AnotherDataDirectoryAtTheSameAddressGetsItsOwnPixelsInTheUsualT
   EXPECT_TRUE(Fetched("1") == red);
 }
 
+// The folders of a spool have the numbers of jobs as their names, and both spools have a job 1.
+TEST_F(Identity, ASpoolOfAnotherDataDirectoryDoesNotEnterThePicture) {
+  const std::string oracle = Oracle(Green(), options_);
+  StartFarm();
+  RenderSome(Submit(Red(), options_));
+  Kill();
+  Move("data", "data-of-a");
+  StartCoordinator();
+  RenderSome(Submit(Green(), options_));
+  Kill();
+  fs::remove_all(Path("data/spool"));
+  Move("data-of-a/spool", "data/spool");
+  StartCoordinator();
+  ASSERT_TRUE(coordinator().AwaitErrors("spool_file_ignored"));
+  ASSERT_EQ(Ask({"watch", "1"}).code, 0);
+  EXPECT_TRUE(Fetched("1") == oracle);
+}
+
 TEST_F(Identity, ADirectoryRestoredToAnEarlierStateGetsThePixelsOfItsNewJobs) {
   const std::string oracle = Oracle(Green(), options_);
   StartFarm();

@@ -25,7 +25,8 @@ TEST(FarmExtend, AFinishedJobContinuesFromItsSums) {
   EXPECT_TRUE(process.pictures.empty()) << "its first samples are still in the spool";
   process.Load();
   ASSERT_EQ(process.pictures.size(), 1u);
-  EXPECT_EQ(process.pictures[0].snapshot.Picture().values, Reference(ExtendableJob(19)->frames[0].spec, 0).values);
+  EXPECT_EQ(process.pictures[0].snapshot.Picture().values,
+            Reference(ExtendableJob(19)->frames[0].spec, 0).values);
   EXPECT_EQ(process.pictures[0].spec->frames[0].spec, ExtendableJob(19)->frames[0].spec) << "header and all";
   process.WritePictures();
   EXPECT_EQ(process.Status(job).state, JobState::kFinished);
@@ -48,7 +49,8 @@ TEST(FarmExtend, ARunningJobKeepsItsMergedSamples) {
   process.Return(job, 0, 2, {0, 16});
   process.Return(job, 0, 3, {0, 16});
   ASSERT_EQ(process.pictures.size(), 1u);
-  EXPECT_EQ(process.pictures[0].snapshot.Picture().values, Reference(ExtendableJob(16)->frames[0].spec, 0).values);
+  EXPECT_EQ(process.pictures[0].snapshot.Picture().values,
+            Reference(ExtendableJob(16)->frames[0].spec, 0).values);
 }
 
 TEST(FarmExtend, AnAdaptiveJobIsRefused) {
@@ -104,7 +106,8 @@ TEST(FarmExtend, SurvivesARestartAtEveryStep) {
     process->Load();
     maybe_restart();
     for (const FinishedPicture& each : process->pictures) {
-      EXPECT_EQ(each.snapshot.Picture().values, Reference(ExtendableJob(16)->frames[0].spec, each.frame).values)
+      EXPECT_EQ(each.snapshot.Picture().values,
+                Reference(ExtendableJob(16)->frames[0].spec, each.frame).values)
           << restart_at;
     }
     EXPECT_EQ(process->pictures.size(), 2u) << restart_at;
@@ -164,6 +167,30 @@ TEST(FarmExtend, SumsThatCannotBeReadBackFailTheJobWithThatReason) {
   process.farm.SumsLoaded(process.now, process.loads[0], Failed("base-2: damaged at byte 7"));
   EXPECT_EQ(process.Status(job).state, JobState::kFailed);
   EXPECT_THAT(process.Status(job).reason, HasSubstr("base-2: damaged at byte 7"));
+}
+
+// The spool ignores what names another scene.
+TEST(FarmExtend, SumsThatAreIncompleteFailTheJobAndNeverMakeAPicture) {
+  for (const size_t missing : {size_t{1}, size_t{kTiles}}) {
+    Disk disk;
+    Process process(disk);
+    const JobId job = *process.farm.Submit(process.now, ExtendableJob(5));
+    process.Step();
+    process.Finish(job, 5);
+    ASSERT_TRUE(process.farm.Extend(process.now, job, 8));
+    process.Step();
+    process.Return(job, 0, 0, {5, 1});
+    ASSERT_EQ(process.loads.size(), 1u);
+    std::vector<TileNode> sums = disk.base[process.loads[0]];
+    ASSERT_GE(sums.size(), missing);
+    std::erase_if(sums, [&](const TileNode& node) { return node.tile < missing; });
+    process.farm.SumsLoaded(process.now, process.loads[0], sums);
+    process.Step();
+    EXPECT_EQ(process.Status(job).state, JobState::kFailed);
+    EXPECT_THAT(process.Status(job).reason, HasSubstr("some are missing"));
+    process.ReturnAll(job, 0, 5, 8);
+    EXPECT_TRUE(process.pictures.empty());
+  }
 }
 
 }  // namespace

@@ -164,6 +164,49 @@ TEST(FarmRecovery, APictureThatWasNotWrittenIsMadeFromTheSpool) {
   EXPECT_EQ(after.Status(job).state, JobState::kFinished);
 }
 
+// The spool ignores what names another scene.
+TEST(FarmRecovery, AFrameWhoseSpoolHasNothingForItIsRenderedAgain) {
+  constexpr uint32_t kSamples = 5;
+  Disk disk;
+  JobId job{};
+  {
+    Process before(disk);
+    job = *before.farm.Submit(before.now, ExtendableJob(kSamples));
+    before.Step();
+    EXPECT_EQ(before.Return(job, 0, 0, {0, 4}), Verdict::kAccepted);
+  }
+  Process after(disk, kKeptBytesMaxDefault, Process::Contents::kIgnored);
+  EXPECT_EQ(after.Status(job).samples_done, 0u);
+  after.ReturnAll(job, 0, 0, kSamples);
+  ASSERT_EQ(after.pictures.size(), 1u);
+  EXPECT_EQ(after.pictures[0].snapshot.Picture().values,
+            Reference(ExtendableJob(kSamples)->frames[0].spec, 0).values);
+}
+
+TEST(FarmRecovery, AFrameKeepsTheNameOfItsSceneThroughExtensionsAndRestarts) {
+  Disk disk;
+  JobId job{};
+  std::optional<Digest> scene;
+  {
+    Process before(disk);
+    job = *before.farm.Submit(before.now, ExtendableJob(4));
+    before.Step();
+    scene = before.farm.SceneOf({job, 0});
+    ASSERT_TRUE(before.farm.Extend(before.now, job, 16));
+    before.Step();
+    EXPECT_EQ(before.farm.SceneOf({job, 0}), scene);
+  }
+  ASSERT_TRUE(scene);
+  Process after(disk);
+  EXPECT_EQ(after.farm.SceneOf({job, 0}), scene);
+  disk.facts.clear();
+  for (const Fact& fact : after.farm.Snapshot()) disk.facts.push_back(EncodeFact(fact));
+  Process compacted(disk);
+  EXPECT_EQ(compacted.farm.SceneOf({job, 0}), scene);
+  EXPECT_EQ(compacted.farm.SceneOf({job, 1}), std::nullopt);
+  EXPECT_EQ(compacted.farm.SceneOf({JobId{99}, 0}), std::nullopt);
+}
+
 TEST(FarmRecovery, SpoolFramesOfEndedAndUnknownJobsAreDropped) {
   Disk disk;
   Process process(disk);

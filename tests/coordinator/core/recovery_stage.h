@@ -66,8 +66,11 @@ struct Disk {
 };
 
 struct Process {
-  explicit Process(Disk& disk, uint64_t kept_bytes_max = kKeptBytesMaxDefault)
-      : disk(disk), farm(SchedulerOptions{kLaterEpoch}, kept_bytes_max) {
+  // Whether what is found in the spool is of this farm's scenes.
+  enum class Contents { kRestored, kIgnored };
+  explicit Process(Disk& disk, uint64_t kept_bytes_max = kKeptBytesMaxDefault,
+                   Contents contents = Contents::kRestored)
+      : disk(disk), contents(contents), farm(SchedulerOptions{kLaterEpoch}, kept_bytes_max) {
     for (const std::string& fact : disk.facts) farm.Restore(*DecodeFact(fact));
     std::set<FrameId> frames;
     for (const auto& [frame, nodes] : disk.base) frames.insert(frame);
@@ -79,7 +82,7 @@ struct Process {
   void Find(FrameId frame) {
     const auto use = farm.FoundInSpool(frame, !disk.results[frame].empty());
     if (use == Farm::SpoolUse::kDrop) Drop(frame);
-    if (use != Farm::SpoolUse::kRestore) return;
+    if (use != Farm::SpoolUse::kRestore || contents == Contents::kIgnored) return;
     for (const auto* nodes : {&disk.base[frame], &disk.results[frame]}) {
       for (const TileNode& node : *nodes) farm.RestoreNode(frame, node);
     }
@@ -145,6 +148,7 @@ struct Process {
 
   Instant now = seconds(100);
   Disk& disk;
+  Contents contents;
   Farm farm;
   std::vector<FinishedPicture> pictures;
   std::vector<FrameId> loads;
