@@ -63,6 +63,34 @@ void Dispatcher::GrantFrom(Instant now, WorkerRecord& worker, const FrameChoice&
 }
 
 FrameChoice Dispatcher::Choose(Instant now, WorkerRecord& worker, std::optional<int> above_priority) {
+  const FrameChoice choice = ChooseByPriority(now, worker, above_priority);
+  if (choice.frame != nullptr || above_priority || !state_.jobs.has_refused()) return choice;
+  if (worker.waits_for_scene() || !BeginFor(worker)) return choice;
+  return ChooseByPriority(now, worker, std::nullopt);
+}
+
+// Begins a frame for the worker although the limits are reached, because no active frame has work for it. A
+// worker without any unit gets one whatever is active: frames of jobs that are paused must not hold it up.
+bool Dispatcher::BeginFor(const WorkerRecord& worker) {
+  for (const auto& [priority, jobs] : state_.jobs.runnable()) {
+    for (const JobId id : jobs) {
+      Job& job = state_.jobs.At(id);
+      const std::set<uint32_t>& ahead = job.schedule.ahead;
+      if (ahead.empty() || job.schedule.active.size() >= kFramesActiveMax) continue;
+      if (!worker.has_tags(job.spec->required_tags)) continue;
+      const uint32_t next = *ahead.begin();
+      if (state_.jobs.MayBegin(job, next)) continue;  // it has open frames, but not for this worker
+      if (!state_.jobs.MayStretch(job, next) && !state_.leases.OfWorker(worker.id).empty()) return false;
+      state_.jobs.Begin(job, next);
+      state_.idle.UnblockAll();
+      return true;
+    }
+  }
+  return false;
+}
+
+FrameChoice Dispatcher::ChooseByPriority(Instant now, WorkerRecord& worker,
+                                         std::optional<int> above_priority) {
   for (const auto& [priority, jobs] : state_.jobs.runnable()) {
     if (above_priority && priority <= *above_priority) break;
     if (const FrameChoice choice = ChooseAmong(now, worker, jobs); choice.frame != nullptr) return choice;

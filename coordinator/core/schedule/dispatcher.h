@@ -33,6 +33,8 @@ class Dispatcher {
   void GrantFrom(Instant now, WorkerRecord& worker, const FrameChoice& choice, const MayRender& may);
   void GrantFrom(Instant now, WorkerRecord& worker, const FrameChoice& choice);
   FrameChoice Choose(Instant now, WorkerRecord& worker, std::optional<int> above_priority);
+  FrameChoice ChooseByPriority(Instant now, WorkerRecord& worker, std::optional<int> above_priority);
+  bool BeginFor(const WorkerRecord& worker);
   FrameChoice ChooseAmong(Instant now, WorkerRecord& worker, const std::set<JobId>& jobs);
   void PreemptAt(Instant now, WorkerRecord& worker);
   std::optional<LeaseId> LeastUrgentWaiting(Instant now, WorkerId worker) const;

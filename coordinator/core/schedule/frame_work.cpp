@@ -48,7 +48,8 @@ void FrameWork::ChangeOpen(uint32_t tile_index, Change change) {
   account(-1);
   change(tile.open);
   account(+1);
-  if (!tile.open.empty()) order_.insert({level(), tile_index});
+  // While the frame begins, the place is the last one.
+  if (!tile.open.empty()) order_.emplace_hint(order_.end(), level(), tile_index);
 }
 
 double FrameWork::CostPerPixelSample(const Tile& tile) const {

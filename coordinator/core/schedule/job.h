@@ -5,10 +5,12 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "coordinator/core/schedule/active_frames.h"
 #include "coordinator/core/schedule/counters.h"
 #include "coordinator/core/schedule/failure_book.h"
 #include "coordinator/core/schedule/frame_work.h"
@@ -37,6 +39,7 @@ struct ActiveFrame {
   FrameWork work;
   FailureBook failures;
   Verification verification;
+  std::shared_ptr<const void> place;  // counts it among the active frames of all jobs
 
  private:
   static SceneRequest RequestFor(const JobSpec& job, const FrameRequest& order, const Digest& scene_key,
@@ -56,7 +59,8 @@ enum class JobPhase {
 struct JobSchedule {
   bool has_one_scene = true;  // all frames are of the same file
   std::map<uint32_t, ActiveFrame> active;
-  std::set<uint32_t> ahead;     // frames that are not begun
+  std::set<uint32_t> ahead;                                      // frames that are not begun
+  std::optional<std::pair<uint32_t, ActiveFrames::Size>> sized;  // the frame whose size was last computed
   double load_s = 0;            // that a worker takes to get a scene of it ready; 0: not known
   double measured_cost = 0;     // of all its frames, in seconds on a worker of speed 1
   double measured_samples = 0;  // pixel samples that cost that
@@ -94,7 +98,7 @@ struct JobResults {
   std::map<uint32_t, uint64_t> frame_samples;    // pixel samples of frames that are complete
   std::set<uint32_t> remaking;                   // frames whose damaged file is made again from their sums
   std::map<uint32_t, std::string> unwritten;     // why attempts to write the pictures of frames failed
-  std::map<uint32_t, std::string> lost;  // why files are damaged or missing and cannot be made again
+  std::map<uint32_t, std::string> lost;          // why files are damaged or missing and cannot be made again
 
   std::map<WorkUnit, std::vector<Vote>> votes;  // of units that are verified and not decided
   std::map<WorkerId, uint64_t> unconfirmed;     // units merged of each worker, if some are verified

@@ -6,6 +6,17 @@
 #include "renderer/util/check.h"
 
 namespace tessera {
+namespace {
+
+// Each job is asked about the same frame many times.
+const ActiveFrames::Size& SizeOf(Job& job, uint32_t frame) {
+  auto& sized = job.schedule.sized;
+  if (!sized || sized->first != frame)
+    sized.emplace(frame, ActiveFrames::SizeOf(job.spec->frames[frame].spec));
+  return sized->second;
+}
+
+}  // namespace
 
 void JobQueue::Add(Job& job) {
   const bool is_new = open_.emplace(job.id, &job).second;
@@ -50,12 +61,25 @@ const Job* JobQueue::Find(JobId id) const {
   return found == open_.end() ? nullptr : found->second;
 }
 
+bool JobQueue::MayBegin(Job& job, uint32_t frame) {
+  if (active_.HasRoom(SizeOf(job, frame))) return true;
+  const bool is_first = !runnable_.empty() && *runnable_.begin()->second.begin() == job.id;
+  if (is_first && job.schedule.active.size() < 2 && MayStretch(job, frame)) return true;
+  has_refused_ = true;
+  return false;
+}
+
+bool JobQueue::MayStretch(Job& job, uint32_t frame) {
+  return active_.HasRoom(SizeOf(job, frame), kActiveStretch);
+}
+
 ActiveFrame& JobQueue::Begin(Job& job, uint32_t index) {
   ActiveFrame& frame = job.Begin(index);
   std::erase_if(scene_histories_, [](const auto& each) { return each.second.expired(); });
   auto& known = scene_histories_[frame.scene.key];
   auto history = known.lock();
   if (history == nullptr) known = history = std::make_shared<FailureBook::SceneHistory>();
+  frame.place = active_.Count(SizeOf(job, index));
   frame.failures = FailureBook(std::move(history));
   return frame;
 }

@@ -6,8 +6,10 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
+#include "coordinator/core/schedule/active_frames.h"
 #include "coordinator/core/schedule/job.h"
 
 namespace tessera {
@@ -28,6 +30,14 @@ class JobQueue {
   const Job* Find(JobId id) const;
   Job& At(JobId id) { return *open_.at(id); }
   const Job& At(JobId id) const { return *open_.at(id); }
+  // Whether there is room for one more active frame. The most urgent job has room for two while others fill
+  // the limits.
+  bool MayBegin(Job& job, uint32_t frame);
+  // Whether there is room for one more that a worker needs because it finds no work in those that are active.
+  bool MayStretch(Job& job, uint32_t frame);
+  // Whether MayBegin was false since the last call of ClearRefusal.
+  bool has_refused() const { return has_refused_; }
+  bool ClearRefusal() { return std::exchange(has_refused_, false); }
   // Makes the frame active.
   ActiveFrame& Begin(Job& job, uint32_t frame);
   // The frame of the unit if it is begun and not complete.
@@ -54,6 +64,8 @@ class JobQueue {
 
   std::map<JobId, Job*> open_;
   Priorities runnable_;
+  ActiveFrames active_;
+  bool has_refused_ = false;
   std::map<Digest, std::weak_ptr<FailureBook::SceneHistory>> scene_histories_;  // of active frames
 };
 

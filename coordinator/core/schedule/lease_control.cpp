@@ -26,6 +26,8 @@ LeaseRecord LeaseControl::End(LeaseId id) {
   ActiveFrame& frame = state_.jobs.At(unit.job).schedule.active.at(unit.frame);
   frame.verification.Release({unit.tile, unit.range}, worker.id);
   if (state_.losses.TrialOf(worker.id)) state_.idle.Remove(worker.id);  // it waits for the end of its leases
+  // A worker without units may have a frame begun beyond the limits.
+  if (state_.jobs.has_refused() && state_.leases.OfWorker(worker.id).empty()) state_.idle.Remove(worker.id);
   UpdateRoom(worker);
   return record;
 }

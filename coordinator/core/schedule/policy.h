@@ -38,6 +38,14 @@ constexpr double kPrefetchDuration_s = 0.1;
 constexpr int kUnitsPerSlotMax = 16;
 // Frames of one job that are rendered or merged at the same time: each holds a picture in memory.
 constexpr uint32_t kFramesActiveMax = 16;
+// The same over all jobs: frames, their tiles (some 200 bytes each and a microsecond to begin), and the bytes
+// of their sums. 2 GiB are 64 frames of 1920 x 1080 pixels with four channels.
+constexpr uint64_t kActiveFramesMax = 256;
+constexpr uint64_t kActiveTilesMax = uint64_t{1} << 20;
+constexpr uint64_t kActiveBytesMax = uint64_t{2} << 30;
+// Up to this many times the limits, frames are begun for the most urgent job and for workers that find no
+// work in those that are begun.
+constexpr uint64_t kActiveStretch = 4;
 
 // How much a new measurement of a scene's loading time counts: the first loads also fetch files.
 constexpr double kLoadGain = 0.3;

@@ -35,7 +35,8 @@ void SceneLocality::Activate(Job& job) {
   uint32_t open = 0;
   for (const auto& [index, frame] : schedule.active) open += frame.work.HasOpen() ? 1 : 0;
   const uint32_t wanted = FramesAbreast(job) + 1;
-  while (open < wanted && !schedule.ahead.empty() && schedule.active.size() < kFramesActiveMax) {
+  while (open < wanted && !schedule.ahead.empty() && schedule.active.size() < kFramesActiveMax &&
+         state_.jobs.MayBegin(job, *schedule.ahead.begin())) {
     state_.jobs.Begin(job, *schedule.ahead.begin());
     state_.idle.UnblockAll();
     ++open;

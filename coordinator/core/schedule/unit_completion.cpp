@@ -62,7 +62,8 @@ void UnitCompletion::Retire(Job& job, uint32_t frame) {
   if (!job.schedule.active.at(frame).work.Complete()) return;
   job.schedule.active.erase(frame);
   state_.leases.ForgetFrame(job.id, frame);
-  if (!job.schedule.ahead.empty()) state_.idle.UnblockAll();  // there is room for another frame
+  // There is room for another frame, perhaps of another job.
+  if (state_.jobs.ClearRefusal() || !job.schedule.ahead.empty()) state_.idle.UnblockAll();
 }
 
 void UnitCompletion::SetGoal(Job& job, uint32_t index, uint32_t tile, const TileGoal& goal) {

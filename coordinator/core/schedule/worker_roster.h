@@ -81,6 +81,11 @@ struct WorkerRecord {
     return std::any_of(wanted.begin(), wanted.end(),
                        [&](const SceneRequest& order) { return order.key == scene; });
   }
+  // Whether it is to load a scene that it does not have ready.
+  bool waits_for_scene() const {
+    return std::any_of(wanted.begin(), wanted.end(),
+                       [&](const SceneRequest& order) { return !has_ready(order.key); });
+  }
   // Whether it has the scene or was told to load it.
   bool Expects(const Digest& scene) const {
     return scenes.contains(scene) || loading_since.contains(scene) || wants(scene);

@@ -85,6 +85,8 @@ bool WorkerSync::TakeOver(Instant now, WorkerRecord& worker, const HeldLease& he
   Job& job = state_.jobs.At(held.unit.job);
   if (job.is_paused && held.stage == LeaseStage::kWaiting) return false;
   if (!worker.has_tags(job.spec->required_tags)) return false;
+  if (state_.jobs.FindFrame(held.unit) == nullptr && !state_.jobs.MayStretch(job, held.unit.frame))
+    return false;
   ActiveFrame& frame = *state_.jobs.FindOrBegin(held.unit);
   if (!frame.failures.May(worker.id, held.unit.tile)) return false;
   const TileSamples samples{held.unit.tile, held.unit.range};
