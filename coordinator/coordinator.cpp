@@ -129,6 +129,10 @@ const BlobStore& Coordinator::blobs() const {
   return parts_->blobs;
 }
 
+size_t Coordinator::watcher_count() const {
+  return parts_->core->watcher_count();
+}
+
 const ResultsIntake& Coordinator::intake() const {
   return parts_->work->intake();
 }

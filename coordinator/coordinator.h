@@ -1,6 +1,7 @@
 // A coordinator: everything between its options and its end.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -32,6 +33,8 @@ class Coordinator {
   std::optional<Address> http() const;
   const BlobStore& blobs() const;
   const ResultsIntake& intake() const;
+  // Clients that watch jobs.
+  size_t watcher_count() const;
 
   // Answers the calls that wait, takes no new ones and ends all threads. Everything acknowledged is on disk.
   void Stop();

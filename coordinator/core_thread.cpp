@@ -243,6 +243,7 @@ void CoreThread::NotifyWatchers(Instant now) {
   if (all) watchers_due_ = now + kWatchInterval;
   std::erase_if(answers_.watchers_, [&](PendingAnswers::Watcher& watcher) {
     if (watcher.sent && !all) return false;
+    if (!watcher.is_watched()) return true;
     if (closing_) {
       watcher.offer(nullptr, true);
       return true;
@@ -255,6 +256,7 @@ void CoreThread::NotifyWatchers(Instant now) {
     watcher.sent = status;
     return !watcher.offer(status ? &*status : nullptr, last) || last;
   });
+  watcher_count_ = answers_.watchers_.size();
 }
 
 }  // namespace tessera

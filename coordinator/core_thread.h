@@ -4,6 +4,7 @@
 // queue alone.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <map>
@@ -32,6 +33,8 @@ class PendingAnswers {
   // Receives each new status; `last` if there will be no other, because the job has ended or (status null)
   // the coordinator is shutting down. Returns false if nobody is watching any more.
   using OnStatus = std::function<bool(const JobStatus* status, bool last)>;
+  // Whether somebody is still watching: asked at every interval, even while the status does not change.
+  using IsWatched = std::function<bool()>;
 
   void AwaitDirective(CallId call, OnDirective answer) { directives_[call] = std::move(answer); }
   void AwaitResults(CallId call, OnResults answer) { results_[call] = std::move(answer); }
@@ -39,7 +42,9 @@ class PendingAnswers {
   // shutting down first.
   using OnSync = std::function<void(bool synced)>;
   void AfterSync(OnSync answer) { after_sync_.push_back(std::move(answer)); }
-  void Watch(JobId job, OnStatus watcher) { watchers_.push_back({job, std::move(watcher), {}}); }
+  void Watch(JobId job, OnStatus watcher, IsWatched is_watched) {
+    watchers_.push_back({job, std::move(watcher), std::move(is_watched), {}});
+  }
   // The waiting answer of a call that was cancelled; empty if it was given already.
   OnDirective TakeDirective(CallId call);
 
@@ -48,6 +53,7 @@ class PendingAnswers {
   struct Watcher {
     JobId job{};
     OnStatus offer;
+    IsWatched is_watched;
     std::optional<JobStatus> sent;
   };
   std::map<CallId, OnDirective> directives_;
@@ -83,6 +89,8 @@ class CoreThread {
   void Post(Event event);
   // Thread safe.
   const OpenJobs& open_jobs() const { return open_jobs_; }
+  // Thread safe.
+  size_t watcher_count() const { return watcher_count_; }
   // From now on no call waits: workers and watchers learn that the coordinator is shutting down. Thread safe.
   void Close();
   // Ends the picture writer, applies what was posted, then ends the thread.
@@ -112,6 +120,8 @@ class CoreThread {
   bool wants_space_ = false;          // a picture could not be written
   Instant watchers_due_{};
   Instant sync_due_{}, compact_due_{};
+
+  std::atomic<size_t> watcher_count_ = 0;  // of answers_, for other threads
 
   std::mutex mutex_;
   std::condition_variable posted_;

@@ -157,8 +157,9 @@ grpc::ServerWriteReactor<proto::JobStatus>* JobsService::Watch(grpc::CallbackSer
     const auto link = stream->link();
     gate_.core().Post([=, job = JobId{request->job()}](CoreContext& core) {
       if (!core.farm.Status(core.now, job)) return link->Finish(NoJob(job));
-      core.answers.Watch(job,
-                         [link](const JobStatus* status, bool last) { return link->Offer(status, last); });
+      core.answers.Watch(
+          job, [link](const JobStatus* status, bool last) { return link->Offer(status, last); },
+          [link] { return link->IsOpen(); });
     });
     return stream;
   });

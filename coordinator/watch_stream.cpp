@@ -28,6 +28,11 @@ void WatchStream::Link::Finish(const grpc::Status& status) {
   std::exchange(stream_, nullptr)->Finish(status);
 }
 
+bool WatchStream::Link::IsOpen() {
+  const std::lock_guard lock(mutex_);
+  return stream_ != nullptr;
+}
+
 void WatchStream::Link::SendNext() {
   message_.Clear();
   Write(*next_, message_);

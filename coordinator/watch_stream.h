@@ -20,6 +20,8 @@ class WatchStream final : public grpc::ServerWriteReactor<proto::JobStatus> {
     // last. Null means that the coordinator is shutting down. Returns false if the client is gone.
     bool Offer(const JobStatus* status, bool last);
     void Finish(const grpc::Status& status);
+    // Whether the client is still there.
+    bool IsOpen();
 
    private:
     friend class WatchStream;

@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
 #include <future>
+#include <thread>
 
 #include "renderer/film/picture_file.h"
 #include "tests/coordinator/services_fixture.h"
@@ -192,6 +194,30 @@ TEST_F(Services, UnknownJobsAreNotFound) {
   const auto watch = jobs->Watch(&context, request);
   EXPECT_FALSE(watch->Read(&status));
   EXPECT_EQ(watch->Finish().error_code(), StatusCode::NOT_FOUND);
+}
+
+TEST_F(Services, AWatcherThatCancelsIsForgottenThoughTheStatusDoesNotChange) {
+  proto::JobRequest watched;
+  watched.set_job(Submit());
+  const auto comes_to = [&](size_t count) {
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (coordinator->watcher_count() != count && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(milliseconds(1));
+    return coordinator->watcher_count() == count;
+  };
+  grpc::ClientContext staying, leaving;
+  const auto stays = jobs->Watch(&staying, watched);
+  const auto leaves = jobs->Watch(&leaving, watched);
+  proto::JobStatus status;
+  ASSERT_TRUE(stays->Read(&status));
+  ASSERT_TRUE(leaves->Read(&status));
+  ASSERT_TRUE(comes_to(2));
+  leaving.TryCancel();
+  EXPECT_EQ(leaves->Finish().error_code(), StatusCode::CANCELLED);
+  EXPECT_TRUE(comes_to(1)) << coordinator->watcher_count();
+  staying.TryCancel();
+  EXPECT_EQ(stays->Finish().error_code(), StatusCode::CANCELLED);
+  EXPECT_TRUE(comes_to(0));
 }
 
 TEST_F(Services, JobsSurviveARestart) {
