@@ -88,6 +88,20 @@ void MergeSiblings(const PixelShape& shape, size_t pixels, const std::vector<flo
   parent = std::move(merged);
 }
 
+bool AreInRange(const PixelShape& shape, size_t pixels, std::span<const float> values, uint32_t samples) {
+  const float sum_max = kSampleValueMax * static_cast<float>(samples);
+  const auto is_sum = [&](float value) { return std::abs(value) <= sum_max; };
+  if (std::ranges::all_of(values, is_sum)) return true;
+  const size_t stride = shape.stride();
+  for (size_t i = 0; i < values.size(); ++i) {
+    const bool is_record = i < pixels * stride;
+    // After the records follow ids, which are any floats, each with its weight.
+    const bool is_added = is_record ? i % stride < shape.sums : (i - pixels * stride) % 2 == 1;
+    if (is_added ? !is_sum(values[i]) : !std::isfinite(values[i])) return false;
+  }
+  return true;
+}
+
 Result<void> CheckValues(const PixelShape& shape, size_t pixels, std::span<const float> values) {
   const size_t stride = shape.stride();
   if (values.size() < pixels * stride || (shape.id_sets == 0 && values.size() > pixels * stride)) {

@@ -1,7 +1,9 @@
 // The values of a tile (channel_layout.h) as the merge rules of channel.h treat them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -18,6 +20,16 @@ struct IdWeight {
   bool operator==(const IdWeight&) const = default;
 };
 using IdSet = std::vector<IdWeight>;  // by increasing bits of the id
+
+// The largest value of one sample that is added up. Larger ones count as this, so that no sum of a picture
+// overflows: kSamplesPerPixelMax times this power of two is below FLT_MAX, and no rounding exceeds it.
+constexpr float kSampleValueMax = 0x1p106f;
+
+// Limits the values of one sample that are added up.
+inline void LimitSample(const PixelShape& shape, float* record) {
+  for (size_t i = 0; i < shape.sums; ++i)
+    record[i] = std::clamp(record[i], -kSampleValueMax, kSampleValueMax);
+}
 
 // Sums and nearest values of one pixel: the record of the left node becomes that of the parent. The sizes of
 // its sets of ids stay as they are.
@@ -46,6 +58,9 @@ void MergeSiblings(const PixelShape& shape, size_t pixels, const std::vector<flo
 // An error unless these can be the values of that many pixels: their number, that of the entries, ids in
 // order and without duplicates, depths that are not negative.
 Result<void> CheckValues(const PixelShape& shape, size_t pixels, std::span<const float> values);
+
+// Whether all values are finite, and those that are added up no larger than that many samples can make them.
+bool AreInRange(const PixelShape& shape, size_t pixels, std::span<const float> values, uint32_t samples);
 
 // Sets all pixels that the mask does not have to zero.
 void KeepPixels(const PixelShape& shape, size_t pixels, const PixelMask& kept, std::vector<float>& values);

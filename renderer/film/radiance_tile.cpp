@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstring>
 
@@ -152,13 +151,6 @@ Result<std::vector<float>> ReadValues(std::string_view bytes, const Header& head
   return values;
 }
 
-bool AllFinite(const std::vector<float>& values) {
-  for (float value : values) {
-    if (!std::isfinite(value)) return false;
-  }
-  return true;
-}
-
 // The records of the pixels held, then all entries.
 void AppendValues(const RadianceTile& tile, const PixelMask& held, std::string& bytes) {
   if (held.HasAll()) {
@@ -226,7 +218,8 @@ Result<RadianceTile> DecodeRadianceTile(std::string_view bytes, const TileReques
   auto values = ReadValues(body.substr(HeaderSize(header->version)), *header, tile.shape, pixels);
   if (!values) return values.error();
   tile.sums = std::move(*values);
-  if (!AllFinite(tile.sums)) return Failed("radiance tile: it holds a value that is not finite");
+  if (!AreInRange(tile.shape, pixels, tile.sums, tile.range.size))
+    return Failed("radiance tile: it holds a value that is not finite or too large");
   if (auto ok = CheckValues(tile.shape, pixels, tile.sums); !ok)
     return Failed("radiance tile: " + ok.error().message);
   return tile;

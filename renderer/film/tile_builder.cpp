@@ -1,5 +1,6 @@
 #include "renderer/film/tile_builder.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "renderer/util/check.h"
@@ -24,7 +25,7 @@ void TileBuilder::SkipPixel() {
 }
 
 void TileBuilder::AddId(size_t set, float id, float weight) {
-  const IdWeight entry{id, weight};
+  const IdWeight entry{id, std::clamp(weight, -kSampleValueMax, kSampleValueMax)};
   IdSet& ids = sets_[depth_][set];
   MergeIds(ids, {&entry, 1}, merged_);
   std::swap(ids, merged_);

@@ -35,6 +35,7 @@ class TileBuilder {
   // What that sample hit, for a channel of ids (ChannelLayout::IdSetOf). An id twice counts twice.
   void AddId(size_t set, float id, float weight);
   void AddSample() {
+    LimitSample(shape_, Values());
     // A binary counter of partial nodes, as many as bits are set in the count of samples added: so the sum
     // of the range is its node of the tree.
     for (uint32_t carries = count_++; carries & 1; carries >>= 1) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <random>
@@ -173,6 +174,52 @@ TEST(MergeRules, ValuesThatNoTileHasAreRefused) {
   EXPECT_FALSE(check([&](auto& v) { v[entries] = v[entries + 2]; })) << "an id twice";
   EXPECT_FALSE(check([&](auto& v) { std::swap(v[entries], v[entries + 2]); })) << "ids out of order";
   EXPECT_FALSE(check([&](auto& v) { v[entries] = 0; })) << "no id";
+}
+
+TEST(MergeRules, SumsOfTheLargestValuesStayFiniteAndDoNotDependOnTheCut) {
+  FrameSpec spec;
+  spec.width = spec.height = spec.crop.x1 = spec.crop.y1 = 1;
+  spec.samples_per_pixel = 8;
+  const ChannelLayout layout = spec.Layout();
+  const auto render = [&](SampleRange range) {
+    TileBuilder tile(layout, spec.TileBounds(0), range);
+    for (uint32_t s = 0; s < range.size; ++s) {
+      std::fill_n(tile.Values(), layout.shape().sums, std::numeric_limits<float>::max());
+      tile.AddSample();
+    }
+    tile.EndPixel();
+    return tile.Take();
+  };
+  Merger whole(spec), pieces(spec);
+  ASSERT_TRUE(whole.Add(0, render({0, 8})));
+  for (uint32_t s = 0; s < 8; ++s) {
+    const RadianceTile rendered = render({s, 1});
+    auto received = DecodeRadianceTile(EncodeRadianceTile(rendered), RequestOf(rendered));
+    ASSERT_TRUE(received) << received.error().message;
+    ASSERT_TRUE(pieces.Add(0, std::move(*received)));
+  }
+  EXPECT_EQ(Nodes(pieces), Nodes(whole));
+  for (const float sum : *Nodes(whole).at(0).sums) EXPECT_TRUE(std::isfinite(sum)) << sum;
+  RadianceTile most = render({0, 8});
+  for (uint32_t samples = 8; samples < kSamplesPerPixelMax; samples *= 2)
+    MergeSiblings(most.shape, 1, most.sums, most.sums, most.sums);
+  for (const float sum : most.sums) EXPECT_TRUE(std::isfinite(sum)) << sum;
+}
+
+TEST(MergeRules, ATileWhoseSumsAreLargerThanItsSamplesAllowIsRefused) {
+  const RadianceTile good = RenderRules(RuleSpec(4), 0, {0, 4});
+  const auto decodes = [&](size_t at, float value) {
+    RadianceTile tile = good;
+    tile.sums[at] = value;
+    return DecodeRadianceTile(EncodeRadianceTile(tile), RequestOf(tile)).has_value();
+  };
+  const size_t entries = static_cast<size_t>(good.bounds.area()) * good.shape.stride();
+  const float most = 4 * kSampleValueMax;
+  EXPECT_TRUE(decodes(0, -most));
+  EXPECT_FALSE(decodes(0, most * 1.001f));
+  EXPECT_TRUE(decodes(entries + 1, most));
+  EXPECT_FALSE(decodes(entries + 1, most * 1.001f)) << "the weight of an id";
+  EXPECT_TRUE(decodes(good.shape.sums, std::numeric_limits<float>::max())) << "a depth is not added up";
 }
 
 TEST(MergeRules, EveryFlippedByteOfATileIsRefusedAndNoneHarms) {

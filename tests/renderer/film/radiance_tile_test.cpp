@@ -131,6 +131,7 @@ TEST(RadianceTileCodec, ChecksEveryFieldEvenWhenTheCheckSumIsRight) {
       {36, -1, "bytes of values"},
       {40, 0x7f800000, "not finite"},
       {40, 0x7fc00000, "not finite"},
+      {40, 0x7f7fffff, "too large"},
   };
   for (const auto& bad : cases) {
     const Result<RadianceTile> decoded = Decode(With(SmallTile(), bad.offset, bad.value));
