@@ -21,7 +21,9 @@ Size PairAt(std::string_view file, size_t at, int bytes, bool is_little) {
   return DeclaredSize{*width, *height};
 }
 
+// Of the header chunk, which CheckPng demands at the start.
 Size PngSize(std::string_view file) {
+  if (file.size() < 16 || file.substr(12, 4) != "IHDR") return std::nullopt;
   return PairAt(file, 16, 4, false);
 }
 

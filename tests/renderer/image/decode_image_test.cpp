@@ -202,6 +202,12 @@ TEST(DecodeImage, SizesBeyondTheLimitsAreRefusedBeforeMemoryIsAskedFor) {
   EXPECT_EQ(MessageOf(bomb, "a.qoi"), "a.qoi: damaged picture: 15 bytes cannot hold 20000x20000 pixels");
 }
 
+TEST(DecodeImage, APngThatStartsWithAnotherChunkIsDamagedAndDeclaresNoSize) {
+  const std::string chunk =
+      BigEndian32(4) + "CgBI" + std::string("\x50\x00\x20\x06", 4) + BigEndian32(0x2bd53f7f);
+  EXPECT_THAT(MessageOf("\x89PNG\r\n\x1a\n" + chunk, "a.png"), testing::StartsWith("a.png: damaged "));
+}
+
 TEST(DecodeImage, TheReferencePngFilesGiveTheReferencePixels) {
   if (!std::filesystem::exists(kCorpus)) GTEST_SKIP() << "no corpus";
   int compared = 0;
