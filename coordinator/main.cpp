@@ -39,10 +39,8 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
   spdlog::info("coordinator_started {}", options.Text());
   const auto coordinator = Coordinator::Start(options);
   if (!coordinator) return coordinator.error();
-  if (const auto http = (*coordinator)->http())
-    PrintNote("status page at http://{}/\n", http->Text());
-  for (const Address& address : (*coordinator)->addresses())
-    PrintNote("listening on {}\n", address.Text());
+  if (const auto http = (*coordinator)->http()) PrintNote("status page at http://{}/\n", http->Text());
+  for (const Address& address : (*coordinator)->addresses()) PrintNote("listening on {}\n", address.Text());
   AwaitStop(std::move(termination));
   spdlog::info("coordinator_stopping");
   (*coordinator)->Stop();

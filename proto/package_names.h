@@ -12,7 +12,8 @@ constexpr const char* kSceneDigestAttribute = "tessera:scene";
 
 // The path in a package (IsPackagePath) of a file that the scene refers to by `name`: the name itself if it
 // is such a path. Absolute names, names with "." or ".." parts, unusual characters or bytes that are not
-// UTF-8 are percent-encoded below "names/". Different names have different paths. Empty if the name is too long.
+// UTF-8 are percent-encoded below "names/". Different names have different paths. Empty if the name is too
+// long.
 std::string PackagePath(std::string_view name);
 
 // The inverse of PackagePath. A path that no name has is returned unchanged.

@@ -21,8 +21,8 @@ class PictureStore {
   // The picture of a frame, which was written as `file`. An error that names the file if it is not there, if
   // it cannot be read, or if its bytes are others than those written.
   virtual Result<std::string> Read(JobId job, uint32_t frame, const PictureFile& file) const = 0;
-  // The picture that was written last of a frame whose job ended before it was finished: what it was written as
-  // is not recorded.
+  // The picture that was written last of a frame whose job ended before it was finished: what it was written
+  // as is not recorded.
   virtual Result<std::string> ReadPartial(JobId job, uint32_t frame) const = 0;
   // As much of Read as costs little: whether the picture is there and has its size.
   virtual Result<void> Probe(JobId job, uint32_t frame, const PictureFile& file) const = 0;

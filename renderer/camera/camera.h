@@ -43,8 +43,7 @@ using AnyCamera = CameraOf<PerspectiveCamera>;
 class Camera {
  public:
   // Reads a Camera directive for a picture of width x height pixels. The camera must not move.
-  static Result<Camera> Read(const Entity& entity, const Transform& camera_from_world, int width,
-                             int height);
+  static Result<Camera> Read(const Entity& entity, const Transform& camera_from_world, int width, int height);
 
   const Transform& render_from_world() const { return render_from_world_; }
   bool has_lens() const {

@@ -16,8 +16,8 @@ bool ReadLine(const std::string& line, Acknowledgement* read) {
   unsigned long long job = 0;
   unsigned frame = 0, tile = 0, begin = 0, end = 0;
   const char* const unit = line.c_str() + event;
-  if (std::sscanf(unit, " result_answered unit=\"job %llu frame %u tile %u samples [%u,%u)\"", &job, &frame, &tile,
-                  &begin, &end) != 5) {
+  if (std::sscanf(unit, " result_answered unit=\"job %llu frame %u tile %u samples [%u,%u)\"", &job, &frame,
+                  &tile, &begin, &end) != 5) {
     return false;
   }
   *read = {job, frame, tile, {begin, end - begin}, line.substr(0, line.find(' '))};

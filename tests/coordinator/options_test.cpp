@@ -33,7 +33,8 @@ TEST(CoordinatorOptions, OpenAddressesNeedInsecure) {
 }
 
 TEST(CoordinatorOptions, TheStatusPageIsLocalUnlessInsecure) {
-  const auto options = Parse({"--listen", "unix:/s", "--data-dir", "/d", "--http", "127.0.0.1:8080", "--http-name", "farm.example"});
+  const auto options = Parse(
+      {"--listen", "unix:/s", "--data-dir", "/d", "--http", "127.0.0.1:8080", "--http-name", "farm.example"});
   ASSERT_TRUE(options) << options.error().message;
   EXPECT_EQ(options->http->Text(), "127.0.0.1:8080");
   EXPECT_EQ(options->http_names, std::vector<std::string>{"farm.example"});

@@ -7,8 +7,8 @@ namespace {
 
 std::string Line(int second, const std::string& range, const std::string& verdict = "accepted") {
   return "2026-01-01T00:00:0" + std::to_string(second) +
-         ".000+0000 debug result_answered unit=\"job 3 frame 0 tile 17 samples " + range + "\" verdict=" + verdict +
-         "\n";
+         ".000+0000 debug result_answered unit=\"job 3 frame 0 tile 17 samples " + range +
+         "\" verdict=" + verdict + "\n";
 }
 
 size_t Count(const std::string& log) {
