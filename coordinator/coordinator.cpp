@@ -30,7 +30,7 @@ struct Coordinator::Parts {
   DataDir directory;
   BlobStore blobs;
   FilePictures pictures;
-  BackgroundThread spooling;
+  TaskPool spooling{1};
   FileThreads files;
   std::unique_ptr<CoreThread> core;
   std::unique_ptr<CallGate> gate;

@@ -1,11 +1,11 @@
 // Serves proto/jobs.proto: each call becomes an event of the core thread. Thread safe.
 #pragma once
 
-#include "coordinator/background_thread.h"
 #include "coordinator/core/spool.h"
 #include "coordinator/picture_stream.h"
 #include "coordinator/store/data_dir.h"
 #include "coordinator/store/picture_store.h"
+#include "coordinator/task_pool.h"
 #include "proto/blobs/blob_store.h"
 #include "proto/jobs.grpc.pb.h"
 #include "proto/terms.h"
@@ -70,7 +70,7 @@ class JobsService final : public proto::Jobs::Service {
   PictureStreams streams_;
   const DataDir& directory_;
   FileThreads& threads_;
-  BackgroundThread background_;
+  TaskPool background_{1};
 };
 
 }  // namespace tessera

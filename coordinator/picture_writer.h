@@ -5,9 +5,9 @@
 #include <functional>
 #include <memory>
 
-#include "coordinator/background_thread.h"
 #include "coordinator/core/farm.h"
 #include "coordinator/store/picture_store.h"
+#include "coordinator/task_pool.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -43,7 +43,7 @@ class PictureWriter {
 
  private:
   PictureStore& store_;
-  BackgroundThread thread_;
+  TaskPool thread_{1};
 };
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// Threads for work with files, so that the threads of gRPC and of the core never wait for a disk. Tasks may
-// run at the same time and in any order.
+// Threads for work that takes long, such as encoding and files, so that the threads of gRPC and of the core
+// never wait for it. Tasks of several threads run in any order, those of one thread in the order of Post.
 #pragma once
 
 #include <condition_variable>

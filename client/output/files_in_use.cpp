@@ -5,7 +5,7 @@
 namespace tessera {
 
 void FilesInUse::AddInput(const std::string& path) {
-  // An input that is gone by now cannot be overwritten.
+  // An input that no longer exists cannot be overwritten.
   if (const auto identity = IdentityOfInput(path)) uses_.insert({*identity, {path, true}});
 }
 

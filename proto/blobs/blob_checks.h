@@ -34,7 +34,7 @@ class BlobChecks {
   };
   // Marks a blob as used now. Returns what is known of it; nullopt if there is no such file.
   std::optional<State> Use(const Digest& digest, const std::string& path);
-  // The bytes of that version have the digest. Does nothing if there is another version by now.
+  // The bytes of that version have the digest. Does nothing if the file has changed since.
   void SetVerified(const Digest& digest, const std::string& path, uint64_t version);
   // The file has just got its name, and its bytes have the digest.
   void Add(const Digest& digest, const std::string& path);

@@ -24,7 +24,7 @@ class BlobRoom {
   // Reserves `bytes`, evicting blobs if necessary. An error if that does not suffice; kInterrupted: try
   // again.
   Result<void> Take(uint64_t bytes);
-  // So many of the reserved bytes are on the disk by now, or never will be.
+  // Releases this many reserved bytes: they have been written, or will not be.
   void Written(uint64_t bytes);
   void Give(uint64_t bytes);
   // Evicts blobs until the reserve of the disk is free, as far as that is possible.

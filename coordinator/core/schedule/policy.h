@@ -124,7 +124,7 @@ constexpr size_t kFailuresKeptMax = 1000;
 // ---- Pictures ----
 // A full disk empties slowly.
 constexpr Instant kPictureRetry = seconds(2);
-// Kept sums that are given up at once when the disk is full: there may be room after a few.
+// Kept sums that are removed together when the disk is full; a few may free enough space.
 constexpr size_t kSumsGivenUpMax = 4;
 
 // ---- Jobs ----

@@ -18,7 +18,7 @@ class UnitCompletion {
   // The worker's result of a known unit that needs votes. If it is accepted call Finish.
   VoteOutcome RecordVote(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
                          double render_seconds, const Digest& result);
-  // Sets what the merger wants of the tile. Does nothing if the frame is not active.
+  // Sets the samples of the tile that the merger needs. Does nothing if the frame is not active.
   void SetGoal(Job& job, uint32_t frame, uint32_t tile, const TileGoal& goal);
   // Marks samples as done that a former process accepted. Does nothing if the frame is not open.
   void RestoreDone(JobId job, uint32_t frame, TileSamples samples);

@@ -33,7 +33,7 @@ class WorkerSync {
         trials_(trials),
         votes_(votes) {}
 
-  // Does nothing if a later state of the worker has arrived a moment ago.
+  // Does nothing if a later state of the worker has already arrived.
   void Synchronize(Instant now, const WorkerState& state);
   // The leases of the worker return. Does nothing if it is not connected.
   void Disconnect(Instant now, WorkerId worker, Departure how);
