@@ -102,9 +102,9 @@ Result<std::string> Gunzip(std::string_view compressed, const std::string& path,
   return bytes;
 }
 
-Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes) {
+Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes, unsigned mode) {
   const std::string beside = fmt::format("{}.{}.tmp", path, ::getpid());
-  FileDescriptor file(::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  FileDescriptor file(::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode));
   if (!file.valid()) return SystemError(path, "cannot be created");
   const bool written = WriteAll(file.number(), bytes) && ::fsync(file.number()) == 0 && file.Close() == 0;
   if (!written || ::rename(beside.c_str(), path.c_str()) != 0) {

@@ -23,8 +23,8 @@ constexpr uint64_t kGunzipFloor = uint64_t{16} << 20;
 Result<std::string> Gunzip(std::string_view compressed, const std::string& path, uint64_t size_max);
 
 // Replaces `path` by a whole file or not at all: writes beside it, syncs, renames, syncs the folder. On
-// failure the temporary file is removed and what was at `path` is untouched.
-Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes);
+// failure the temporary file is removed and what was at `path` is untouched. The umask applies to `mode`.
+Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes, unsigned mode = 0644);
 
 // "PATH: WHAT: " with the reason that errno holds, as in "/data/journal: cannot be written: No space left on
 // device".
