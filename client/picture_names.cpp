@@ -4,6 +4,7 @@
 
 #include "client/output/files_in_use.h"
 #include "client/output/output_target.h"
+#include "client/output/picture_encoder.h"
 #include "client/output/picture_format.h"
 
 namespace tessera {
@@ -40,7 +41,8 @@ std::string PictureNames::NameOf(const FrameName& name, int frame) const {
 }
 
 Result<void> PictureNames::Check(const std::vector<int>& frames, const std::set<std::string>& inputs) const {
-  if (const auto format = PictureFormatOf(picture_.text()); !format) return format.error();
+  const auto format = PictureFormatOf(picture_.text());
+  if (!format) return format.error();
   if (auto named = png_.empty() ? Result<void>() : CheckPngName(png_.text()); !named) return named;
   FilesInUse files;
   for (const std::string& input : inputs) files.AddInput(input);
@@ -49,7 +51,8 @@ Result<void> PictureNames::Check(const std::vector<int>& frames, const std::set<
     if (png_.empty()) continue;
     if (auto added = files.AddOutput(Png(frame)); !added) return added;
   }
-  return {};
+  if (auto can_encode = CheckEncoder(*format); !can_encode) return can_encode;
+  return png_.empty() ? Result<void>() : CheckEncoder(PictureFormat::kPng);
 }
 
 Result<void> PictureNames::CheckSize(int width, int height) const {

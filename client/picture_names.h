@@ -24,9 +24,9 @@ class PictureNames {
   std::string Png(int frame) const { return NameOf(png_, frame); }
   // The name of the picture of all frames, with a place for the number if it has one.
   const std::string& picture() const { return picture_.text(); }
-  // Fails if a picture of these frames cannot be written: its ending names no format, its folder does not
-  // exist or permits no writing, it would overwrite one of the files `inputs`, or two pictures have the same
-  // file. Called before any work is done.
+  // Fails if a picture of these frames cannot be written: its ending names no format, the module that
+  // encodes the format is not installed, its folder does not exist or permits no writing, it would overwrite
+  // one of the files `inputs`, or two pictures have the same file. Called before any work is done.
   Result<void> Check(const std::vector<int>& frames, const std::set<std::string>& inputs = {}) const;
   // Fails if pictures of this size do not fit the formats.
   Result<void> CheckSize(int width, int height) const;

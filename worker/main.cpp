@@ -5,6 +5,7 @@
 #include "proto/blobs/blob_store.h"
 #include "proto/shell/log.h"
 #include "proto/shell/program.h"
+#include "renderer/formats/loader/module_loader.h"
 #include "worker/cache_folder.h"
 #include "worker/options.h"
 #include "worker/worker.h"
@@ -22,6 +23,8 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
     return 0;
   }
   const WorkerOptions& options = parsed->options;
+  // A worker without it would fail the jobs whose pictures need it.
+  if (const auto installed = image_module::CheckInstalled(); !installed) return installed.error();
   if (const auto prepared = PrepareCacheFolder(options.cache_dir); !prepared)
     return BadInput("--cache-dir: " + prepared.error().message);
   auto cache = BlobStore::Open(options.cache_dir, BlobStoreOptions::Cache(options.cache_bytes));

@@ -1,7 +1,5 @@
 #include "client/output/picture_encoder.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,8 +8,12 @@
 #include <cmath>
 #include <exception>
 
+#include "renderer/formats/loader/module_loader.h"
+
 namespace tessera {
 namespace {
+
+using image_module::ValueType;
 
 using Rgb = std::array<float, 3>;
 
@@ -90,24 +92,12 @@ std::string EncodePfm(const LoadedPicture& picture, const std::vector<float>& rg
   return bytes;
 }
 
-// Encodes `pixels`, three values of type `type` each, in the format that OpenImageIO knows by the ending of
-// `name`.
-Result<std::string> EncodeWithLibrary(const char* name, const LoadedPicture& picture, OIIO::TypeDesc type,
+Result<std::string> EncodeWithLibrary(const char* format, const LoadedPicture& picture, ValueType type,
                                       const void* pixels, const std::string& path) {
-  std::vector<unsigned char> encoded;
-  OIIO::Filesystem::IOVecOutput memory(encoded);
-  const auto output = OIIO::ImageOutput::create(name, &memory);
-  if (!output) return Failed(fmt::format("{}: cannot encode the picture: {}", path, OIIO::geterror()));
-  OIIO::ImageSpec spec(picture.width, picture.height, 3, type);
-  spec.attribute("oiio:ColorSpace", type == OIIO::TypeDesc::UINT8 ? "sRGB" : "Linear");
-  if (std::string_view(name).ends_with(".jpg")) spec.attribute("Compression", "jpeg:95");
-  // The library would write the current time, and equal pictures would be different files. This is how Exif
-  // writes an unknown time.
-  if (std::string_view(name).ends_with(".tif")) spec.attribute("DateTime", "    :  :     :  :  ");
-  output->set_ioproxy(&memory);
-  if (!output->open(name, spec) || !output->write_image(type, pixels) || !output->close())
-    return Failed(fmt::format("{}: cannot encode the picture: {}", path, output->geterror()));
-  return std::string(encoded.begin(), encoded.end());
+  auto encoded = image_module::Encode({format, picture.width, picture.height, type, pixels});
+  if (!encoded)
+    return Failed(fmt::format("{}: cannot encode the picture: {}", path, encoded.error().message));
+  return encoded;
 }
 
 Result<std::string> Encode(PictureFormat format, const LoadedPicture& picture, const std::string& path) {
@@ -116,14 +106,13 @@ Result<std::string> Encode(PictureFormat format, const LoadedPicture& picture, c
     case PictureFormat::kExr: break;
     case PictureFormat::kPng:
     case PictureFormat::kJpeg: {
-      const char* const name = format == PictureFormat::kPng ? "memory.png" : "memory.jpg";
-      return EncodeWithLibrary(name, picture, OIIO::TypeDesc::UINT8, EightBit(rgb).data(), path);
+      const char* const name = format == PictureFormat::kPng ? "png" : "jpg";
+      return EncodeWithLibrary(name, picture, ValueType::kUint8, EightBit(rgb).data(), path);
     }
-    case PictureFormat::kTiff:
-      return EncodeWithLibrary("memory.tif", picture, OIIO::TypeDesc::FLOAT, rgb.data(), path);
+    case PictureFormat::kTiff: return EncodeWithLibrary("tif", picture, ValueType::kFloat, rgb.data(), path);
     case PictureFormat::kRadiance:
       ClampToRadiance(rgb);
-      return EncodeWithLibrary("memory.hdr", picture, OIIO::TypeDesc::FLOAT, rgb.data(), path);
+      return EncodeWithLibrary("hdr", picture, ValueType::kFloat, rgb.data(), path);
     case PictureFormat::kPfm: return EncodePfm(picture, rgb);
   }
   TESSERA_CHECK(false);
@@ -131,6 +120,12 @@ Result<std::string> Encode(PictureFormat format, const LoadedPicture& picture, c
 }
 
 }  // namespace
+
+Result<void> CheckEncoder(PictureFormat format) {
+  if (format == PictureFormat::kExr || format == PictureFormat::kPfm) return {};
+  const auto library = image_module::Load();
+  return library ? Result<void>() : library.error();
+}
 
 Result<std::string> EncodeAs(PictureFormat format, const LoadedPicture& picture, const std::string& path) {
   try {

@@ -8,6 +8,10 @@
 
 namespace tessera {
 
+// Fails if pictures of this format cannot be encoded here, because the module that encodes them is not
+// installed. Called before any work is done.
+Result<void> CheckEncoder(PictureFormat format);
+
 // Encodes the display window; pixels outside the data window are black. Shows the channels R, G and B, or the
 // first channel as grey if one of them is missing; other channels are left out.
 // PNG and JPEG: 8-bit sRGB, tone-mapped: colours up to 0.8 are kept, brighter ones are compressed towards

@@ -2,14 +2,12 @@
 
 #include <cstring>
 #include <exception>
-#include <mutex>
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <immintrin.h>
 
 #include "renderer/description/source_location.h"
+#include "renderer/formats/loader/module_loader.h"
 #include "renderer/image/container_check.h"
 #include "renderer/image/declared_size.h"
 #include "renderer/image/exr_header.h"
@@ -18,6 +16,8 @@
 
 namespace tessera {
 namespace {
+
+using image_module::ValueType;
 
 const char* PluginName(ImageFormat format) {
   switch (format) {
@@ -32,17 +32,6 @@ const char* PluginName(ImageFormat format) {
   }
 }
 
-// Keeps the library from starting threads: the process decides how many there are.
-void SetUpLibrary() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    OIIO::attribute("threads", 1);
-    OIIO::attribute("exr_threads", -1);
-    OIIO::attribute("limits:channels", static_cast<int>(kImageChannelsMax));
-    OIIO::attribute("limits:imagesize_MB", static_cast<int>(kImageBytesMax >> 20));
-  });
-}
-
 Error Damaged(const std::string& name, ImageFormat format, std::string reason) {
   while (!reason.empty() && (reason.back() == '\n' || reason.back() == ' ')) reason.pop_back();
   const std::string why = OneLine(reason);
@@ -50,14 +39,20 @@ Error Damaged(const std::string& name, ImageFormat format, std::string reason) {
       fmt::format("{}: damaged {} picture{}{}", name, FormatName(format), why.empty() ? "" : ": ", why));
 }
 
-// What the values are read as.
-OIIO::TypeDesc ReadType(const OIIO::TypeDesc& stored) {
-  switch (stored.basetype) {
-    case OIIO::TypeDesc::UINT8: return OIIO::TypeDesc::UINT8;
-    case OIIO::TypeDesc::UINT16: return OIIO::TypeDesc::UINT16;
-    case OIIO::TypeDesc::HALF: return OIIO::TypeDesc::HALF;
-    default: return OIIO::TypeDesc::FLOAT;
+size_t SizeOf(ValueType type) {
+  switch (type) {
+    case ValueType::kUint8: return 1;
+    case ValueType::kUint16:
+    case ValueType::kHalf: return 2;
+    case ValueType::kFloat: break;
   }
+  return 4;
+}
+
+// 16-bit integers become halves.
+PixelFormat FormatOf(ValueType type) {
+  if (type == ValueType::kUint8) return PixelFormat::kUint8;
+  return type == ValueType::kFloat ? PixelFormat::kFloat : PixelFormat::kHalf;
 }
 
 // Turns 16-bit integers into linear halves, in place.
@@ -108,66 +103,56 @@ void DropAlphaAsPbrt(ImageFormat format, const std::string& bytes, Image& image)
 }
 
 // Of the pixels as the library returns them.
-Orientation OrientationOf(const OIIO::ImageSpec& spec, ImageFormat format, const std::string& bytes) {
+Orientation OrientationOf(const image_module::PictureInfo& info, ImageFormat format,
+                          const std::string& bytes) {
   std::optional<Orientation> orientation;
   // The library confuses two of the eight.
   if (format == ImageFormat::kHdr) orientation = OrientationOfRadiance(bytes);
-  if (format == ImageFormat::kTiff) orientation = OrientationOfTag(spec.get_int_attribute("Orientation", 1));
+  if (format == ImageFormat::kTiff) orientation = OrientationOfTag(info.orientation);
   return orientation.value_or(Orientation{});
 }
 
-std::optional<Chromaticities> ChromaticitiesOf(const OIIO::ImageSpec& spec, ImageFormat format) {
-  if (format != ImageFormat::kExr) return std::nullopt;
-  std::array<float, 8> xy;
-  if (!spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), xy.data()))
-    return std::nullopt;
+std::optional<Chromaticities> ChromaticitiesOf(const image_module::PictureInfo& info, ImageFormat format) {
+  if (format != ImageFormat::kExr || info.has_chromaticities == 0) return std::nullopt;
+  const float* const xy = info.chromaticities;
   return Chromaticities{{xy[0], xy[1]}, {xy[2], xy[3]}, {xy[4], xy[5]}, {xy[6], xy[7]}};
-}
-
-Result<Image> ReadPixels(OIIO::ImageInput& input, ImageFormat format, const std::string& name,
-                         const std::string& bytes, std::optional<ColorEncoding> encoding) {
-  const OIIO::ImageSpec& spec = input.spec();
-  if (spec.deep || spec.depth > 1)
-    return BadInput(fmt::format("{}: deep and volume pictures are not supported", name));
-  const OIIO::TypeDesc type = ReadType(spec.format);
-  const Result<void> size =
-      CheckImageSize(name, spec.width, spec.height, spec.nchannels, type.size(), bytes.size());
-  if (!size) return size.error();
-
-  Image image;
-  image.width = spec.width;
-  image.height = spec.height;
-  image.channels = spec.nchannels;
-  image.encoding = encoding.value_or(ColorEncoding{ColorEncoding::Kind::kSrgb, 1});
-  image.channel_names = spec.channelnames;
-  image.bytes.resize(static_cast<size_t>(spec.width) * spec.height * spec.nchannels * type.size());
-  if (!input.read_image(0, 0, 0, spec.nchannels, type, image.bytes.data())) {
-    return Damaged(name, format, input.geterror());
-  }
-  image.format = type == OIIO::TypeDesc::UINT8 ? PixelFormat::kUint8 : PixelFormat::kHalf;
-  if (type == OIIO::TypeDesc::FLOAT) image.format = PixelFormat::kFloat;
-  if (type == OIIO::TypeDesc::UINT16) DecodeUint16(image.bytes, image.encoding);
-  if (image.channels == 1) image.channel_names = {"Y"};
-  image.chromaticities = ChromaticitiesOf(spec, format);
-  DropAlphaAsPbrt(format, bytes, image);
-  MakeUpright(image, OrientationOf(spec, format, bytes));
-  return image;
 }
 
 Result<Image> Decode(ImageFormat format, const std::string& bytes, const std::string& name,
                      std::optional<ColorEncoding> encoding) {
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(PluginName(format));
-  if (!input || !input->supports("ioproxy")) {
-    static_cast<void>(OIIO::geterror());
+  const auto library = image_module::Load();
+  if (!library) return Failed(fmt::format("{}: {}", name, library.error().message));
+  image_module::PictureInfo info{};
+  image_module::Reason reason{};
+  const image_module::PictureHandle picture(
+      (*library)->open({PluginName(format), name.c_str(), bytes.data(), bytes.size(),
+                        static_cast<int32_t>(kImageChannelsMax), static_cast<int32_t>(kImageBytesMax >> 20)},
+                       info, reason),
+      {(*library)->close});
+  if (reason.is_unsupported_format != 0)
     return BadInput(fmt::format("{}: this build cannot read {} pictures", name, FormatName(format)));
-  }
-  OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
-  input->set_ioproxy(&reader);
-  OIIO::ImageSpec spec, configuration;
-  configuration.attribute("oiio:UnassociatedAlpha", 1);
-  if (!input->open(name, spec, configuration)) return Damaged(name, format, input->geterror());
-  Result<Image> image = ReadPixels(*input, format, name, bytes, encoding);
-  input->close();
+  if (!picture) return Damaged(name, format, reason.text);
+  if (info.is_deep_or_volume != 0)
+    return BadInput(fmt::format("{}: deep and volume pictures are not supported", name));
+  const size_t value_size = SizeOf(info.type);
+  const Result<void> size = CheckImageSize(name, info.width, info.height, info.channels,
+                                           static_cast<int64_t>(value_size), bytes.size());
+  if (!size) return size.error();
+
+  Image image;
+  image.width = info.width;
+  image.height = info.height;
+  image.channels = info.channels;
+  image.format = FormatOf(info.type);
+  image.encoding = encoding.value_or(ColorEncoding{ColorEncoding::Kind::kSrgb, 1});
+  image.channel_names.assign(info.channel_names, info.channel_names + info.channels);
+  image.bytes.resize(static_cast<size_t>(info.width) * info.height * info.channels * value_size);
+  if (!(*library)->read(picture.get(), image.bytes.data(), reason)) return Damaged(name, format, reason.text);
+  if (info.type == ValueType::kUint16) DecodeUint16(image.bytes, image.encoding);
+  if (image.channels == 1) image.channel_names = {"Y"};
+  image.chromaticities = ChromaticitiesOf(info, format);
+  DropAlphaAsPbrt(format, bytes, image);
+  MakeUpright(image, OrientationOf(info, format, bytes));
   return image;
 }
 
@@ -175,7 +160,6 @@ Result<Image> Decode(ImageFormat format, const std::string& bytes, const std::st
 
 Result<Image> DecodeWithLibrary(ImageFormat format, const std::string& bytes, const std::string& name,
                                 std::optional<ColorEncoding> encoding) {
-  SetUpLibrary();
   Result<void> checked = CheckDeclaredSize(format, bytes, name);
   if (!checked) return checked.error();
   if (format == ImageFormat::kExr) checked = CheckExr(bytes, name);

@@ -1,4 +1,4 @@
-// The formats that OpenImageIO reads.
+// The formats that OpenImageIO reads, through its module (renderer/formats).
 #pragma once
 
 #include "renderer/image/image.h"

@@ -2,12 +2,15 @@
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 
+#include <filesystem>
+
 #include "tests/end_to_end/farm_fixture.h"
 
 namespace tessera {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 // A soft limit of this process and of those that it starts, as long as it lives.
 class SoftLimit {
@@ -79,6 +82,55 @@ TEST_F(StartFailure, TooFewDescriptorsAreAnErrorOfEveryProgram) {
     const SoftLimit limit(RLIMIT_NOFILE, descriptors);
     ExpectErrors("ulimit -n");
   }
+}
+
+// Copies of the programs in a folder without the module for picture formats.
+class MissingModule : public EndToEnd {
+ protected:
+  MissingModule() {
+    std::filesystem::create_directory(Path("bin"));
+    for (const char* program : {"tessera", "tessera-coordinator", "tessera-worker"})
+      std::filesystem::copy_file(BinaryDir() + "/bin/" + program, Path(std::string("bin/") + program));
+  }
+  Outcome Run(const std::string& program, const std::vector<std::string>& words) const {
+    return RunProgram(folder(), Path("bin/" + program), words);
+  }
+  // Names the file and what to do about it.
+  void ExpectNamed(const Outcome& outcome, int code = 1) const {
+    EXPECT_EQ(outcome.code, code);
+    EXPECT_THAT(outcome.errors, HasSubstr(Path("bin/libtessera_image_formats.so: ")));
+    EXPECT_THAT(outcome.errors, HasSubstr("No such file or directory"));
+    EXPECT_THAT(outcome.errors, HasSubstr("install"));
+  }
+};
+
+TEST_F(MissingModule, IsAnErrorBeforeAnythingIsRendered) {
+  for (const char* name : {"a.png", "a.jpg", "a.tif", "a.hdr"}) {
+    const Outcome outcome = Run("tessera", {"render", BoxScene(), "--in-process", "-o", name});
+    ExpectNamed(outcome);
+    EXPECT_THAT(outcome.errors, Not(HasSubstr("samples/s"))) << name;
+    EXPECT_FALSE(Exists(name));
+  }
+  ExpectNamed(Run("tessera", {"render", BoxScene(), "--in-process", "-o", "a.exr", "--png", "a.png"}));
+  EXPECT_FALSE(Exists("a.exr"));
+  ExpectNamed(Run("tessera-worker", {"--coordinator", "127.0.0.1:1", "--cache-dir", Path("cache")}));
+}
+
+TEST_F(MissingModule, ScenesThatNeedItFailWithItsName) {
+  const Outcome outcome =
+      Run("tessera", {"render", SourceDir() + "/tests/scenes/original/earth.pbrt", "--in-process"});
+  ExpectNamed(outcome, 2);
+  EXPECT_THAT(outcome.errors, HasSubstr("earth.jpg"));
+}
+
+TEST_F(MissingModule, IsNotMissedWhereItIsNotNeeded) {
+  for (const char* name : {"a.exr", "a.pfm"}) {
+    const Outcome outcome = Run("tessera", {"render", BoxScene(), "--in-process", "--spp", "1", "-o", name});
+    EXPECT_EQ(outcome.code, 0) << outcome.errors;
+    EXPECT_TRUE(Exists(name));
+  }
+  for (const char* program : {"tessera", "tessera-worker", "tessera-coordinator"})
+    EXPECT_EQ(Run(program, {"--version"}).code, 0) << program;
 }
 
 }  // namespace

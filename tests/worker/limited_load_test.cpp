@@ -5,6 +5,7 @@
 
 #include <thread>
 
+#include "renderer/formats/loader/module_loader.h"
 #include "renderer/util/load_budget.h"
 #include "tests/worker/tiny_scene.h"
 
@@ -84,6 +85,21 @@ TEST(LimitedLoad, OtherThreadsAllocateFreely) {
   });
   ASSERT_FALSE(scene);
   EXPECT_EQ(scene.error().message, "done");
+}
+
+[[noreturn]] void LoadImageModuleAndExit() {
+  bool loads = false;
+  const auto scene = LoadWithinLimits("scene.pbrt", {kMegabyte, 60s}, [&loads]() -> LoadedScene {
+    loads = image_module::Load().has_value();
+    return Failed("done");
+  });
+  std::_Exit(loads && !scene && scene.error().message == "done" ? 0 : 1);
+}
+
+// In a new process, because the module is loaded once.
+TEST(LimitedLoad, LibrariesThatPicturesNeedAreNotPartOfTheScene) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(LoadImageModuleAndExit(), testing::ExitedWithCode(0), "");
 }
 
 TEST(LimitedLoad, TheDefaultIsHalfOfTheUsableMemory) {

@@ -1,0 +1,187 @@
+// The module: OpenImageIO behind the functions of module_interface.h.
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "renderer/formats/module_interface.h"
+
+namespace tessera::image_module {
+
+struct OpenPicture {
+  explicit OpenPicture(const PictureFile& file) : memory(file.bytes, file.size) {}
+
+  OIIO::Filesystem::IOMemReader memory;
+  std::unique_ptr<OIIO::ImageInput> input;  // reads from `memory`
+  OIIO::TypeDesc type;
+  std::vector<const char*> channel_names;
+};
+
+namespace {
+
+void Explain(std::string_view text, Reason& reason) noexcept {
+  const size_t size = std::min(text.size(), sizeof reason.text - 1);
+  std::copy_n(text.data(), size, reason.text);
+  reason.text[size] = '\0';
+}
+
+// Calls `body`, which returns whether it succeeded, and turns what it throws into a reason.
+template <typename Body>
+bool CatchAll(Reason& reason, const Body& body) noexcept {
+  try {
+    return body();
+  } catch (const std::exception& e) {
+    Explain(e.what(), reason);
+  } catch (...) {
+    Explain("", reason);
+  }
+  return false;
+}
+
+// Keeps the library from starting threads: the process decides how many there are.
+void SetThreads() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    OIIO::attribute("threads", 1);
+    OIIO::attribute("exr_threads", -1);
+  });
+}
+
+void SetLimits(const PictureFile& file) {
+  static std::once_flag once;
+  std::call_once(once, [&file] {
+    OIIO::attribute("limits:channels", file.channels_max);
+    OIIO::attribute("limits:imagesize_MB", file.megabytes_max);
+  });
+}
+
+// What the values are read as.
+ValueType ReadType(const OIIO::TypeDesc& stored) {
+  switch (stored.basetype) {
+    case OIIO::TypeDesc::UINT8: return ValueType::kUint8;
+    case OIIO::TypeDesc::UINT16: return ValueType::kUint16;
+    case OIIO::TypeDesc::HALF: return ValueType::kHalf;
+    default: return ValueType::kFloat;
+  }
+}
+
+OIIO::TypeDesc TypeDescOf(ValueType type) {
+  switch (type) {
+    case ValueType::kUint8: return OIIO::TypeDesc::UINT8;
+    case ValueType::kUint16: return OIIO::TypeDesc::UINT16;
+    case ValueType::kHalf: return OIIO::TypeDesc::HALF;
+    case ValueType::kFloat: break;
+  }
+  return OIIO::TypeDesc::FLOAT;
+}
+
+void Describe(OpenPicture& picture, PictureInfo& info) {
+  const OIIO::ImageSpec& spec = picture.input->spec();
+  info.width = spec.width;
+  info.height = spec.height;
+  info.channels = spec.nchannels;
+  info.type = ReadType(spec.format);
+  info.is_deep_or_volume = spec.deep || spec.depth > 1 ? 1 : 0;
+  info.orientation = spec.get_int_attribute("Orientation", 1);
+  const OIIO::TypeDesc eight_floats(OIIO::TypeDesc::FLOAT, 8);
+  info.has_chromaticities = spec.getattribute("chromaticities", eight_floats, info.chromaticities) ? 1 : 0;
+  for (const std::string& name : spec.channelnames) picture.channel_names.push_back(name.c_str());
+  info.channel_names = picture.channel_names.data();
+  picture.type = TypeDescOf(info.type);
+}
+
+OpenPicture* Open(const PictureFile& file, PictureInfo& info, Reason& reason) {
+  std::unique_ptr<OpenPicture> picture;
+  const bool opened = CatchAll(reason, [&] {
+    SetThreads();
+    SetLimits(file);
+    picture = std::make_unique<OpenPicture>(file);
+    picture->input = OIIO::ImageInput::create(file.format);
+    if (!picture->input || !picture->input->supports("ioproxy")) {
+      static_cast<void>(OIIO::geterror());
+      reason.is_unsupported_format = 1;
+      return false;
+    }
+    picture->input->set_ioproxy(&picture->memory);
+    OIIO::ImageSpec spec, configuration;
+    configuration.attribute("oiio:UnassociatedAlpha", 1);
+    if (!picture->input->open(file.name, spec, configuration)) {
+      Explain(picture->input->geterror(), reason);
+      return false;
+    }
+    Describe(*picture, info);
+    return true;
+  });
+  return opened ? picture.release() : nullptr;
+}
+
+bool Read(OpenPicture* picture, void* values, Reason& reason) {
+  return CatchAll(reason, [&] {
+    const int channels = picture->input->spec().nchannels;
+    if (picture->input->read_image(0, 0, 0, channels, picture->type, values)) return true;
+    Explain(picture->input->geterror(), reason);
+    return false;
+  });
+}
+
+void Close(OpenPicture* picture) {
+  Reason ignored;
+  CatchAll(ignored, [&] {
+    picture->input->close();
+    return true;
+  });
+  delete picture;
+}
+
+using Bytes = std::vector<unsigned char>;
+
+bool Encode(const RgbPicture& picture, EncodedFile& file, Reason& reason) {
+  return CatchAll(reason, [&] {
+    SetThreads();
+    auto encoded = std::make_unique<Bytes>();
+    OIIO::Filesystem::IOVecOutput memory(*encoded);
+    const std::string_view format = picture.format;
+    const std::string name = "memory." + std::string(format);
+    const auto output = OIIO::ImageOutput::create(name, &memory);
+    if (!output) {
+      Explain(OIIO::geterror(), reason);
+      return false;
+    }
+    const OIIO::TypeDesc type = TypeDescOf(picture.type);
+    OIIO::ImageSpec spec(picture.width, picture.height, 3, type);
+    spec.attribute("oiio:ColorSpace", picture.type == ValueType::kUint8 ? "sRGB" : "Linear");
+    if (format == "jpg") spec.attribute("Compression", "jpeg:95");
+    // The library would write the current time, and equal pictures would be different files. This is how Exif
+    // writes an unknown time.
+    if (format == "tif") spec.attribute("DateTime", "    :  :     :  :  ");
+    output->set_ioproxy(&memory);
+    if (!output->open(name, spec) || !output->write_image(type, picture.values) || !output->close()) {
+      Explain(output->geterror(), reason);
+      return false;
+    }
+    file = {encoded->data(), encoded->size(), encoded.get()};
+    static_cast<void>(encoded.release());
+    return true;
+  });
+}
+
+void Release(EncodedFile& file) {
+  delete static_cast<Bytes*>(file.owner);
+  file = {};
+}
+
+}  // namespace
+}  // namespace tessera::image_module
+
+extern "C" __attribute__((visibility("default"))) const tessera::image_module::Functions*
+TesseraImageFormats() {
+  using namespace tessera::image_module;
+  static constexpr Functions kFunctions{kVersion, Open, Read, Close, Encode, Release};
+  return &kFunctions;
+}
