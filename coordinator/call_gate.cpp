@@ -8,9 +8,10 @@ Principal CallGate::CallerOf(const grpc::CallbackServerContext& context) {
   return caller;
 }
 
-grpc::Status CallGate::Check(const Principal& caller, const CallRule& rule) const {
+grpc::Status CallGate::Check(const grpc::CallbackServerContext& context, const Principal& caller,
+                             const CallRule& rule) const {
   const auto admitted = policy_(caller, rule);
-  return admitted ? grpc::Status::OK
+  return admitted ? CheckFarm(context, farm_)
                   : grpc::Status(grpc::StatusCode::PERMISSION_DENIED, admitted.error().message);
 }
 

@@ -57,8 +57,11 @@ class UnaryCall {
 // Serve.
 class CallGate {
  public:
-  CallGate(CoreThread& core, AccessPolicy policy) : core_(core), policy_(std::move(policy)) {}
+  // `farm` is the one that the core thread runs. Calls that are meant for another are refused.
+  CallGate(CoreThread& core, FarmId farm, AccessPolicy policy)
+      : core_(core), farm_(farm), policy_(std::move(policy)) {}
   CoreThread& core() const { return core_; }
+  FarmId farm() const { return farm_; }
 
   // A call with one answer. `handler`, a void(const UnaryCall&), runs on gRPC's thread and must not block. If
   // it throws, it has not finished the call and has not passed it on.
@@ -67,7 +70,7 @@ class CallGate {
                                   Handler handler) const {
     grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
     Principal caller = CallerOf(*context);
-    if (const grpc::Status admitted = Check(caller, rule); !admitted.ok()) {
+    if (const grpc::Status admitted = Check(*context, caller, rule); !admitted.ok()) {
       reactor->Finish(admitted);
     } else {
       const UnaryCall call(core_, std::move(caller), reactor);
@@ -84,16 +87,18 @@ class CallGate {
   template <typename Reactor, typename Make>
   Reactor* Serve(grpc::CallbackServerContext* context, const CallRule& rule, Make make) const {
     const Principal caller = CallerOf(*context);
-    if (const grpc::Status admitted = Check(caller, rule); !admitted.ok())
+    if (const grpc::Status admitted = Check(*context, caller, rule); !admitted.ok())
       return new RefusedCall<Reactor>(admitted);
     return make(caller);
   }
 
  private:
   static Principal CallerOf(const grpc::CallbackServerContext& context);
-  grpc::Status Check(const Principal& caller, const CallRule& rule) const;
+  grpc::Status Check(const grpc::CallbackServerContext& context, const Principal& caller,
+                     const CallRule& rule) const;
 
   CoreThread& core_;
+  const FarmId farm_;
   const AccessPolicy policy_;
 };
 

@@ -32,6 +32,7 @@ struct Coordinator::Parts {
   FilePictures pictures;
   TaskPool spooling{1};
   FileThreads files;
+  FarmId farm;
   std::unique_ptr<CoreThread> core;
   std::unique_ptr<CallGate> gate;
   std::unique_ptr<WorkService> work;
@@ -48,6 +49,7 @@ Result<void> Coordinator::Parts::Recover(const CoordinatorOptions& options) {
                                     [this](std::function<void()> task) { spooling.Post(std::move(task)); });
   if (!recovered) return recovered.error();
   for (const std::string& line : recovered->log) spdlog::warn("{}", line);
+  farm = recovered->farm->id();
   core = std::make_unique<CoreThread>(CoreThread::Parts{
       std::move(recovered->farm), std::move(recovered->journal), std::move(recovered->spool),
       std::make_unique<PictureWriter>(pictures),
@@ -57,7 +59,7 @@ Result<void> Coordinator::Parts::Recover(const CoordinatorOptions& options) {
 }
 
 Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, AccessPolicy policy) {
-  gate = std::make_unique<CallGate>(*core, std::move(policy));
+  gate = std::make_unique<CallGate>(*core, farm, std::move(policy));
   work = std::make_unique<WorkService>(*gate);
   blob_service = std::make_unique<BlobService>(*gate, blobs, files);
   jobs = std::make_unique<JobsService>(*gate, blobs, pictures, directory, options.data_dir, files);

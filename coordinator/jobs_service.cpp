@@ -343,9 +343,10 @@ void JobsService::SendFile(PictureStream* stream, FrameId id, const PictureFile&
 
 grpc::ServerUnaryReactor* JobsService::Health(grpc::CallbackServerContext* context,
                                               const proto::HealthRequest*, proto::HealthAnswer* answer) {
-  return gate_.Unary(context, RuleFor("Jobs.Health"), [=](const UnaryCall& call) {
+  return gate_.Unary(context, RuleFor("Jobs.Health"), [=, this](const UnaryCall& call) {
     answer->set_software_version(kSoftwareVersion);
     answer->set_protocol(kProtocolVersion);
+    answer->set_farm(WriteFarmId(gate_.farm()));
     call.Finish(grpc::Status::OK);
   });
 }

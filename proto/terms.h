@@ -237,6 +237,8 @@ struct JobStatus {
   // disagreed, and units merged from workers found wrong that no other worker has confirmed.
   double verify_share = 0;
   uint64_t units_verified = 0, units_disputed = 0, units_suspect = 0;
+  // Of the JobSpec. A data directory that is restored to an earlier state uses numbers of jobs again.
+  uint64_t submission = 0;
 };
 
 struct FrameStatus {

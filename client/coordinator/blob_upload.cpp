@@ -108,7 +108,7 @@ class Uploader {
     for (const std::string& digest : digests) request.add_digests(digest);
     proto::FindMissingAnswer answer;
     auto asked = WithRetries(connection_, "ask for missing files", [&] {
-      CallContext context(stop_, kCallPatience);
+      CallContext context(stop_, connection_.farm, kCallPatience);
       return stub_.FindMissing(context.get(), request, &answer);
     });
     if (!asked) return asked.error();
@@ -156,7 +156,7 @@ class Uploader {
     Backoff waits = RetryWaits();
     auto deadline = std::chrono::steady_clock::now() + kRetryPatience;
     while (true) {
-      CallContext context(broken_.get_token());
+      CallContext context(broken_.get_token(), connection_.farm);
       const grpc::Status status =
           SendBlob(stub_, context.get(), source, std::min(held, source.size), bytes_sent_);
       if (status.ok()) return {};

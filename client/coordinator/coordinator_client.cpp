@@ -23,7 +23,7 @@ Result<void> Call(const Connection& connection,
                   grpc::Status (proto::Jobs::Stub::*method)(grpc::ClientContext*, const Request&, Answer*),
                   const Request& request, Answer& answer, const std::string& what) {
   return WithRetries(connection, what, [&] {
-    CallContext context(connection.stop, kCallPatience);
+    CallContext context(connection.stop, connection.farm, kCallPatience);
     return ((*connection.jobs).*method)(context.get(), request, &answer);
   });
 }
@@ -94,6 +94,33 @@ grpc::Status ReceivePicture(proto::Jobs::Stub& stub, grpc::ClientContext* contex
   return status;
 }
 
+// Compares the statuses of a job that is watched. A data directory that was restored to an earlier state has
+// the same farm, and may have another job of the same number or none.
+class WatchedJob {
+ public:
+  // `submission` of the job if it is known, otherwise 0.
+  WatchedJob(JobId job, uint64_t submission) : job_(job), submission_(submission) {}
+  Result<void> Check(const JobStatus& status) {
+    if (submission_ == 0) submission_ = status.submission;
+    if (status.submission == submission_) return {};
+    return Failed(
+        fmt::format("cannot watch job {0}: it is gone, and {0} is the number of another job now: the data "
+                    "directory of the coordinator was restored to an earlier state",
+                    Number(job_)));
+  }
+  // The error of a call that failed for good.
+  Error ErrorOf(const grpc::Status& status, Error error) const {
+    if (status.error_code() != grpc::StatusCode::NOT_FOUND || submission_ == 0) return error;
+    return Failed(error.message +
+                  " any more: the data directory of the coordinator was restored to an earlier state, or the "
+                  "job has ended and was forgotten");
+  }
+
+ private:
+  const JobId job_;
+  uint64_t submission_;
+};
+
 std::string WhyNotConnected(const Reachability& found) {
   return found.speaks_http2 ? "it accepts connections only now and then" : found.reason;
 }
@@ -161,6 +188,9 @@ Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const std:
                     address, CleanName(health.software_version()), health.protocol(), kSoftwareVersion,
                     kProtocolVersion));
   }
+  const auto farm = ReadFarmId(health.farm());
+  if (!farm) return farm.error();
+  connection->farm = *farm;
   return std::unique_ptr<CoordinatorClient>(new CoordinatorClient(std::move(connection)));
 }
 
@@ -178,7 +208,9 @@ Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const SubmitOp
   proto::SubmitAnswer answer;
   auto asked = Call(*connection_, &proto::Jobs::Stub::Submit, request, answer, "submit the job");
   if (!asked) return asked.error();
-  return JobId{answer.job()};
+  const JobId job{answer.job()};
+  connection_->submissions[job] = spec.submission;
+  return job;
 }
 
 Result<JobStatus> CoordinatorClient::Status(JobId job) {
@@ -219,13 +251,16 @@ Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(c
   const std::string what = fmt::format("watch job {}", Number(job));
   auto last_report = std::chrono::steady_clock::now();
   Backoff waits = RetryWaits();
+  const auto submitted = connection_->submissions.find(job);
+  WatchedJob watched(job, submitted == connection_->submissions.end() ? 0 : submitted->second);
   while (true) {
-    CallContext context(connection_->stop);
+    CallContext context(connection_->stop, connection_->farm);
     const auto reader = connection_->jobs->Watch(context.get(), RequestFor(job));
     proto::JobStatus message;
     while (reader->Read(&message)) {
       const auto status = ReadJobStatus(message);
       if (!status) return status.error();
+      if (const auto same = watched.Check(*status); !same) return same.error();
       report(*status);
       if (HasEnded(status->state)) return status;
       last_report = std::chrono::steady_clock::now();
@@ -235,7 +270,7 @@ Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(c
     if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "the coordinator closed the stream"};
     const bool too_late = std::chrono::steady_clock::now() - last_report > kWatchPatience;
     if (!IsTransient(status) || too_late || !tessera::Pause(connection_->stop, waits.Next()))
-      return connection_->ErrorOf(status, what);
+      return watched.ErrorOf(status, connection_->ErrorOf(status, what));
   }
 }
 
@@ -254,7 +289,7 @@ Result<std::string> CoordinatorClient::FetchPicture(JobId job, uint32_t frame, b
   request.set_preview(preview);
   std::string bytes;
   auto fetched = WithRetries(*connection_, fmt::format("fetch the picture of job {}", Number(job)), [&] {
-    CallContext context(connection_->stop);
+    CallContext context(connection_->stop, connection_->farm);
     return ReceivePicture(*connection_->jobs, context.get(), request, bytes);
   });
   if (!fetched) return fetched.error();

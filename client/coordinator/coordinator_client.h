@@ -24,8 +24,9 @@ struct UploadReport {
   uint64_t bytes_sent = 0;  // including the list of files and everything that was sent twice
 };
 
-// Every call waits for its answer and is repeated for a limited time while the coordinator is away. A request
-// to stop ends each of them with kInterrupted. Used by one thread at a time.
+// Every call is meant for the farm that answered Connect, and fails if another farm answers at the address
+// later. Every call waits for its answer and is repeated for a limited time while the coordinator is away. A
+// request to stop ends each of them with kInterrupted. Used by one thread at a time.
 class CoordinatorClient {
  public:
   using OnSlow = std::function<void(const std::string& reason)>;

@@ -5,6 +5,7 @@
 #include <grpcpp/client_context.h>
 
 #include <chrono>
+#include <map>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -32,6 +33,8 @@ inline Backoff RetryWaits() {
 struct CoordinatorClient::Connection {
   Address address;
   std::stop_token stop;
+  FarmId farm;                            // that answered first; every later call is meant for it
+  std::map<JobId, uint64_t> submissions;  // of the jobs that were submitted over this connection
   std::shared_ptr<grpc::Channel> channel;
   std::unique_ptr<proto::Jobs::Stub> jobs;
   std::unique_ptr<proto::Blobs::Stub> blobs;
@@ -40,16 +43,19 @@ struct CoordinatorClient::Connection {
   Error ErrorOf(const grpc::Status& status, const std::string& what) const;
 };
 
-// The context of one call, which is cancelled when a stop is requested.
+// The context of one call to the farm of a connection, which is cancelled when a stop is requested.
 class CallContext {
  public:
   // Waits for a connection if there is none. `patience` limits the whole call.
-  CallContext(std::stop_token stop, std::chrono::milliseconds patience) : on_stop_(stop, Cancel{context_}) {
+  CallContext(std::stop_token stop, FarmId farm, std::chrono::milliseconds patience)
+      : CallContext(std::move(stop), farm) {
     context_.set_wait_for_ready(true);
     SetDeadline(context_, patience);
   }
   // Without a limit, for streams that live as long as a job.
-  explicit CallContext(std::stop_token stop) : on_stop_(stop, Cancel{context_}) {}
+  CallContext(std::stop_token stop, FarmId farm) : on_stop_(std::move(stop), Cancel{context_}) {
+    SetFarm(context_, farm);
+  }
   grpc::ClientContext* get() { return &context_; }
 
  private:

@@ -7,6 +7,7 @@
 #include <grpcpp/resource_quota.h>
 #include <grpcpp/security/credentials.h>
 #include <grpcpp/server_builder.h>
+#include <grpcpp/server_context.h>
 #include <grpcpp/support/channel_arguments.h>
 
 #include "proto/terms.h"
@@ -37,6 +38,8 @@ constexpr int kReconnectFirst_ms = 100;
 constexpr int kReconnectMax_ms = 3'000;
 // Of an error that travels as a status: a path and a reason. Fits into kStatusBytesMax whatever it holds.
 constexpr size_t kErrorBytesMax = 2000;
+
+constexpr const char* kFarmKey = "tessera-farm";
 
 // Why a call failed. gRPC itself gives no reason, or one for its developers, if a message cannot be read.
 std::string ReasonOf(const grpc::Status& status) {
@@ -95,6 +98,20 @@ bool WaitForConnection(grpc::Channel& channel, std::chrono::milliseconds patienc
 
 void SetDeadline(grpc::ClientContext& context, std::chrono::milliseconds duration) {
   context.set_deadline(std::chrono::system_clock::now() + duration);
+}
+
+void SetFarm(grpc::ClientContext& context, FarmId farm) {
+  if (farm != FarmId{}) context.AddMetadata(kFarmKey, farm.Hex());
+}
+
+grpc::Status CheckFarm(const grpc::ServerContextBase& context, FarmId farm) {
+  const auto& metadata = context.client_metadata();
+  const auto meant = metadata.find(kFarmKey);
+  if (meant == metadata.end() || std::string_view(meant->second.data(), meant->second.size()) == farm.Hex())
+    return grpc::Status::OK;
+  return {
+      grpc::StatusCode::FAILED_PRECONDITION,
+      fmt::format("another farm ({}) answers at this address now, and its jobs are other jobs", farm.Hex())};
 }
 
 grpc::Status ToStatus(const Error& error) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "proto/terms.h"
 #include "proto/wire/address.h"
 #include "renderer/util/result.h"
 
@@ -12,6 +13,7 @@ namespace grpc {
 class Channel;
 class ClientContext;
 class ServerBuilder;
+class ServerContextBase;
 class Status;
 }  // namespace grpc
 
@@ -29,6 +31,12 @@ bool WaitForConnection(grpc::Channel& channel, std::chrono::milliseconds patienc
 
 // Sets the deadline of the call.
 void SetDeadline(grpc::ClientContext& context, std::chrono::milliseconds duration);
+
+// Names the farm that the call is meant for, in its metadata. Connections are made again by themselves, and
+// the address may lead to another farm then, whose jobs have the same numbers. Does nothing without a farm.
+void SetFarm(grpc::ClientContext& context, FarmId farm);
+// The error of a call to `farm` that is meant for another.
+grpc::Status CheckFarm(const grpc::ServerContextBase& context, FarmId farm);
 
 // The status that carries an error: kBadInput as INVALID_ARGUMENT, kFailed as FAILED_PRECONDITION,
 // kInterrupted as CANCELLED.

@@ -131,6 +131,7 @@ Result<JobStatus> ReadJobStatus(const proto::JobStatus& message) {
   status.units_verified = message.units_verified();
   status.units_disputed = message.units_disputed();
   status.units_suspect = message.units_suspect();
+  status.submission = message.submission();
   return status;
 }
 
@@ -161,6 +162,7 @@ void Write(const JobStatus& value, proto::JobStatus& message) {
   message.set_units_verified(value.units_verified);
   message.set_units_disputed(value.units_disputed);
   message.set_units_suspect(value.units_suspect);
+  message.set_submission(value.submission);
 }
 
 Result<std::vector<FrameStatus>> ReadFrameStatuses(const proto::FramesAnswer& message) {

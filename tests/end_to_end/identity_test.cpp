@@ -94,6 +94,26 @@ TEST_F(Identity, AnotherDataDirectoryAtTheSameAddressGetsItsOwnPixelsInTheUsualT
   EXPECT_TRUE(Fetched("1") == red);
 }
 
+// The number of the job that is followed is the number of another job there.
+TEST_F(Identity, CommandsThatFollowAJobEndWhenAnotherFarmAnswersAtItsAddress) {
+  StartFarm();
+  Process submitting(folder(), "tessera",
+                     {"submit", Red(), "--spp", "20000", "--watch", "--coordinator", address()});
+  ASSERT_TRUE(Eventually([&] { return submitting.Output() == "1\n"; }));
+  Process watching(folder(), "tessera", {"watch", "1", "--json", "--coordinator", address()});
+  ASSERT_TRUE(Eventually([&] { return !watching.Errors().empty(); })) << "it shows the progress";
+  Kill();
+  Move("data", "data-of-a");
+  StartCoordinator();
+  ASSERT_EQ(Submit(Green(), {"--spp", "64"}), "1");
+  for (Process* const each : {&submitting, &watching}) {
+    EXPECT_EQ(each->Wait(), 1);
+    EXPECT_THAT(each->Errors(), testing::HasSubstr("cannot watch job 1: another farm ("));
+  }
+  EXPECT_EQ(watching.Output(), "") << "no status of the other farm's job";
+  EXPECT_EQ(Ask({"watch", "1"}).code, 0) << "who connects now follows the other farm's job";
+}
+
 // The folders of a spool have the numbers of jobs as their names, and both spools have a job 1.
 TEST_F(Identity, ASpoolOfAnotherDataDirectoryDoesNotEnterThePicture) {
   const std::string oracle = Oracle(Green(), options_);
