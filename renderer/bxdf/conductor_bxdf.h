@@ -18,6 +18,8 @@ class ConductorBxdf {
   BxdfFlags flags() const {
     return BxdfFlags::kReflection | (facets_.IsSmooth() ? BxdfFlags::kSpecular : BxdfFlags::kGlossy);
   }
+  // What a facet reflects of light at this cosine to its normal.
+  SampledSpectrum Fresnel(float cos_theta) const { return FrConductor(cos_theta, eta_, k_); }
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const {
     if (facets_.IsSmooth() || !SameHemisphere(wo, wi)) return {};
     if (wo.z < 0) return EvaluateAbove(-wo, -wi);

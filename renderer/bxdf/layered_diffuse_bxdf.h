@@ -1,23 +1,14 @@
 // A Lambertian base under a coat whose layer may scatter light, estimated by a random walk between the layers
-// (Guo, Hasan, Zhao 2018; pbrt-v4's LayeredBxDF). For the coats for which
-// coated_diffuse_bxdf.h has no closed form.
+// (layer_walk.h). For the coats for which coated_diffuse_bxdf.h has no closed form.
 #pragma once
 
 #include <optional>
 
 #include "renderer/bxdf/bxdf_sample.h"
+#include "renderer/bxdf/coat_layer.h"
 #include "renderer/bxdf/dielectric_bxdf.h"
 
 namespace tessera {
-
-// The layer between coat and base.
-struct CoatLayer {
-  float thickness = 0.01f;  // in units of the mean free path, positive
-  SampledSpectrum albedo;   // single-scattering
-  float g = 0;              // of the Henyey-Greenstein phase function
-  int depth_max = 10;       // events of one walk
-  int sample_count = 1;     // walks per evaluation
-};
 
 class LayeredDiffuseBxdf {
  public:

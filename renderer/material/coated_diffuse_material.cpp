@@ -1,41 +1,22 @@
 #include "renderer/material/coated_diffuse_material.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <limits>
 
 namespace tessera {
-namespace {
-
-int IntegerInRange(ParameterReader& parameters, const char* name, int default_value, int min, int max) {
-  const int value = parameters.Integer(name, default_value);
-  if (value < min || value > max) {
-    parameters.FailAt(name, fmt::format("\"{}\" of a coat must be from {} to {}", name, min, max));
-  }
-  return value;
-}
-
-}  // namespace
 
 CoatedDiffuseMaterial CoatedDiffuseMaterial::Read(MaterialReader& reader) {
   CoatedDiffuseMaterial material;
   material.reflectance = reader.Albedo("reflectance", 0.5f);
-  material.albedo = reader.Albedo("albedo", 0);
   material.roughness = reader.Roughness();
   material.eta = reader.Eta();
-  material.thickness = reader.Float("thickness", 0.01f);
-  material.thickness.constant = std::max(material.thickness.constant, std::numeric_limits<float>::min());
-  material.g = reader.Float("g", 0);
-  material.depth_max = IntegerInRange(reader.parameters, "maxdepth", 10, 0, kLayerDepthMax);
-  material.sample_count = IntegerInRange(reader.parameters, "nsamples", 1, 1, kLayerSamplesMax);
+  material.layer = CoatLayerInput::Read(reader);
   if (!reader.parameters.failed()) material.Prepare(reader.coats);
   return material;
 }
 
 void CoatedDiffuseMaterial::Prepare(CoatTableCache& cache) {
-  if (!albedo.IsConstant() || albedo.constant.MaxValue() > 0) return;
-  if (!thickness.IsConstant() || !roughness.IsIsotropic()) return;
+  const FloatInput& thickness = layer.thickness;
+  if (!layer.IsClear() || !thickness.IsConstant() || !roughness.IsIsotropic()) return;
   const float alpha = roughness.constant.alpha_x();
   if (!eta.disperses) {
     table_kind = roughness.is_constant ? Table::kConstant : Table::kAlpha;
@@ -64,15 +45,9 @@ Bxdf CoatedDiffuseMaterial::MakeBxdf(const MaterialContext& at) const {
   if (in_table) {
     const float parameter = table_kind == Table::kAlpha ? alpha : eta_here;
     return CoatedDiffuseBxdf(coat, table->At(parameter), reflectance_here,
-                             CoatedDiffuseBxdf::BaseHits(depth_max));
+                             CoatedDiffuseBxdf::BaseHits(layer.depth_max));
   }
-  CoatLayer layer;
-  layer.thickness = std::max(std::numeric_limits<float>::min(), at(thickness));
-  layer.albedo = Clamp(at(albedo), 0, 1);
-  layer.g = std::clamp(at(g), -1.0f, 1.0f);
-  layer.depth_max = depth_max;
-  layer.sample_count = sample_count;
-  return LayeredDiffuseBxdf(coat, reflectance_here, layer);
+  return LayeredDiffuseBxdf(coat, reflectance_here, layer.Evaluate(at));
 }
 
 }  // namespace tessera

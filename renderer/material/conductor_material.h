@@ -2,20 +2,25 @@
 #pragma once
 
 #include "renderer/bxdf/bxdf.h"
+#include "renderer/material/conductor_input.h"
 #include "renderer/material/material_reader.h"
 
 namespace tessera {
 
-// Parameters: spectrum textures eta and k (of copper), or reflectance at normal incidence in their place; the
-// roughness parameters of MaterialReader.
+// Parameters: those of ConductorInput, and the roughness parameters of MaterialReader.
 struct ConductorMaterial {
-  bool has_reflectance = false;  // then `eta` is the reflectance at normal incidence and `k` is unused
-  SpectrumInput eta, k;
+  ConductorInput metal;
   RoughnessInput roughness;
 
-  static ConductorMaterial Read(MaterialReader& reader);
-  bool ReadsTextures() const { return AnyTexture(eta, k, roughness); }
-  Bxdf MakeBxdf(const MaterialContext& at) const;
+  static ConductorMaterial Read(MaterialReader& reader) {
+    const ConductorInput metal = ConductorInput::Read(reader);
+    return {metal, reader.Roughness()};
+  }
+  bool ReadsTextures() const { return AnyTexture(metal, roughness); }
+  Bxdf MakeBxdf(const MaterialContext& at) const {
+    const ConductorIndex index = metal.Evaluate(at);
+    return ConductorBxdf(at(roughness), index.eta, index.k);
+  }
 };
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "renderer/description/kind_table.h"
+#include "renderer/material/coated_conductor_material.h"
 #include "renderer/material/coated_diffuse_material.h"
 #include "renderer/material/conductor_material.h"
 #include "renderer/material/dielectric_material.h"
@@ -22,7 +23,7 @@ namespace tessera {
 //   Bxdf MakeBxdf(const MaterialContext& at) const;
 using SurfaceMaterialKind =
     std::variant<DiffuseMaterial, DiffuseTransmissionMaterial, ConductorMaterial, DielectricMaterial,
-                 ThinDielectricMaterial, CoatedDiffuseMaterial, InterfaceMaterial>;
+                 ThinDielectricMaterial, CoatedDiffuseMaterial, CoatedConductorMaterial, InterfaceMaterial>;
 
 // A material that scatters light.
 struct SurfaceMaterial {

@@ -14,27 +14,28 @@ FloatInput MaterialReader::Float(std::string_view name, float default_value) {
   return textures.Float(parameters, name, default_value);
 }
 
-RoughnessInput MaterialReader::Roughness() {
+RoughnessInput MaterialReader::Roughness(const std::string& prefix) {
   RoughnessInput roughness;
-  const auto u = textures.FindFloat(parameters, "uroughness");
-  const auto v = textures.FindFloat(parameters, "vroughness");
-  roughness.u = u ? *u : Float("roughness", 0);
-  roughness.v = v ? *v : u ? Float("roughness", 0) : roughness.u;
+  const std::string both = prefix + "roughness";
+  const auto u = textures.FindFloat(parameters, prefix + "uroughness");
+  const auto v = textures.FindFloat(parameters, prefix + "vroughness");
+  roughness.u = u ? *u : Float(both, 0);
+  roughness.v = v ? *v : u ? Float(both, 0) : roughness.u;
   roughness.remap = parameters.Bool("remaproughness", true);
   roughness.Prepare();
   return roughness;
 }
 
-EtaInput MaterialReader::Eta() {
-  if (const std::optional<float> eta = parameters.FindFloat("eta")) {
+EtaInput MaterialReader::Eta(std::string_view name) {
+  if (const std::optional<float> eta = parameters.FindFloat(name)) {
     if (!(*eta >= 0 && *eta <= kEtaMax)) {
-      parameters.FailAt("eta", fmt::format("\"eta\" must be from 0 to {}", kEtaMax));
+      parameters.FailAt(name, fmt::format("\"{}\" must be from 0 to {}", name, kEtaMax));
       return {};
     }
     return EtaInput::From(Spectrum::Constant(*eta));
   }
-  return EtaInput::From(SpectrumParameter(parameters, "eta", SpectrumUse::kUnbounded,
-                                          Spectrum::Constant(1.5f), textures.files()));
+  return EtaInput::From(SpectrumParameter(parameters, name, SpectrumUse::kUnbounded, Spectrum::Constant(1.5f),
+                                          textures.files()));
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 // to.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "renderer/bxdf/coat_table.h"
@@ -25,10 +26,10 @@ struct MaterialReader {
   // A spectrum in [0, 1] or a texture, the same at all wavelengths by default.
   SpectrumInput Albedo(std::string_view name, float default_value);
   FloatInput Float(std::string_view name, float default_value);
-  // The parameters uroughness, vroughness, roughness and remaproughness.
-  RoughnessInput Roughness();
-  // The parameter eta, a number or a spectrum.
-  EtaInput Eta();
+  // The parameters PREFIXuroughness, PREFIXvroughness, PREFIXroughness, and remaproughness without a prefix.
+  RoughnessInput Roughness(const std::string& prefix = "");
+  // The parameter `name`, a number or a spectrum.
+  EtaInput Eta(std::string_view name = "eta");
 };
 
 }  // namespace tessera

@@ -42,6 +42,14 @@ inline CoatLayer TestLayer(float thickness, float albedo, float g) {
   return layer;
 }
 
+// Copper-like at the first wavelengths, darker at the last.
+inline LayeredConductorBxdf TestCoatedMetal(float alpha_coat, float alpha_metal, const CoatLayer& layer,
+                                            float eta = 1.5f) {
+  const SampledSpectrum metal_eta(0.2f, 0.9f, 1.1f, 1.5f), metal_k(3.9f, 2.4f, 2.1f, 1.0f);
+  return {TestInterface(alpha_coat, alpha_coat, eta), MicrofacetDistribution(alpha_metal, alpha_metal),
+          metal_eta, metal_k, layer};
+}
+
 // Kinds with a density: everything but mirrors and panes.
 inline std::vector<BxdfExample> RoughExamples() {
   const SampledSpectrum eta(0.2f, 0.9f, 1.1f, 1.5f), k(3.9f, 2.4f, 2.1f, 0.0f);
@@ -60,12 +68,18 @@ inline std::vector<BxdfExample> RoughExamples() {
        LayeredDiffuseBxdf(TestInterface(0.3f, 0.3f, 1.5f), FourColors(), TestLayer(0.1f, 0.5f, 0.3f))},
       {"walked brushed coat",
        LayeredDiffuseBxdf(TestInterface(0.2f, 0.4f, 1.5f), FourColors(), TestLayer(0.01f, 0, 0))},
+      {"walked metal under a smooth coat", TestCoatedMetal(0, 0.3f, TestLayer(0.01f, 0, 0))},
+      {"walked metal under a rough coat", TestCoatedMetal(0.3f, 0.2f, TestLayer(0.1f, 0, 0))},
+      {"walked mirror under a rough coat", TestCoatedMetal(0.4f, 0, TestLayer(0.01f, 0, 0))},
+      {"walked mirror under a milky layer", TestCoatedMetal(0, 0, TestLayer(0.5f, 0.8f, 0.4f))},
+      {"walked metal under a thin gas", TestCoatedMetal(0.3f, 0.3f, TestLayer(0.01f, 0, 0), 0.8f)},
   };
 }
 
 inline std::vector<BxdfExample> SpecularExamples() {
   return {
       {"mirror", ConductorBxdf({}, SampledSpectrum(0.2f), SampledSpectrum(3.9f))},
+      {"mirror under a clear coat", TestCoatedMetal(0, 0, TestLayer(0.01f, 0, 0))},
       {"glass", TestInterface(0, 0, 1.5f)},
       {"bubble", TestInterface(0, 0, 0.7f)},
       {"nothing", TestInterface(0.3f, 0.3f, 1)},

@@ -114,7 +114,7 @@ TEST(Bxdf, NoEnergyIsCreated) {
 TEST(Bxdf, SmoothTransparentInterfacesKeepAllEnergy) {
   TestRandom random(9);
   for (const BxdfExample& example : SpecularExamples()) {
-    if (example.name == "mirror") continue;
+    if (example.name.starts_with("mirror")) continue;
     for (const float cos_o : kCosines) {
       EXPECT_NEAR(Albedo(example.bxdf, DirectionAt(cos_o, 1), 200, random), 1, 1e-4) << example.name;
     }

@@ -4,27 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "renderer/util/hash.h"
-#include "tests/chi_square.h"
 #include "tests/renderer/bxdf/bxdf_examples.h"
+#include "tests/renderer/bxdf/bxdf_means.h"
 
 namespace tessera {
 namespace {
-
-struct Mean {
-  double value = 0, error = 0;  // standard error
-};
-
-template <typename F>
-Mean Average(int count, const F& next) {
-  double sum = 0, squares = 0;
-  for (int n = 0; n < count; ++n) {
-    const double x = next(n);
-    sum += x;
-    squares += x * x;
-  }
-  const double mean = sum / count;
-  return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean) / count)};
-}
 
 struct Angles {
   float cos_o, cos_i;
@@ -45,7 +29,7 @@ void ExpectAgreement(float alpha, float reflectance, float thickness, int depth_
   const LayeredDiffuseBxdf walked(coat, SampledSpectrum(reflectance), layer);
   for (const Angles& angles : kAngles) {
     const Vec3 wo = DirectionAt(angles.cos_o, 0), wi = DirectionAt(angles.cos_i, 2);
-    const Mean mean = Average(15000, [&](int n) { return walked.EstimateWalk(wo, wi, Hash(n))[0]; });
+    const Mean mean = MeanOf(15000, [&](int n) { return walked.EstimateWalk(wo, wi, Hash(n))[0]; });
     const BsdfEvaluation value = closed.Evaluate(wo, wi);
     const float f = WithoutCoat(value, coat, wo, wi);
     EXPECT_NEAR(mean.value, f, 4 * mean.error + 0.002 * f + 1e-6)
@@ -63,18 +47,6 @@ TEST(CoatedDiffuse, ClosedFormIsTheMeanOfTheWalk) {
 
 TEST(CoatedDiffuse, ClosedFormCountsTheHitsOfAShortWalk) {
   for (const int depth_max : {0, 1, 2, 3, 4, 30}) ExpectAgreement(0.2f, 1, 0.01f, depth_max);
-}
-
-// The albedo by sampling: the radiance in a uniform environment of radiance 1.
-template <typename AnyBxdf>
-Mean Furnace(const AnyBxdf& bxdf, float cos_o, int sample_count) {
-  TestRandom random(17);
-  const Vec3 wo = DirectionAt(cos_o, 1);
-  return Average(sample_count, [&](int) {
-    const float uc = random.Next();
-    const auto s = bxdf.Sample(wo, uc, random.Next2<Point2>());
-    return s ? s->f[0] * AbsCosTheta(s->wi) / s->pdf : 0.0f;
-  });
 }
 
 TEST(CoatedDiffuse, WhiteFurnaceLosesNothingUnderASmoothThinCoat) {

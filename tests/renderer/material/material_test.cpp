@@ -131,6 +131,28 @@ TEST(Material, ConductorOfAReflectanceReflectsIt) {
   EXPECT_NEAR(sample->f[2], 0.6f, 1e-4);
 }
 
+TEST(Material, CoatedConductorIsTheConductorIfItsCoatBendsNothing) {
+  const std::string metal = R"("rgb reflectance" [0.9 0.5 0.2] )";
+  Materials bare("Material \"conductor\" " + metal + R"("float uroughness" 0.04 "float vroughness" 0.16)");
+  Materials coated("Material \"coatedconductor\" " + metal +
+                   R"("float conductor.uroughness" 0.04 "float conductor.vroughness" 0.16
+                      "float interface.eta" 1 "float thickness" 0)");
+  ASSERT_EQ(bare.error + coated.error, "");
+  const Vec3 wo = DirectionAt(0.8f, 0.3f), wi = DirectionAt(0.7f, 2.9f);
+  const SampledSpectrum expected = bare.Evaluate().Evaluate(wo, wi).f;
+  const SampledSpectrum f = coated.Evaluate().Evaluate(wo, wi).f;
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(f[i], expected[i], 1e-4f * expected[i]);
+}
+
+TEST(Material, CoatedConductorReadsTheRoughnessOfItsCoat) {
+  Materials smooth(R"(Material "coatedconductor")");
+  Materials rough(R"(Material "coatedconductor" "float interface.roughness" 0.1)");
+  ASSERT_EQ(smooth.error + rough.error, "");
+  EXPECT_FALSE(smooth.Evaluate().HasNonSpecular()) << "both interfaces are smooth by default";
+  EXPECT_TRUE(rough.Evaluate().HasNonSpecular());
+  EXPECT_FALSE(HasFlag(rough.Evaluate().flags(), BxdfFlags::kSpecular));
+}
+
 TEST(Material, OnlyDispersionDropsWavelengths) {
   Materials constant(R"(Material "dielectric" "float eta" 1.7)");
   ASSERT_EQ(constant.error, "");
@@ -142,6 +164,10 @@ TEST(Material, OnlyDispersionDropsWavelengths) {
     EXPECT_TRUE(glass.Evaluate().Sample(glass.interaction.wo, 0.01f, {0.3f, 0.6f}));
     EXPECT_TRUE(glass.wavelengths.SecondaryTerminated()) << kind;
   }
+  Materials coat(R"(Material "coatedconductor" "spectrum interface.eta" "glass-F11")");
+  ASSERT_EQ(coat.error, "");
+  coat.Evaluate();
+  EXPECT_TRUE(coat.wavelengths.SecondaryTerminated());
 }
 
 TEST(Material, CoatsWithoutClosedFormAreWalkedToTheSameMean) {
@@ -224,6 +250,7 @@ MakeNamedMaterial "checked" "string type" "diffuse" "texture reflectance" "s"
   };
   for (const char* plain : {R"("interface")", R"("diffuse")", R"("dielectric" "float roughness" 0.2)",
                             R"("conductor" "float uroughness" 0.2)", R"("coateddiffuse" "float g" 0.5)",
+                            R"("coatedconductor" "float conductor.roughness" 0.5)",
                             R"("mix" "string materials" [ "plain" "plain" ])"}) {
     EXPECT_FALSE(needs(plain)) << plain;
   }
@@ -232,6 +259,8 @@ MakeNamedMaterial "checked" "string type" "diffuse" "texture reflectance" "s"
         R"("diffuse" "string normalmap" "tilted.pfm")",
         R"("diffusetransmission" "texture transmittance" "s")", R"("conductor" "texture k" "s")",
         R"("dielectric" "texture vroughness" "c")", R"("coateddiffuse" "texture thickness" "c")",
+        R"("coatedconductor" "texture interface.vroughness" "c")",
+        R"("coatedconductor" "texture conductor.k" "s")", R"("coatedconductor" "texture albedo" "s")",
         R"("mix" "texture amount" "c" "string materials" [ "plain" "plain" ])",
         R"("mix" "string materials" [ "plain" "checked" ])"}) {
     EXPECT_TRUE(needs(textured)) << textured;
@@ -282,6 +311,12 @@ TEST(Material, ErrorsNameTheirPlace) {
       {R"(MakeNamedMaterial "x" "string type" "plastic")", "test.pbrt:2:1: unknown material \"plastic\""},
       {R"(Material "diffuse" "float roughness" 1)", "roughness"},
       {R"(Material "conductor" "rgb reflectance" [1 1 1] "rgb k" [1 1 1])", "not both"},
+      {R"(Material "coatedconductor" "rgb reflectance" [1 1 1] "rgb conductor.k" [1 1 1])",
+       "test.pbrt:2:28: a conductor has either \"reflectance\" or \"conductor.eta\" and \"conductor.k\""},
+      {R"(Material "coatedconductor" "float interface.eta" 2000)",
+       "\"interface.eta\" must be from 0 to 1000"},
+      {R"(Material "coatedconductor" "integer nsamples" 0)", "\"nsamples\" of a coat must be from 1 to 1024"},
+      {R"(Material "coatedconductor" "float conductor.roughnes" 0)", "did you mean \"conductor.roughness\"?"},
       {R"(Material "dielectric" "float eta" -1)", "\"eta\" must be from 0 to 1000"},
       {R"(Material "coateddiffuse" "integer nsamples" 0)", "\"nsamples\" of a coat must be from 1"},
       {R"(Material "coateddiffuse" "integer maxdepth" 2000000)", "\"maxdepth\" of a coat must be from 0"},
