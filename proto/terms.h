@@ -152,6 +152,7 @@ struct WorkerState {
   std::string software_version = kSoftwareVersion;
   std::string build_digest;  // raw bytes; may be empty
   std::string probe_digest;  // raw bytes
+  uint64_t machine = 0;      // the same for all workers on it; 0: not known
   std::set<std::string> tags;
   std::vector<HeldScene> scenes;
   std::vector<HeldLease> leases;

@@ -15,6 +15,7 @@
 #include "renderer/text/unicode.h"
 #include "renderer/util/cores.h"
 #include "worker/build_id.h"
+#include "worker/machine_id.h"
 #include "worker/scene_loader.h"
 
 namespace tessera {
@@ -56,6 +57,7 @@ Result<WorkerState> Introduce(const WorkerOptions& options) {
   if (!probe_digest) return probe_digest.error();
   self.probe_digest = std::move(*probe_digest);
   self.tags = options.tags;
+  self.machine = MachineId();
   return self;
 }
 

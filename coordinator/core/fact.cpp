@@ -16,12 +16,13 @@ enum class Kind : uint32_t {
   kJobPaused = 5,
   kJobPriorityChanged = 6,
   kWorkerQuarantined = 9,
-  kVoteRecorded = 20,
+  kVoteRecordedWithoutMachine = 20,
   kUnitsCounted = 21,
   kFrameFinishedWithoutSize = 22,  // of its file
   kJobSubmitted = 23,
   kCoordinatorStarted = 24,
   kFrameFinished = 25,
+  kVoteRecorded = 26,
 };
 
 void Add(ByteWriter& out, const JobSubmitted& fact) {
@@ -100,6 +101,7 @@ void Add(ByteWriter& out, const VoteRecorded& fact) {
   out.Add64(Number(fact.worker));
   out.AddText(fact.name);
   AddDigest(out, fact.result);
+  out.Add64(fact.machine);
 }
 
 void Add(ByteWriter& out, const UnitsCounted& fact) {
@@ -139,7 +141,7 @@ std::optional<Fact> ReadFrameFinished(ByteReader& in, bool has_size) {
   return fact;
 }
 
-std::optional<Fact> ReadVoteRecorded(ByteReader& in) {
+std::optional<Fact> ReadVoteRecorded(ByteReader& in, bool has_machine) {
   VoteRecorded fact;
   fact.unit.job = JobId{in.Read64()};
   for (uint32_t* value : {&fact.unit.frame, &fact.unit.tile, &fact.unit.range.begin, &fact.unit.range.size}) {
@@ -148,6 +150,7 @@ std::optional<Fact> ReadVoteRecorded(ByteReader& in) {
   fact.worker = WorkerId{in.Read64()};
   fact.name = in.ReadText();
   if (!ReadDigest(in, fact.result) || !fact.unit.range.IsDyadic()) return std::nullopt;
+  if (has_machine) fact.machine = in.Read64();
   return fact;
 }
 
@@ -202,7 +205,8 @@ std::optional<Fact> ReadFact(ByteReader& in) {
       return JobPriorityChanged{job, priority};
     }
     case Kind::kWorkerQuarantined: return ReadWorkerQuarantined(in);
-    case Kind::kVoteRecorded: return ReadVoteRecorded(in);
+    case Kind::kVoteRecordedWithoutMachine:
+    case Kind::kVoteRecorded: return ReadVoteRecorded(in, kind == Kind::kVoteRecorded);
     case Kind::kUnitsCounted: {
       UnitsCounted fact;
       fact.job = JobId{in.Read64()};

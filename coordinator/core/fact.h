@@ -81,6 +81,7 @@ struct VoteRecorded {
   WorkerId worker{};
   std::string name;  // the worker's
   Digest result;
+  uint64_t machine = 0;  // that the worker ran on; 0: not known
 };
 
 // Counts of the verification so far.
@@ -96,7 +97,8 @@ using Fact =
 // A 32-bit number of the kind, then its members in order (byte_codec.h), texts and lists preceded by a 64-bit
 // length. The meaning of a number never changes: a kind whose members change gets another number, and those
 // it had before are still read. Kinds 1 (a start without the farm's identity), 2 (a submitted job whose
-// channels are names) and 22 (a finished frame without the size of its file) are no longer written.
+// channels are names), 20 (a vote without the worker's machine) and 22 (a finished frame without the size of
+// its file) are no longer written.
 std::string EncodeFact(const Fact& fact);
 // An error for anything that EncodeFact does not write.
 Result<Fact> DecodeFact(std::string_view bytes);

@@ -37,8 +37,8 @@ void FarmRecovery::Restore(const Fact& fact) {
               job.results.files[each.frame] = each.file;
               job.results.frame_samples[each.frame] = each.samples;
               job.in_spool.erase(each.frame);
-              std::erase_if(job.results.votes,
-                            [&](const auto& votes) { return votes.first.frame == each.frame; });
+              std::erase_if(votes_[each.job],
+                            [&](const auto& vote) { return vote.first.frame == each.frame; });
               finished_.push_back({each.job, each.frame});
             });
           },
@@ -46,7 +46,7 @@ void FarmRecovery::Restore(const Fact& fact) {
             with_job(each.job, [&](Job& job) {
               job.state = each.state;
               job.reason = each.reason;
-              job.results.votes.clear();
+              votes_.erase(each.job);
               state_.jobs.MarkEnded(each.job);
             });
           },
@@ -65,12 +65,7 @@ void FarmRecovery::Restore(const Fact& fact) {
             blocks_.push_back({each.worker, each.name, each.drained, each.quarantine});
           },
           [&](const VoteRecorded& each) {
-            with_job(each.unit.job, [&](Job& job) {
-              if (each.unit.frame >= job.spec->frames.size()) return;
-              WorkUnit unit = each.unit;
-              unit.scene = job.SceneOf(unit.frame);
-              ResultAcceptance::CountVote(job, unit, {each.worker, each.name, each.result});
-            });
+            with_job(each.unit.job, [&](Job& job) { RestoreVote(job, each); });
           },
           [&](const UnitsCounted& each) {
             with_job(each.job, [&](Job& job) {
@@ -81,6 +76,24 @@ void FarmRecovery::Restore(const Fact& fact) {
           },
       },
       fact);
+}
+
+// Counts the vote as it was counted when it was cast.
+void FarmRecovery::RestoreVote(Job& job, const VoteRecorded& fact) {
+  WorkUnit unit = fact.unit;
+  if (unit.frame >= job.spec->frames.size()) return;
+  unit.scene = job.SceneOf(unit.frame);
+  Votes& votes = votes_[job.id];
+  std::vector<Vote>& of_unit = votes[unit];
+  const bool is_decided =
+      std::ranges::any_of(of_unit, [&](const Vote& each) { return each.result == fact.result; });
+  if (is_decided) {
+    ++job.results.units_verified;
+    votes.erase(unit);
+    return;
+  }
+  if (of_unit.size() == 1) ++job.results.units_disputed;
+  of_unit.push_back({fact.worker, fact.name, fact.result, fact.machine});
 }
 
 SpoolUse FarmRecovery::FoundInSpool(FrameId id, bool begun) {
@@ -133,6 +146,7 @@ void FarmRecovery::Begin(Instant now) {
   for (const WorkerBlock& block : std::exchange(blocks_, {})) state_.scheduler.RestoreBlock(now, block);
   for (auto& [id, job] : state_.jobs.all()) RestoreCounts(job);
   for (const JobId id : std::set<JobId>(state_.jobs.open())) Resume(now, state_.jobs.At(id));
+  votes_.clear();
   end_.ForgetOldest();
 }
 
@@ -152,7 +166,7 @@ void FarmRecovery::Resume(Instant now, Job& job) {
     ResumeFrame(job, frame, merger);
     if (state_.scheduler.IsComplete(job, frame)) complete.push_back(frame);
   }
-  for (const auto& [unit, votes] : job.results.votes) {
+  for (const auto& [unit, votes] : votes_[job.id]) {
     for (const Vote& vote : votes) state_.scheduler.RestoreVote(unit, vote);
   }
   job.results.samples_done += restored;
@@ -196,9 +210,11 @@ void FarmRecovery::AppendHistory(const Job& job, std::vector<Fact>& facts) {
 void FarmRecovery::AppendControl(const Job& job, std::vector<Fact>& facts) {
   if (job.is_paused) facts.emplace_back(JobPaused{job.id, true});
   if (job.priority != job.submitted->priority) facts.emplace_back(JobPriorityChanged{job.id, job.priority});
-  for (const auto& [unit, votes] : job.results.votes) {
-    for (const Vote& vote : votes)
-      facts.emplace_back(VoteRecorded{unit, vote.worker, vote.name, vote.result});
+  for (const auto& [index, frame] : job.schedule.active) {
+    frame.verification.VisitVotes([&](TileSamples samples, const Vote& vote) {
+      const WorkUnit unit{job.id, index, samples.tile, samples.range, frame.scene.key};
+      facts.emplace_back(VoteRecorded{unit, vote.worker, vote.name, vote.result, vote.machine});
+    });
   }
   if (job.submitted->verify_share > 0) facts.emplace_back(CountsOf(job));
 }

@@ -2,6 +2,7 @@
 // farm.
 #pragma once
 
+#include <map>
 #include <set>
 #include <vector>
 
@@ -33,6 +34,9 @@ class FarmRecovery {
   std::vector<Fact> Snapshot() const;
 
  private:
+  using Votes = std::map<WorkUnit, std::vector<Vote>>;  // of units that are not decided
+
+  void RestoreVote(Job& job, const VoteRecorded& fact);
   void RestoreKeptSums();
   void RestoreCounts(Job& job);
   void Resume(Instant now, Job& job);
@@ -46,6 +50,7 @@ class FarmRecovery {
   JobExtension& extension_;
   // Until Begin.
   std::vector<WorkerBlock> blocks_;
+  std::map<JobId, Votes> votes_;
   std::vector<FrameId> finished_;  // in the order they were
   std::set<FrameId> found_kept_;   // in the spool
 };

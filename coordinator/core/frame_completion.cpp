@@ -63,7 +63,6 @@ void FrameCompletion::PictureWritten(Instant now, FrameId id, const PictureFile&
   if (job->results.remaking.contains(id.frame)) return Remade(*job, id.frame, file);
   if (job->results.writing.erase(id.frame) == 0 || HasEnded(job->state)) return;
   job->results.files[id.frame] = file;
-  std::erase_if(job->results.votes, [&](const auto& each) { return each.first.frame == id.frame; });
   state_.output.facts.emplace_back(
       FrameFinished{id.job, id.frame, file, job->results.frame_samples.at(id.frame)});
   Log(fmt::format("frame_finished job={} frame={} file={}", Number(id.job), id.frame, file.digest.Hex()));

@@ -26,7 +26,6 @@ void JobEnd::End(Instant now, Job& job, JobState end, const std::string& reason)
   job.in_spool.clear();
   job.results.mergers.clear();
   job.results.loading.clear();
-  job.results.votes.clear();
   job.results.unconfirmed.clear();
   if (end != JobState::kFinished) DropSums(job);
   state_.jobs.MarkEnded(job.id);

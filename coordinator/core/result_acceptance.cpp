@@ -110,9 +110,12 @@ std::optional<Verdict> ResultAcceptance::Verify(Instant now, Job& job, WorkerId 
   const Digest result = RadianceTileDigest(*returned.tile);
   const VoteOutcome outcome = state_.scheduler.RecordVote(now, worker, returned.lease, returned.unit,
                                                           returned.render_seconds, result);
-  if (outcome.is_new) {
-    CountVote(job, returned.unit, {worker, outcome.name, result});
-    state_.output.facts.emplace_back(VoteRecorded{returned.unit, worker, outcome.name, result});
+  if (outcome.vote) {
+    const bool is_accepted = outcome.kind == VoteOutcome::Kind::kAccepted;
+    job.results.units_verified += is_accepted ? 1 : 0;
+    job.results.units_disputed += outcome.is_disputed ? 1 : 0;
+    state_.output.facts.emplace_back(
+        VoteRecorded{returned.unit, worker, outcome.vote->name, result, outcome.vote->machine});
   }
   switch (outcome.kind) {
     case VoteOutcome::Kind::kHeld: return Verdict::kAccepted;
@@ -120,17 +123,6 @@ std::optional<Verdict> ResultAcceptance::Verify(Instant now, Job& job, WorkerId 
     case VoteOutcome::Kind::kAccepted: break;
   }
   return std::nullopt;
-}
-
-void ResultAcceptance::CountVote(Job& job, const WorkUnit& unit, const Vote& vote) {
-  std::vector<Vote>& votes = job.results.votes[unit];
-  const bool is_decided =
-      std::any_of(votes.begin(), votes.end(), [&](const Vote& each) { return each.result == vote.result; });
-  if (!is_decided && votes.size() == 1) ++job.results.units_disputed;
-  votes.push_back(vote);
-  if (!is_decided) return;
-  ++job.results.units_verified;
-  job.results.votes.erase(unit);
 }
 
 void ResultAcceptance::Merge(Job& job, const WorkUnit& unit, RadianceTile tile) {

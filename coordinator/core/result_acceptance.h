@@ -15,8 +15,6 @@ class ResultAcceptance {
 
   // `reason` is set if the result is refused.
   Verdict Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::string& reason);
-  // Records a vote in the job's count of verified and disputed units.
-  static void CountVote(Job& job, const WorkUnit& unit, const Vote& vote);
   // Writes down how many merged units of open jobs are from workers that are not trusted any more.
   void NoteSuspects();
 

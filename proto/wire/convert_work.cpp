@@ -96,6 +96,7 @@ Result<WorkerState> ReadWorkerState(const proto::WorkerState& message) {
   state.software_version = CleanName(message.software_version());
   state.build_digest = message.build_digest();
   state.probe_digest = message.probe_digest();
+  state.machine = message.machine();
   auto tags = ReadTags(message.tags(), "tags");
   if (!tags) return tags.error();
   state.tags = std::move(*tags);
@@ -118,6 +119,7 @@ void Write(const WorkerState& value, proto::WorkerState& message) {
   message.set_software_version(CleanName(value.software_version));
   message.set_build_digest(value.build_digest);
   message.set_probe_digest(value.probe_digest);
+  message.set_machine(value.machine);
   for (const std::string& tag : value.tags) message.add_tags(tag);
   for (const HeldScene& scene : value.scenes) {
     auto& written = *message.add_scenes();

@@ -99,6 +99,7 @@ void Machines::FinishUnit(size_t m, const UnitTask& task, double seconds) {
     if (world_.random.Chance(world_.is_healthy() ? 0 : worker.traits().lie_chance)) {
       sums.sums[0] += static_cast<float>(world_.random.Real(1, 2));
     }
+    if (worker.traits().is_ill) sums.sums[0] += 1;
     std::string tile = EncodeRadianceTile(sums);
     if (world_.random.Chance(world_.is_healthy() ? 0 : worker.traits().damage_chance))
       tile[tile.size() / 2] ^= 1;

@@ -37,12 +37,15 @@ void Machines::StartWorker(size_t m) {
   WorkerTraits traits;
   traits.slots = world_.random.Int(1, 3);
   traits.speed = machine.speed;
+  traits.machine = m / 2 + 1;  // two workers on each
+  traits.is_ill = options.ill_machine && traits.machine == 1;
   traits.load_s = world_.random.Real(0.01, 2);
   if (m == 1 && options.one_fails_units) traits.failure_chance = 0.3;
   if (m == 2 && options.one_damages_results) traits.damage_chance = 0.5;
   if (m == 0 && options.one_lies) traits.lie_chance = 0.3;
   const WorkerId id{worker_next_++};
-  if (traits.failure_chance + traits.damage_chance + traits.lie_chance > 0) world_.faulty_workers.insert(id);
+  if (traits.failure_chance + traits.damage_chance + traits.lie_chance > 0 || traits.is_ill)
+    world_.faulty_workers.insert(id);
   machine.worker = std::make_unique<WorkerModel>(id, traits);
   ++machine.incarnation;
   machine.hung_until = {};

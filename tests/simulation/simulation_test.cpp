@@ -26,6 +26,19 @@ TEST_P(Seeds, EveryJobEndsWithTheRightPictureWhateverFailsAndEachSeedReplaysExac
 
 INSTANTIATE_TEST_SUITE_P(Simulation, Seeds, testing::Range(uint64_t{0}, kShards));
 
+TEST(Simulation, WorkersOfAnIllMachineNeverConfirmEachOtherWhileOthersWork) {
+  for (uint64_t seed = 1; seed <= 50; ++seed) {
+    SimulationOptions options;
+    options.workers = 6;  // on three machines
+    options.jobs = 2;
+    options.verify_share = 1;
+    options.ill_machine = true;
+    const SimulationReport report = Simulation(seed, options).Run();
+    for (const std::string& violation : report.violations)
+      ADD_FAILURE() << "seed " << seed << " at " << violation;
+  }
+}
+
 class Scale : public testing::TestWithParam<int> {};
 
 TEST_P(Scale, AFarmWithSlowAndDyingMachinesWastesLittle) {

@@ -13,6 +13,7 @@ WorkerState WorkerModel::State(Instant now) {
   state.sequence = ++sequence_;
   state.name = fmt::format("w{}", Number(id_));
   state.slots = traits_.slots;
+  state.machine = traits_.machine;
   load_.FillState(state, At(now));
   return state;
 }

@@ -47,7 +47,7 @@ void Dispatcher::GrantFrom(Instant now, WorkerRecord& worker, const FrameChoice&
 void Dispatcher::GrantFrom(Instant now, WorkerRecord& worker, const FrameChoice& choice,
                            const MayRender& may) {
   ActiveFrame& frame = *choice.frame;
-  auto samples = frame.verification.Find(worker.id, may);
+  auto samples = frame.verification.Find(state_.VoterOf(worker), may);
   if (!samples) {
     const double seconds =
         JobQueue::UnitSeconds(*choice.job, state_.workers.total_slots(), state_.workers.total_speed());
@@ -109,7 +109,7 @@ FrameChoice Dispatcher::ChooseAmong(Instant now, WorkerRecord& worker, const std
     Job& job = state_.jobs.At(id);
     if (!worker.has_tags(job.spec->required_tags)) continue;
     scenes_.Activate(job);
-    if (const FrameChoice choice = SceneLocality::ReadyFrame(job, worker); choice.frame != nullptr) {
+    if (const FrameChoice choice = scenes_.ReadyFrame(job, worker); choice.frame != nullptr) {
       if (ready.job == nullptr || share_s(choice) < share_s(ready)) ready = choice;
     } else if (const FrameChoice other = scenes_.FrameToLoad(now, job, worker); other.frame != nullptr) {
       if (unready.job == nullptr || share_s(other) < share_s(unready)) unready = other;

@@ -100,8 +100,7 @@ struct JobResults {
   std::map<uint32_t, std::string> unwritten;     // why attempts to write the pictures of frames failed
   std::map<uint32_t, std::string> lost;          // why files are damaged or missing and cannot be made again
 
-  std::map<WorkUnit, std::vector<Vote>> votes;  // of units that are verified and not decided
-  std::map<WorkerId, uint64_t> unconfirmed;     // units merged of each worker, if some are verified
+  std::map<WorkerId, uint64_t> unconfirmed;  // units merged of each worker, if some are verified
   uint64_t units_verified = 0, units_disputed = 0, units_suspect = 0;
 };
 

@@ -13,7 +13,7 @@ LeaseRecord& LeaseControl::Grant(Instant now, WorkerRecord& worker, Job& job, Ac
                                           frame.work.Cost({unit.tile, unit.range}));
   state_.workers.Announce(worker, id);
   ++state_.counters.leases_granted;
-  frame.verification.Hold({unit.tile, unit.range}, worker.id);
+  frame.verification.Hold({unit.tile, unit.range}, {worker.id, worker.machine});
   UpdateRoom(worker);
   return record;
 }

@@ -92,6 +92,11 @@ constexpr int kCopiesMax = 2;
 // At most this many pieces are made of a straggler's range, if as many slots are idle.
 constexpr int kSplitMax = 8;
 
+// ---- Verification ----
+// How long a unit waits for a vote from another machine than those that have rendered it. As long as silent
+// workers are waited for: a machine that has not answered by then may never do so.
+constexpr Instant kOtherMachinePatience = seconds(10);
+
 // ---- Failure ----
 // Different workers that fail a unit before its job fails: two workers may be broken, after three it is the
 // unit. A farm that never has three workers sets a smaller number (SchedulerOptions).

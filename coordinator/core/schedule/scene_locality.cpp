@@ -8,10 +8,10 @@
 namespace tessera {
 namespace {
 
-bool HasWorkFor(const ActiveFrame& frame, const WorkerRecord& worker) {
-  const auto may = [&](uint32_t tile) { return frame.failures.May(worker.id, tile); };
+bool HasWorkFor(const ActiveFrame& frame, Voter worker) {
+  const auto may = [&](uint32_t tile) { return frame.failures.May(worker.worker, tile); };
   const bool has_open = frame.failures.empty() ? frame.work.HasOpen() : frame.work.HasOpen(may);
-  return has_open || frame.verification.Find(worker.id, may);
+  return has_open || frame.verification.Find(worker, may);
 }
 
 }  // namespace
@@ -43,9 +43,10 @@ void SceneLocality::Activate(Job& job) {
   }
 }
 
-FrameChoice SceneLocality::ReadyFrame(Job& job, const WorkerRecord& worker) {
+FrameChoice SceneLocality::ReadyFrame(Job& job, const WorkerRecord& worker) const {
+  const Voter voter = state_.VoterOf(worker);
   for (auto& [index, frame] : job.schedule.active) {
-    if (worker.has_ready(frame.scene.key) && HasWorkFor(frame, worker)) return {&job, index, &frame};
+    if (worker.has_ready(frame.scene.key) && HasWorkFor(frame, voter)) return {&job, index, &frame};
   }
   return {};
 }
@@ -53,11 +54,12 @@ FrameChoice SceneLocality::ReadyFrame(Job& job, const WorkerRecord& worker) {
 FrameChoice SceneLocality::FrameToLoad(Instant now, Job& job, const WorkerRecord& worker) {
   const uint32_t abreast = FramesAbreast(job);
   CountHolders(now);
+  const Voter voter = state_.VoterOf(worker);
   const size_t holders_max = (state_.workers.size() + abreast - 1) / abreast;
   FrameChoice any;
   for (auto& [index, frame] : job.schedule.active) {
     const Digest& scene = frame.scene.key;
-    if (worker.has_ready(scene) || !HasWorkFor(frame, worker)) continue;
+    if (worker.has_ready(scene) || !HasWorkFor(frame, voter)) continue;
     const FrameChoice choice{&job, index, &frame};
     if (abreast == 1 || worker.scenes.contains(scene)) return choice;
     if (holders_[scene] < holders_max + (worker.wants(scene) ? 1 : 0)) return choice;

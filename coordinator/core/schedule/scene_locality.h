@@ -26,7 +26,7 @@ class SceneLocality {
   // meanwhile.
   void Activate(Job& job);
   // The first frame with work for the worker whose scene the worker has ready.
-  static FrameChoice ReadyFrame(Job& job, const WorkerRecord& worker);
+  FrameChoice ReadyFrame(Job& job, const WorkerRecord& worker) const;
   // The first frame with work for the worker whose scene it does not have, and that too few others have.
   FrameChoice FrameToLoad(Instant now, Job& job, const WorkerRecord& worker);
   // Tells the worker to load the scene, unless it does so already.

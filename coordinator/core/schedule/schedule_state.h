@@ -10,6 +10,7 @@
 #include "coordinator/core/schedule/job_queue.h"
 #include "coordinator/core/schedule/lease_table.h"
 #include "coordinator/core/schedule/loss_book.h"
+#include "coordinator/core/schedule/verification.h"
 #include "coordinator/core/schedule/worker_roster.h"
 
 namespace tessera {
@@ -23,11 +24,16 @@ struct GivenUpTime {
 struct ScheduleState {
   ScheduleState(uint64_t session, uint32_t epoch) : leases(session, epoch) {}
 
+  // On a farm of one machine none is preferred.
+  bool IsOneMachine() const { return !awaits_workers && workers.is_one_machine(); }
+  Voter VoterOf(const WorkerRecord& worker) const { return {worker.id, IsOneMachine() ? 0 : worker.machine}; }
+
   JobQueue jobs;
   WorkerRoster workers;
   LeaseTable leases;
   IdleWorkers idle;
   LossBook losses;
+  bool awaits_workers = false;  // of a former process: they may return from other machines
   FarmCounters counters;
   std::vector<GivenUpTime> given_up;
   std::vector<std::string> log;  // "event key=value ..."

@@ -26,14 +26,20 @@ Scheduler::Scheduler(SchedulerOptions options)
       tail_(state_, leases_),
       votes_(state_, leases_, failures_, options.attempts_max),
       units_(state_, leases_, failures_, votes_),
-      sync_(state_, leases_, scenes_, dispatcher_, trials_, votes_) {}
+      sync_(state_, leases_, scenes_, dispatcher_, trials_, votes_),
+      is_first_(options.epoch <= 1) {
+  state_.awaits_workers = !is_first_;
+}
 
 void Scheduler::Advance(Instant now) {
+  if (!begun_) begun_ = now;
+  state_.awaits_workers = !is_first_ && now - *begun_ < kOtherMachinePatience;
   if (now >= expiry_due_) {
     expiry_due_ = now + kExpiryInterval;
     sync_.Expire(now);
     failures_.FailWhatAllFailed(now);
     trials_.Advance(now);
+    votes_.Relax(now);
   }
   trials_.Mark();
   dispatcher_.Preempt(now);

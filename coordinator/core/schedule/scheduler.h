@@ -8,6 +8,7 @@
 // policy.h.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -159,6 +160,8 @@ class Scheduler {
   UnitCompletion units_;
   WorkerSync sync_;
   Instant expiry_due_{};
+  bool is_first_;                 // process that works on the data directory
+  std::optional<Instant> begun_;  // the first Advance
 };
 
 }  // namespace tessera

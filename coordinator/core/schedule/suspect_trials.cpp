@@ -164,7 +164,7 @@ std::optional<SuspectTrials::Trial> SuspectTrials::FindIn(Job& job, uint32_t ind
     return unit.job == job.id && unit.frame == index && may(unit.tile);
   });
   const ActiveFrame& active = frame->second;
-  if (!is_trying && !active.work.HasOpen(may) && !active.verification.Find(worker.id, may))
+  if (!is_trying && !active.work.HasOpen(may) && !active.verification.Find(state_.VoterOf(worker), may))
     return std::nullopt;
   return trial;
 }

@@ -52,7 +52,7 @@ void TailRelief::Relieve(Instant now) {
   }
 }
 
-bool TailRelief::IsFit(const WorkerRecord& helper, const LeaseRecord& slow) const {
+bool TailRelief::IsFit(Instant now, const WorkerRecord& helper, const LeaseRecord& slow) const {
   const WorkUnit& unit = slow.lease.unit;
   const Job& job = state_.jobs.At(unit.job);
   const ActiveFrame& frame = job.schedule.active.at(unit.frame);
@@ -61,13 +61,16 @@ bool TailRelief::IsFit(const WorkerRecord& helper, const LeaseRecord& slow) cons
   if (slow.worker == helper.id || !helper.has_ready(frame.scene.key)) return false;
   if (!frame.failures.May(helper.id, unit.tile)) return false;
   const TileSamples samples{unit.tile, unit.range};
-  return !frame.verification.IsVerifying(samples) || frame.verification.MayVote(samples, helper.id);
+  if (!frame.verification.IsVerifying(samples)) return true;
+  // Only a unit that has started stays with its holder as well.
+  const auto besides = slow.HasProbablyStarted(now) ? std::nullopt : std::optional(slow.worker);
+  return frame.verification.MayVote(samples, state_.VoterOf(helper), besides);
 }
 
 // Gives the helper the slow unit or a part of it if that promises to end it sooner.
 TailRelief::Outcome TailRelief::RelieveBy(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots) {
   const LeaseRecord& record = state_.leases.At(slow);
-  if (!IsFit(helper, record)) return Outcome::kUnfit;
+  if (!IsFit(now, helper, record)) return Outcome::kUnfit;
   WorkUnit unit = record.lease.unit;
   Job& job = state_.jobs.At(unit.job);
   ActiveFrame& frame = job.schedule.active.at(unit.frame);

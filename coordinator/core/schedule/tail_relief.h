@@ -25,7 +25,7 @@ class TailRelief {
   };
   int IdleSlots(const WorkerRecord& worker) const;
   std::deque<WorkerRecord*> Helpers() const;
-  bool IsFit(const WorkerRecord& helper, const LeaseRecord& slow) const;
+  bool IsFit(Instant now, const WorkerRecord& helper, const LeaseRecord& slow) const;
   Outcome RelieveBy(Instant now, WorkerRecord& helper, LeaseId slow, int idle_slots);
   std::optional<SampleRange> PieceFor(const WorkUnit& unit, const ActiveFrame& frame, double whole_s,
                                       int idle_slots) const;

@@ -81,7 +81,7 @@ VoteOutcome UnitCompletion::RecordVote(Instant now, WorkerId id, LeaseId lease, 
   ActiveFrame& frame = *state_.jobs.FindFrame(unit);
   const TileSamples samples{unit.tile, unit.range};
   // Finish recognizes it as a duplicate.
-  if (frame.work.IsDone(samples)) return {VoteOutcome::Kind::kAccepted, false, {}};
+  if (frame.work.IsDone(samples)) return {VoteOutcome::Kind::kAccepted, {}, false};
   if (!votes_.JoinVerification(frame, samples)) {
     if (state_.leases.IsHeldBy(lease, id)) leases_.Return(lease);
     return {};
@@ -89,7 +89,8 @@ VoteOutcome UnitCompletion::RecordVote(Instant now, WorkerId id, LeaseId lease, 
   EndLease(now, id, lease, unit);
   const WorkerRecord* const worker = state_.workers.Find(id);
   const std::string name = worker != nullptr ? worker->name : fmt::format("{:016x}", Number(id));
-  VoteOutcome outcome = votes_.RecordVote(unit, {id, name, result});
+  const uint64_t machine = worker != nullptr ? worker->machine : 0;
+  VoteOutcome outcome = votes_.RecordVote(unit, {id, name, result, machine});
   if (outcome.kind == VoteOutcome::Kind::kHeld) {
     Credit(id, frame, unit, render_seconds);
     state_.losses.Rendered({frame.scene.key, unit.job, unit.frame, unit.tile}, [&](SampleRange range) {

@@ -33,8 +33,8 @@ bool VoteCounting::JoinVerification(ActiveFrame& frame, TileSamples samples) {
 
 VoteOutcome VoteCounting::RecordVote(const WorkUnit& unit, const Vote& vote) {
   ActiveFrame& frame = *state_.jobs.FindFrame(unit);
-  const auto quorum = frame.verification.RecordVote({unit.tile, unit.range}, vote);
-  state_.idle.UnblockAll();  // the unit may need another worker by now
+  const auto quorum = frame.verification.RecordVote({unit.tile, unit.range}, vote, state_.IsOneMachine());
+  state_.idle.UnblockAll();  // the unit may need another worker
   if (!quorum.is_new) return {};
   const size_t different = quorum.votes.size() - (quorum.is_reached ? 1 : 0);
   if (different > 1) {
@@ -52,7 +52,45 @@ VoteOutcome VoteCounting::RecordVote(const WorkUnit& unit, const Vote& vote) {
                                   "none of them can be trusted",
                                   unit.Text(), NamesOf(quorum.votes)));
   }
-  return {quorum.is_reached ? VoteOutcome::Kind::kAccepted : VoteOutcome::Kind::kHeld, true, vote.name};
+  return {quorum.is_reached ? VoteOutcome::Kind::kAccepted : VoteOutcome::Kind::kHeld, vote,
+          quorum.is_disputed};
+}
+
+Verification::Candidates VoteCounting::CandidatesFor(const Verification::Ballot& ballot,
+                                                     const FailureBook& failures, uint32_t tile,
+                                                     const WorkersByMachine& able) const {
+  using Candidates = Verification::Candidates;
+  Candidates found = state_.awaits_workers ? Candidates::kOtherMachine : Candidates::kNone;
+  for (const auto& [machine, workers] : able) {
+    const bool can_vote = std::ranges::any_of(
+        workers, [&](WorkerId worker) { return !ballot.Knows(worker) && failures.May(worker, tile); });
+    if (!can_vote) continue;
+    if (!ballot.IsOfMachine(machine)) return Candidates::kOtherMachine;
+    found = std::max(found, Candidates::kSameMachine);
+  }
+  return found;
+}
+
+void VoteCounting::Relax(Instant now) {
+  std::map<std::set<std::string>, WorkersByMachine> able;  // by required tags
+  const auto able_for = [&](const std::set<std::string>& tags) -> const WorkersByMachine& {
+    const auto [known, is_new] = able.try_emplace(tags);
+    if (is_new) {
+      for (const WorkerId id : state_.workers.AbleFor(tags))
+        known->second[state_.workers.At(id).machine].push_back(id);
+    }
+    return known->second;
+  };
+  bool has_relaxed = false;
+  for (const auto& [id, job] : state_.jobs.open()) {
+    if (job->spec->verify_share <= 0) continue;
+    for (auto& [index, frame] : job->schedule.active) {
+      has_relaxed |= frame.verification.Relax(now, [&](const Verification::Ballot& ballot, uint32_t tile) {
+        return CandidatesFor(ballot, frame.failures, tile, able_for(job->spec->required_tags));
+      });
+    }
+  }
+  if (has_relaxed) state_.idle.UnblockAll();
 }
 
 void VoteCounting::RestoreVote(const WorkUnit& unit, const Vote& vote) {
@@ -60,7 +98,7 @@ void VoteCounting::RestoreVote(const WorkUnit& unit, const Vote& vote) {
   if (!state_.jobs.IsKnown(unit) || (worker != nullptr && worker->is_quarantined())) return;
   ActiveFrame& frame = *state_.jobs.FindOrBegin(unit);
   const TileSamples samples{unit.tile, unit.range};
-  if (JoinVerification(frame, samples)) frame.verification.RecordVote(samples, vote);
+  if (JoinVerification(frame, samples)) frame.verification.RestoreVote(samples, vote);
 }
 
 // The votes of the worker are void. What was merged from it before cannot be told from the rest any more.

@@ -62,6 +62,7 @@ std::pair<WorkerRecord*, bool> WorkerRoster::Admit(Instant now, const WorkerStat
   worker.name = state.name;
   worker.software_version = state.software_version;
   worker.tags = state.tags;
+  worker.machine = state.machine;
   worker.slots = state.slots;
   worker.is_leaving = state.draining;
   worker.has_joined = true;
@@ -117,6 +118,18 @@ void WorkerRoster::UpdateTotals(WorkerRecord& worker) {
   total_speed_ = total_slots_ == 0 ? 0 : total_speed_ + speed - worker.speed_counted_;
   worker.slots_counted_ = slots;
   worker.speed_counted_ = speed;
+  CountMachine(worker);
+}
+
+void WorkerRoster::CountMachine(WorkerRecord& worker) {
+  const std::optional<uint64_t> machine = worker.may_work() ? std::optional(worker.machine) : std::nullopt;
+  if (machine == worker.machine_counted_) return;
+  if (machine) ++machines_[*machine];
+  if (worker.machine_counted_) {
+    const auto before = machines_.find(*worker.machine_counted_);
+    if (--before->second == 0) machines_.erase(before);
+  }
+  worker.machine_counted_ = machine;
 }
 
 void WorkerRoster::UpdateSlotUse(WorkerRecord& worker, size_t lease_count) {

@@ -37,6 +37,7 @@ struct WorkerRecord {
   WorkerId id{};
   std::string name, software_version;
   std::set<std::string> tags;
+  uint64_t machine = 0;  // the same for all workers on it; 0: not known
   int slots = 1;
   bool is_live = false;     // connected
   bool is_leaving = false;  // it said so itself
@@ -97,6 +98,7 @@ struct WorkerRecord {
   // What the roster has added to its totals for this worker.
   double speed_counted_ = 0;
   int slots_counted_ = 0;
+  std::optional<uint64_t> machine_counted_;
   SlotUse use_counted_;
 };
 
@@ -144,6 +146,8 @@ class WorkerRoster {
   void UpdateSlotUse(WorkerRecord& worker, size_t lease_count);
   double total_speed() const { return total_speed_; }  // slots times speed of the workers that may work
   int total_slots() const { return total_slots_; }     // theirs
+  // Whether all workers that may work run on one machine, as far as is known.
+  bool is_one_machine() const { return machines_.size() <= 1 && !machines_.contains(0); }
   Occupancy& occupancy() { return occupancy_; }
   const Occupancy& occupancy() const { return occupancy_; }
 
@@ -182,6 +186,7 @@ class WorkerRoster {
 
  private:
   void NoteBlock(WorkerRecord& worker);
+  void CountMachine(WorkerRecord& worker);
   std::string WhyIdle(const std::set<std::string>& tags) const;
   size_t CountAway(const std::set<std::string>& tags) const;
 
@@ -199,6 +204,7 @@ class WorkerRoster {
   std::set<WorkerId> news_;
   double total_speed_ = 0;
   int total_slots_ = 0;
+  std::map<uint64_t, size_t> machines_;  // of the workers that may work, and their number on each
   Occupancy occupancy_;
   std::vector<WorkerBlock> changed_blocks_;
 };

@@ -91,7 +91,7 @@ bool WorkerSync::TakeOver(Instant now, WorkerRecord& worker, const HeldLease& he
   if (!frame.failures.May(worker.id, held.unit.tile)) return false;
   const TileSamples samples{held.unit.tile, held.unit.range};
   const bool is_free = frame.verification.IsVerifying(samples)
-                           ? frame.verification.NeedsVoteOf(samples, worker.id)
+                           ? frame.verification.NeedsVoteOf(samples, state_.VoterOf(worker))
                        : frame.verification.IsChosen(samples) ? votes_.JoinVerification(frame, samples)
                                                               : frame.work.TakeExactly(samples);
   if (!is_free) return false;

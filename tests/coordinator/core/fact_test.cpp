@@ -76,17 +76,31 @@ TEST(Fact, WhatIsSaidOfWorkersSurvivesItsBytes) {
   EXPECT_TRUE(std::get<WorkerQuarantined>(barred).drained);
   EXPECT_EQ(std::get<WorkerQuarantined>(barred).quarantine, "why");
   const WorkUnit unit{JobId{3}, 1, 2, {4, 4}};
-  const Fact heard = *DecodeFact(EncodeFact(VoteRecorded{unit, WorkerId{7}, "w", Sha256("r")}));
+  const Fact heard = *DecodeFact(EncodeFact(VoteRecorded{unit, WorkerId{7}, "w", Sha256("r"), 99}));
   EXPECT_EQ(std::get<VoteRecorded>(heard).unit, unit);
   EXPECT_EQ(std::get<VoteRecorded>(heard).worker, WorkerId{7});
   EXPECT_EQ(std::get<VoteRecorded>(heard).name, "w");
   EXPECT_EQ(std::get<VoteRecorded>(heard).result, Sha256("r"));
+  EXPECT_EQ(std::get<VoteRecorded>(heard).machine, 99u);
   const Fact counted = *DecodeFact(EncodeFact(UnitsCounted{JobId{3}, 10, 11, 12}));
   EXPECT_EQ(std::get<UnitsCounted>(counted).job, JobId{3});
   EXPECT_EQ(std::get<UnitsCounted>(counted).verified, 10u);
   EXPECT_EQ(std::get<UnitsCounted>(counted).disputed, 11u);
   EXPECT_EQ(std::get<UnitsCounted>(counted).suspect, 12u);
   EXPECT_FALSE(DecodeFact(EncodeFact(VoteRecorded{{JobId{3}, 1, 2, {3, 4}}, WorkerId{7}, "w", {}})));
+}
+
+TEST(Fact, AVoteOfAnOlderReleaseIsReadWithoutItsMachine) {
+  const WorkUnit unit{JobId{3}, 1, 2, {4, 4}};
+  std::string bytes = EncodeFact(VoteRecorded{unit, WorkerId{7}, "w", Sha256("r"), 99});
+  bytes.resize(bytes.size() - sizeof(uint64_t));
+  EXPECT_FALSE(DecodeFact(bytes));
+  bytes[0] = 20;
+  const auto read = DecodeFact(bytes);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(std::get<VoteRecorded>(*read).unit, unit);
+  EXPECT_EQ(std::get<VoteRecorded>(*read).result, Sha256("r"));
+  EXPECT_EQ(std::get<VoteRecorded>(*read).machine, 0u);
 }
 
 TEST(Fact, BytesThatAreCutOrTooLongAreRefused) {

@@ -30,13 +30,13 @@ TEST(SceneLocality, OneFrameIsRenderedAndTheNextOneLoaded) {
   WorkerRecord& worker = stage.Join(1);
   stage.scenes.Activate(job);
   EXPECT_EQ(job.schedule.active.size(), 2u);
-  EXPECT_EQ(SceneLocality::ReadyFrame(job, worker).frame, nullptr);
+  EXPECT_EQ(stage.scenes.ReadyFrame(job, worker).frame, nullptr);
   FrameChoice load = stage.scenes.FrameToLoad(stage.now, job, worker);
   EXPECT_EQ(load.index, 0u);
   stage.scenes.Request(worker, load);
   EXPECT_TRUE(worker.wants(load.frame->scene.key));
   worker.scenes[load.frame->scene.key] = true;
-  const FrameChoice ready = SceneLocality::ReadyFrame(job, worker);
+  const FrameChoice ready = stage.scenes.ReadyFrame(job, worker);
   EXPECT_EQ(ready.index, 0u);
   stage.scenes.RequestNext(stage.now, worker, ready);
   EXPECT_TRUE(worker.wants(job.schedule.active.at(1).scene.key));
