@@ -11,6 +11,7 @@
 #include "renderer/bxdf/dielectric_bxdf.h"
 #include "renderer/bxdf/diffuse_bxdf.h"
 #include "renderer/bxdf/diffuse_transmission_bxdf.h"
+#include "renderer/bxdf/hair_bxdf.h"
 #include "renderer/bxdf/layered_conductor_bxdf.h"
 #include "renderer/bxdf/layered_diffuse_bxdf.h"
 #include "renderer/bxdf/thin_dielectric_bxdf.h"
@@ -21,7 +22,7 @@ namespace tessera {
 // Every kind has the members flags, Evaluate and Sample of Bxdf below and is trivially copyable.
 using BxdfKind =
     std::variant<DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf, ThinDielectricBxdf,
-                 CoatedDiffuseBxdf, LayeredDiffuseBxdf, LayeredConductorBxdf>;
+                 CoatedDiffuseBxdf, LayeredDiffuseBxdf, LayeredConductorBxdf, HairBxdf>;
 static_assert(std::is_trivially_copyable_v<BxdfKind>);
 // Every vertex of every path copies one: a larger kind would slow all others down.
 static_assert(sizeof(BxdfKind) <= 112);

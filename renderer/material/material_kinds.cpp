@@ -15,6 +15,11 @@ Material ReadInterface(MaterialReader& reader) {
   return SurfaceMaterial{InterfaceMaterial{}, {}};
 }
 
+// Hair has no relief.
+Material ReadHair(MaterialReader& reader) {
+  return SurfaceMaterial{HairMaterial::Read(reader), {}};
+}
+
 Material ReadMix(MaterialReader& reader) {
   return MixMaterial::Read(reader);
 }
@@ -27,10 +32,10 @@ constexpr Kind<Material (*)(MaterialReader&)> kKinds[] = {
     {"thindielectric", Support::kSupported, ReadSurface<ThinDielectricMaterial>},
     {"coateddiffuse", Support::kSupported, ReadSurface<CoatedDiffuseMaterial>},
     {"coatedconductor", Support::kSupported, ReadSurface<CoatedConductorMaterial>},
+    {"hair", Support::kSupported, ReadHair},
     {"mix", Support::kSupported, ReadMix},
     {"interface", Support::kSupported, ReadInterface},
     {"none", Support::kSupported, ReadInterface},
-    {"hair", Support::kNotSupported},
     {"measured", Support::kNotSupported},
     {"subsurface", Support::kNotSupported},
 };

@@ -10,6 +10,7 @@
 #include "renderer/material/dielectric_material.h"
 #include "renderer/material/diffuse_material.h"
 #include "renderer/material/diffuse_transmission_material.h"
+#include "renderer/material/hair_material.h"
 #include "renderer/material/interface_material.h"
 #include "renderer/material/mix_material.h"
 #include "renderer/material/relief.h"
@@ -21,9 +22,9 @@ namespace tessera {
 //   static Kind Read(MaterialReader& reader);            unless it has no parameters
 //   bool ReadsTextures() const;                          whether any of its inputs is a texture
 //   Bxdf MakeBxdf(const MaterialContext& at) const;
-using SurfaceMaterialKind =
-    std::variant<DiffuseMaterial, DiffuseTransmissionMaterial, ConductorMaterial, DielectricMaterial,
-                 ThinDielectricMaterial, CoatedDiffuseMaterial, CoatedConductorMaterial, InterfaceMaterial>;
+using SurfaceMaterialKind = std::variant<DiffuseMaterial, DiffuseTransmissionMaterial, ConductorMaterial,
+                                         DielectricMaterial, ThinDielectricMaterial, CoatedDiffuseMaterial,
+                                         CoatedConductorMaterial, HairMaterial, InterfaceMaterial>;
 
 // A material that scatters light.
 struct SurfaceMaterial {

@@ -58,7 +58,8 @@ TEST(Bxdf, SamplesCarryTheValueAndDensityOfEvaluate) {
 TEST(Bxdf, ReflectionIsReciprocal) {
   TestRandom random(5);
   for (const BxdfExample& example : RoughExamples()) {
-    if (IsWalked(example)) continue;  // reciprocal on average only
+    if (IsWalked(example)) continue;                               // reciprocal on average only
+    if (example.name.find("hair") != std::string::npos) continue;  // attenuation depends on wo alone
     for (int n = 0; n < 100; ++n) {
       const Vec3 a = SampleUniformSphere(random.Next2<Point2>());
       Vec3 b = SampleUniformSphere(random.Next2<Point2>());

@@ -4,87 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <map>
-
-#include "renderer/pbrt/parser.h"
-#include "tests/chi_square.h"
 #include "tests/renderer/bxdf/bxdf_examples.h"
-#include "tests/renderer/memory_files.h"
+#include "tests/renderer/material/material_scene.h"
 
 namespace tessera {
 namespace {
-
-// An image of one normal, (n + 1) / 2, as a PFM of little-endian floats.
-std::string OnePixel(Vec3 value) {
-  std::string bytes = "PF\n1 1\n-1.0\n";
-  for (int c = 0; c < 3; ++c) {
-    const float channel = value[c];
-    bytes.append(reinterpret_cast<const char*>(&channel), sizeof channel);
-  }
-  return bytes;
-}
-
-// The materials and textures of a scene, and a point to evaluate them at.
-class Materials {
- public:
-  explicit Materials(const std::string& directives) {
-    files_.files["tilted.pfm"] = OnePixel({0.5f + 0.3f, 0.5f, 0.5f + 0.4f});
-    files_.files["grey.pfm"] = "Pf\n1 1\n-1.0\n" + std::string(4, '\0');
-    Result<SceneDescription> scene =
-        ParseSceneText(files_, "test.pbrt", "WorldBegin\n" + directives + "\nShape \"sphere\"\n");
-    if (!scene) {
-      error = scene.error().message;
-      return;
-    }
-    const Result<void> added = builder_.Add(*scene);
-    if (!added) error = added.error().message;
-    if (!added) return;
-    Result<MaterialTable> built = MaterialTable::Build(*scene, builder_);
-    if (!built) error = built.error().message;
-    if (!built) return;
-    table = std::move(*built);
-    textures = builder_.Finish();
-    last = scene->shapes.front().material.index;
-  }
-
-  // The last material at a point of the plane z = 0, seen from above.
-  Bsdf Evaluate() {
-    context.p = interaction.p;
-    context.uv = interaction.uv;
-    return table.Evaluate(last, textures, context, interaction, wavelengths);
-  }
-
-  std::string error;
-  MaterialTable table;
-  TextureTable textures;
-  int last = 0;
-  TextureContext context;
-  SurfaceInteraction interaction = FlatPoint();
-  SampledWavelengths wavelengths = SampledWavelengths::SampleVisible(0.3f);
-
- private:
-  static SurfaceInteraction FlatPoint() {
-    SurfaceInteraction point;
-    point.p = {0.25f, 0.5f, 0};
-    point.uv = {0.25f, 0.5f};
-    point.n = point.shading.n = {0, 0, 1};
-    point.dpdu = point.shading.dpdu = {2, 0, 0};
-    point.dpdv = point.shading.dpdv = {0, 3, 0};
-    point.wo = Normalize({1, 1, 1});
-    return point;
-  }
-
-  MemoryFiles files_;
-  ImageCache images_{files_};
-  Diagnostics diagnostics_;
-  TextureBuilder builder_{files_, images_, diagnostics_, Transform()};
-};
-
-const Vec3 kUp{0, 0, 1};
-
-float AlbedoOf(const Bsdf& bsdf) {
-  return bsdf.Evaluate(kUp, kUp).f[0] * kPi;
-}
 
 TEST(Material, DiffuseHasItsReflectanceAndDefaultsToHalf) {
   Materials given(R"(Material "diffuse" "spectrum reflectance" [300 0.25 900 0.25])");
@@ -131,28 +55,6 @@ TEST(Material, ConductorOfAReflectanceReflectsIt) {
   EXPECT_NEAR(sample->f[2], 0.6f, 1e-4);
 }
 
-TEST(Material, CoatedConductorIsTheConductorIfItsCoatBendsNothing) {
-  const std::string metal = R"("rgb reflectance" [0.9 0.5 0.2] )";
-  Materials bare("Material \"conductor\" " + metal + R"("float uroughness" 0.04 "float vroughness" 0.16)");
-  Materials coated("Material \"coatedconductor\" " + metal +
-                   R"("float conductor.uroughness" 0.04 "float conductor.vroughness" 0.16
-                      "float interface.eta" 1 "float thickness" 0)");
-  ASSERT_EQ(bare.error + coated.error, "");
-  const Vec3 wo = DirectionAt(0.8f, 0.3f), wi = DirectionAt(0.7f, 2.9f);
-  const SampledSpectrum expected = bare.Evaluate().Evaluate(wo, wi).f;
-  const SampledSpectrum f = coated.Evaluate().Evaluate(wo, wi).f;
-  for (int i = 0; i < 4; ++i) EXPECT_NEAR(f[i], expected[i], 1e-4f * expected[i]);
-}
-
-TEST(Material, CoatedConductorReadsTheRoughnessOfItsCoat) {
-  Materials smooth(R"(Material "coatedconductor")");
-  Materials rough(R"(Material "coatedconductor" "float interface.roughness" 0.1)");
-  ASSERT_EQ(smooth.error + rough.error, "");
-  EXPECT_FALSE(smooth.Evaluate().HasNonSpecular()) << "both interfaces are smooth by default";
-  EXPECT_TRUE(rough.Evaluate().HasNonSpecular());
-  EXPECT_FALSE(HasFlag(rough.Evaluate().flags(), BxdfFlags::kSpecular));
-}
-
 TEST(Material, OnlyDispersionDropsWavelengths) {
   Materials constant(R"(Material "dielectric" "float eta" 1.7)");
   ASSERT_EQ(constant.error, "");
@@ -168,33 +70,6 @@ TEST(Material, OnlyDispersionDropsWavelengths) {
   ASSERT_EQ(coat.error, "");
   coat.Evaluate();
   EXPECT_TRUE(coat.wavelengths.SecondaryTerminated());
-}
-
-TEST(Material, CoatsWithoutClosedFormAreWalkedToTheSameMean) {
-  // A texture of thickness cannot be tabulated; its value is that of the constant one.
-  Materials tabulated(R"(Material "coateddiffuse" "float roughness" 0.04 "float thickness" 0.05)");
-  Materials walked(R"(Texture "t" "float" "scale" "float tex" 0.05 "float scale" 1
-                      Texture "u" "float" "checkerboard" "texture tex1" "t" "texture tex2" "t"
-                      Material "coateddiffuse" "float roughness" 0.04 "texture thickness" "u")");
-  ASSERT_EQ(tabulated.error + walked.error, "");
-  const Bsdf a = tabulated.Evaluate(), b = walked.Evaluate();
-  const Vec3 wi = DirectionAt(0.8f, 2.5f);
-  double sum = 0;
-  constexpr int kCount = 4000;
-  for (int n = 0; n < kCount; ++n)
-    sum += b.Evaluate(DirectionAt(0.5f, 1e-4f * static_cast<float>(n)), wi).f[0];
-  const float expected = a.Evaluate(DirectionAt(0.5f, 0.2f), wi).f[0];
-  EXPECT_NEAR(sum / kCount, expected, 0.03f * expected);
-}
-
-TEST(Material, TexturedCoatRoughnessUsesATableOfRoughnesses) {
-  Materials constant(R"(Material "coateddiffuse" "float roughness" 0.04)");
-  Materials textured(R"(Texture "u" "float" "checkerboard" "float tex1" 0.04 "float tex2" 0.04
-                        Material "coateddiffuse" "texture roughness" "u")");
-  ASSERT_EQ(constant.error + textured.error, "");
-  const Vec3 wo = DirectionAt(0.5f, 0), wi = DirectionAt(0.8f, 2.5f);
-  const float expected = constant.Evaluate().Evaluate(wo, wi).f[0];
-  EXPECT_NEAR(textured.Evaluate().Evaluate(wo, wi).f[0], expected, 0.01f * expected);
 }
 
 std::string MixOf(const std::string& amount) {
@@ -250,7 +125,7 @@ MakeNamedMaterial "checked" "string type" "diffuse" "texture reflectance" "s"
   };
   for (const char* plain : {R"("interface")", R"("diffuse")", R"("dielectric" "float roughness" 0.2)",
                             R"("conductor" "float uroughness" 0.2)", R"("coateddiffuse" "float g" 0.5)",
-                            R"("coatedconductor" "float conductor.roughness" 0.5)",
+                            R"("coatedconductor" "float conductor.roughness" 0.5)", R"("hair")",
                             R"("mix" "string materials" [ "plain" "plain" ])"}) {
     EXPECT_FALSE(needs(plain)) << plain;
   }
@@ -259,6 +134,7 @@ MakeNamedMaterial "checked" "string type" "diffuse" "texture reflectance" "s"
         R"("diffuse" "string normalmap" "tilted.pfm")",
         R"("diffusetransmission" "texture transmittance" "s")", R"("conductor" "texture k" "s")",
         R"("dielectric" "texture vroughness" "c")", R"("coateddiffuse" "texture thickness" "c")",
+        R"("hair" "texture eumelanin" "c")", R"("hair" "texture color" "s")", R"("hair" "texture alpha" "c")",
         R"("coatedconductor" "texture interface.vroughness" "c")",
         R"("coatedconductor" "texture conductor.k" "s")", R"("coatedconductor" "texture albedo" "s")",
         R"("mix" "texture amount" "c" "string materials" [ "plain" "plain" ])",
@@ -306,7 +182,7 @@ struct BadMaterial {
 
 TEST(Material, ErrorsNameTheirPlace) {
   const BadMaterial bad[] = {
-      {R"(Material "hair")", "test.pbrt:2:1: material \"hair\" is not supported yet"},
+      {R"(Material "subsurface")", "test.pbrt:2:1: material \"subsurface\" is not supported yet"},
       {R"(Material "difuse")", "test.pbrt:2:1: unknown material \"difuse\" (did you mean \"diffuse\"?)"},
       {R"(MakeNamedMaterial "x" "string type" "plastic")", "test.pbrt:2:1: unknown material \"plastic\""},
       {R"(Material "diffuse" "float roughness" 1)", "roughness"},
@@ -317,6 +193,9 @@ TEST(Material, ErrorsNameTheirPlace) {
        "\"interface.eta\" must be from 0 to 1000"},
       {R"(Material "coatedconductor" "integer nsamples" 0)", "\"nsamples\" of a coat must be from 1 to 1024"},
       {R"(Material "coatedconductor" "float conductor.roughnes" 0)", "did you mean \"conductor.roughness\"?"},
+      {R"(Material "hair" "float beta_x" 1)", "test.pbrt:2:17: unknown parameter \"float beta_x\" of Material \"hair\" (did you mean"},
+      {R"(Material "hair" "float displacement" 1)", "test.pbrt:2:17: unknown parameter \"float displacement\""},
+      {R"(Material "hair" "rgb reflectance" [2 0 0])", "above 1"},
       {R"(Material "dielectric" "float eta" -1)", "\"eta\" must be from 0 to 1000"},
       {R"(Material "coateddiffuse" "integer nsamples" 0)", "\"nsamples\" of a coat must be from 1"},
       {R"(Material "coateddiffuse" "integer maxdepth" 2000000)", "\"maxdepth\" of a coat must be from 0"},
