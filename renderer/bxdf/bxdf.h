@@ -14,6 +14,7 @@
 #include "renderer/bxdf/hair_bxdf.h"
 #include "renderer/bxdf/layered_conductor_bxdf.h"
 #include "renderer/bxdf/layered_diffuse_bxdf.h"
+#include "renderer/bxdf/measured_bxdf.h"
 #include "renderer/bxdf/thin_dielectric_bxdf.h"
 #include "renderer/util/dispatch.h"
 
@@ -22,7 +23,7 @@ namespace tessera {
 // Every kind has the members flags, Evaluate and Sample of Bxdf below and is trivially copyable.
 using BxdfKind =
     std::variant<DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf, ThinDielectricBxdf,
-                 CoatedDiffuseBxdf, LayeredDiffuseBxdf, LayeredConductorBxdf, HairBxdf>;
+                 CoatedDiffuseBxdf, LayeredDiffuseBxdf, LayeredConductorBxdf, HairBxdf, MeasuredBxdf>;
 static_assert(std::is_trivially_copyable_v<BxdfKind>);
 // Every vertex of every path copies one: a larger kind would slow all others down.
 static_assert(sizeof(BxdfKind) <= 112);

@@ -33,10 +33,10 @@ constexpr Kind<Material (*)(MaterialReader&)> kKinds[] = {
     {"coateddiffuse", Support::kSupported, ReadSurface<CoatedDiffuseMaterial>},
     {"coatedconductor", Support::kSupported, ReadSurface<CoatedConductorMaterial>},
     {"hair", Support::kSupported, ReadHair},
+    {"measured", Support::kSupported, ReadSurface<MeasuredMaterial>},
     {"mix", Support::kSupported, ReadMix},
     {"interface", Support::kSupported, ReadInterface},
     {"none", Support::kSupported, ReadInterface},
-    {"measured", Support::kNotSupported},
     {"subsurface", Support::kNotSupported},
 };
 

@@ -12,6 +12,7 @@
 #include "renderer/material/diffuse_transmission_material.h"
 #include "renderer/material/hair_material.h"
 #include "renderer/material/interface_material.h"
+#include "renderer/material/measured_material.h"
 #include "renderer/material/mix_material.h"
 #include "renderer/material/relief.h"
 #include "renderer/material/thin_dielectric_material.h"
@@ -22,9 +23,10 @@ namespace tessera {
 //   static Kind Read(MaterialReader& reader);            unless it has no parameters
 //   bool ReadsTextures() const;                          whether any of its inputs is a texture
 //   Bxdf MakeBxdf(const MaterialContext& at) const;
-using SurfaceMaterialKind = std::variant<DiffuseMaterial, DiffuseTransmissionMaterial, ConductorMaterial,
-                                         DielectricMaterial, ThinDielectricMaterial, CoatedDiffuseMaterial,
-                                         CoatedConductorMaterial, HairMaterial, InterfaceMaterial>;
+using SurfaceMaterialKind =
+    std::variant<DiffuseMaterial, DiffuseTransmissionMaterial, ConductorMaterial, DielectricMaterial,
+                 ThinDielectricMaterial, CoatedDiffuseMaterial, CoatedConductorMaterial, HairMaterial,
+                 MeasuredMaterial, InterfaceMaterial>;
 
 // A material that scatters light.
 struct SurfaceMaterial {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "renderer/bxdf/bxdf.h"
+#include "tests/renderer/bxdf/measured_tables.h"
 
 namespace tessera {
 
@@ -55,6 +56,13 @@ inline HairBxdf TestHair(float h, float beta_m, float beta_n, float alpha = 2) {
   return {HairFibre(1.55f, beta_m, beta_n, alpha), h, SampledSpectrum(0.05f, 0.2f, 0.6f, 2.0f)};
 }
 
+// Alive for the whole program.
+inline MeasuredBxdf TestMeasured(bool is_isotropic) {
+  static const MeasuredBrdf isotropic = MakeMeasuredBrdf(MeasureMetal({0.4f, 0.4f}, true, 32));
+  static const MeasuredBrdf brushed = MakeMeasuredBrdf(MeasureMetal({0.3f, 0.6f}, false, 32));
+  return {is_isotropic ? isotropic : brushed, {420, 500, 600, 690}};
+}
+
 // Kinds with a density: everything but mirrors and panes.
 inline std::vector<BxdfExample> RoughExamples() {
   const SampledSpectrum eta(0.2f, 0.9f, 1.1f, 1.5f), k(3.9f, 2.4f, 2.1f, 0.0f);
@@ -78,6 +86,8 @@ inline std::vector<BxdfExample> RoughExamples() {
       {"walked mirror under a rough coat", TestCoatedMetal(0.4f, 0, TestLayer(0.01f, 0, 0))},
       {"walked mirror under a milky layer", TestCoatedMetal(0, 0, TestLayer(0.5f, 0.8f, 0.4f))},
       {"walked metal under a thin gas", TestCoatedMetal(0.3f, 0.3f, TestLayer(0.01f, 0, 0), 0.8f)},
+      {"measured metal", TestMeasured(true)},
+      {"measured brushed metal", TestMeasured(false)},
       {"hair", TestHair(0.3f, 0.3f, 0.3f)},
       {"rough hair", TestHair(-0.8f, 0.9f, 0.9f)},
       {"hair with large scales", TestHair(0.1f, 0.25f, 0.4f, 12)},

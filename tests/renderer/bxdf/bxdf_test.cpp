@@ -59,6 +59,7 @@ TEST(Bxdf, ReflectionIsReciprocal) {
   TestRandom random(5);
   for (const BxdfExample& example : RoughExamples()) {
     if (IsWalked(example)) continue;                               // reciprocal on average only
+    if (example.name.starts_with("measured")) continue;            // as far as the measurement is
     if (example.name.find("hair") != std::string::npos) continue;  // attenuation depends on wo alone
     for (int n = 0; n < 100; ++n) {
       const Vec3 a = SampleUniformSphere(random.Next2<Point2>());

@@ -1,6 +1,7 @@
 // The materials of a few directives, evaluated at one point.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,8 @@ inline std::string OnePixel(Vec3 value) {
 // The materials and textures of a scene, and a point to evaluate them at.
 class Materials {
  public:
-  explicit Materials(const std::string& directives) {
+  explicit Materials(const std::string& directives, const std::map<std::string, std::string>& files = {}) {
+    files_.files = files;
     files_.files["tilted.pfm"] = OnePixel({0.5f + 0.3f, 0.5f, 0.5f + 0.4f});
     files_.files["grey.pfm"] = "Pf\n1 1\n-1.0\n" + std::string(4, '\0');
     Result<SceneDescription> scene =

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/renderer/bxdf/bxdf_examples.h"
 #include "tests/renderer/material/material_scene.h"
 
@@ -21,7 +23,7 @@ TEST(Material, DiffuseHasItsReflectanceAndDefaultsToHalf) {
 TEST(Material, EverySupportedKindIsBuilt) {
   for (const std::string_view kind : MaterialKinds().Names()) {
     // These have tests of their own.
-    if (kind == "mix" || InterfaceMaterial::IsNamed(kind)) continue;
+    if (kind == "mix" || kind == "measured" || InterfaceMaterial::IsNamed(kind)) continue;
     Materials m("Material \"" + std::string(kind) + "\"");
     ASSERT_EQ(m.error, "") << kind;
     EXPECT_TRUE(m.Evaluate().Sample(m.interaction.wo, 0.01f, {0.3f, 0.6f})) << kind;
@@ -70,6 +72,36 @@ TEST(Material, OnlyDispersionDropsWavelengths) {
   ASSERT_EQ(coat.error, "");
   coat.Evaluate();
   EXPECT_TRUE(coat.wavelengths.SecondaryTerminated());
+}
+
+// Sellmeier's equation with the coefficients of Schott's catalogue. lambda in nm.
+double SchottIndex(const std::array<double, 3>& b, const std::array<double, 3>& c, double lambda) {
+  const double square = lambda * lambda * 1e-6;
+  double n2 = 1;
+  for (size_t i = 0; i < 3; ++i) n2 += b[i] * square / (square - c[i]);
+  return std::sqrt(n2);
+}
+
+void ExpectRefractionBySnell(const std::string& glass, const std::array<double, 3>& b,
+                             const std::array<double, 3>& c, double tolerance) {
+  for (const float u : {0.05f, 0.3f, 0.6f, 0.9f}) {
+    Materials m("Material \"dielectric\" \"spectrum eta\" \"" + glass + "\"");
+    ASSERT_EQ(m.error, "");
+    m.wavelengths = SampledWavelengths::SampleVisible(u);
+    const Vec3 wo = DirectionAt(0.5f, 0);
+    const auto sample = m.Evaluate().Sample(wo, 0.99f, {0.5f, 0.5f});
+    ASSERT_TRUE(sample && sample->IsTransmission());
+    const double index = SchottIndex(b, c, m.wavelengths.lambda[0]);
+    EXPECT_NEAR(-wo.x / sample->wi.x, index, tolerance)
+        << glass << " at " << m.wavelengths.lambda[0] << " nm";
+  }
+}
+
+TEST(Material, GlassRefractsEachWavelengthBySnellsLaw) {
+  ExpectRefractionBySnell("glass-BK7", {1.03961212, 0.231792344, 1.01046945},
+                          {0.00600069867, 0.0200179144, 103.560653}, 2e-4);
+  ExpectRefractionBySnell("glass-SF11", {1.73759695, 0.313747346, 1.89878101},
+                          {0.013188707, 0.0623068142, 155.23629}, 1e-3);
 }
 
 std::string MixOf(const std::string& amount) {
@@ -193,8 +225,10 @@ TEST(Material, ErrorsNameTheirPlace) {
        "\"interface.eta\" must be from 0 to 1000"},
       {R"(Material "coatedconductor" "integer nsamples" 0)", "\"nsamples\" of a coat must be from 1 to 1024"},
       {R"(Material "coatedconductor" "float conductor.roughnes" 0)", "did you mean \"conductor.roughness\"?"},
-      {R"(Material "hair" "float beta_x" 1)", "test.pbrt:2:17: unknown parameter \"float beta_x\" of Material \"hair\" (did you mean"},
-      {R"(Material "hair" "float displacement" 1)", "test.pbrt:2:17: unknown parameter \"float displacement\""},
+      {R"(Material "hair" "float beta_x" 1)",
+       "test.pbrt:2:17: unknown parameter \"float beta_x\" of Material \"hair\" (did you mean"},
+      {R"(Material "hair" "float displacement" 1)",
+       "test.pbrt:2:17: unknown parameter \"float displacement\""},
       {R"(Material "hair" "rgb reflectance" [2 0 0])", "above 1"},
       {R"(Material "dielectric" "float eta" -1)", "\"eta\" must be from 0 to 1000"},
       {R"(Material "coateddiffuse" "integer nsamples" 0)", "\"nsamples\" of a coat must be from 1"},
