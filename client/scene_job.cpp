@@ -37,7 +37,7 @@ class FrameReader {
   Result<std::vector<ReadFrame>> Run() {
     const size_t count = job_.frames.front().is_animated ? 1 : job_.frames.size();
     const size_t thread_count = std::min(count, static_cast<size_t>(UsableCores()));
-    ThreadGroup threads([this](Error why) { Fail(0, std::move(why)); });
+    ThreadGroup threads([this](const Error& why) { Fail(0, why); });
     // With fewer threads it takes longer.
     for (size_t i = 1; i < thread_count && threads.Start([this, count] { Work(count); }); ++i) {
     }

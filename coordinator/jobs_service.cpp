@@ -311,7 +311,7 @@ void JobsService::SendLater(PictureStream* stream, std::function<Result<std::str
     return stream->Refuse(
         {grpc::StatusCode::RESOURCE_EXHAUSTED, "too many pictures are waiting to be made; try again"});
   }
-  background_.Post([=, this, make = std::move(make)] {
+  background_.Post([=, this, make = std::move(make), refuse = std::move(refuse)] {
     const bool is_wanted = !stream->is_cancelled();
     auto bytes = is_wanted ? GuardedResult(make) : Result<std::string>(Failed("nobody reads the picture"));
     if (is_wanted && !bytes && refuse) {

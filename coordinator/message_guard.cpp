@@ -140,6 +140,7 @@ grpc::Status ParseMessage(grpc::ByteBuffer& bytes, const MessageLimits& limits,
   std::vector<grpc::Slice> slices;
   if (!bytes.Dump(&slices).ok()) return BadMessage("it is malformed");
   std::vector<grpc_slice> shared;
+  shared.reserve(slices.size());
   for (const grpc::Slice& slice : slices) shared.push_back(slice.c_slice());
   grpc_byte_buffer* const raw = grpc_raw_byte_buffer_create(shared.data(), shared.size());
   for (const grpc_slice& slice : shared) grpc_slice_unref(slice);

@@ -63,8 +63,8 @@ grpc::ServerUnaryReactor* WorkService::Synchronize(grpc::CallbackServerContext* 
     thread.Post([call, id, answer, state = std::move(*state)](CoreContext& core) {
       if (const auto admitted = core.farm.CheckAdmission(state); !admitted)
         return call->Finish(ToStatus(admitted.error()));
-      if (std::string why = core.farm.WhyNoPlace(state.worker); !why.empty())
-        return call->Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, std::move(why)});
+      if (const std::string why = core.farm.WhyNoPlace(state.worker); !why.empty())
+        return call->Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, why});
       core.answers.AwaitDirective(id, [call, answer](const WorkerDirective* directive) {
         if (directive != nullptr) Write(*directive, *answer);
         call->Finish(directive != nullptr ? grpc::Status::OK : CoordinatorEnds());

@@ -13,7 +13,7 @@
 #include "renderer/util/result.h"
 
 namespace grpc {
-class Channel;
+class Channel;  // NOLINT(bugprone-forward-declaration-namespace): not that of a film
 }
 
 namespace tessera {

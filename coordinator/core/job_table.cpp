@@ -19,7 +19,7 @@ uint64_t MemoryOf(const JobSpec& spec) {
     bytes += sizeof frame + frame.scene_file.size() + frame.options.size();
     for (const Channel& channel : frame.spec.channels) bytes += sizeof channel + channel.name.size();
     for (const auto& [name, value] : frame.spec.attributes)
-      bytes += kNodeBytes + sizeof name + sizeof value + name.size() + value.size();
+      bytes += kNodeBytes + 2 * sizeof(std::string) + name.size() + value.size();
   }
   return bytes;
 }

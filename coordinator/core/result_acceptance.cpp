@@ -18,6 +18,11 @@ bool IsBeyond(const Job& job, const WorkUnit& unit) {
   return IsExtendable(frame) && unit.range.end() > frame.spec.samples_per_pixel;
 }
 
+// Whether it is not decided yet if the tile gets these samples, and in which pixels.
+bool IsBeyondGoal(const TileGoal& goal, const SampleRange& range) {
+  return !goal.is_final && range.end() > goal.samples;
+}
+
 }  // namespace
 
 Verdict ResultAcceptance::Accept(Instant now, WorkerId worker, ReturnedUnit& returned, std::string& reason) {
@@ -50,11 +55,9 @@ Verdict ResultAcceptance::Decide(Instant now, WorkerId worker, Job& job, Returne
     return Verdict::kObsolete;
   } else if (scheduler.WorkOf(unit).IsDone({unit.tile, unit.range})) {
     return Verdict::kDuplicate;
-  } else if (!scheduler.MayHaveLeased(worker, returned.lease, unit)) {
-    return Verdict::kObsolete;  // nobody asked this worker for it: it is rendered by those who are asked
-  } else if (const TileGoal& goal = scheduler.WorkOf(unit).Goal(unit.tile);
-             !goal.is_final && unit.range.end() > goal.samples) {
-    return Verdict::kObsolete;  // it is not known yet whether the tile will want them, and of which pixels
+  } else if (!scheduler.MayHaveLeased(worker, returned.lease, unit) ||
+             IsBeyondGoal(scheduler.WorkOf(unit).Goal(unit.tile), unit.range)) {
+    return Verdict::kObsolete;  // this worker was not asked for it
   } else {
     reason = returned.tile ? Mismatch(job, returned) : returned.tile.error().message;
   }

@@ -40,6 +40,7 @@ float LongestEdge(const std::vector<Point3>& P, const std::vector<uint32_t>& ind
 
 }  // namespace
 
+// NOLINTNEXTLINE(performance-unnecessary-value-param): it is moved once the template is instantiated.
 void EmbreeScene::Add(const EmbreeDevice& device, const ShapeForm auto& form, EmbreeGeometryRecord record) {
   AddUserPrimitives(device, form.PrimitiveCount(), std::move(record));
 }

@@ -60,6 +60,7 @@ Result<void> CheckNamesDiffer(const std::vector<Channel>& channels) {
 
 std::vector<Channel> ColorsAndWeight(const std::vector<std::string>& names) {
   std::vector<Channel> channels;
+  channels.reserve(names.size() + 1);
   for (const std::string& name : names) channels.push_back({name});
   channels.push_back({"W", ChannelType::kWeight, MergeRule::kSum, false});
   return channels;

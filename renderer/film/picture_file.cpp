@@ -74,7 +74,7 @@ Imf::Slice ValueSlice(Imf::PixelType type, char* first, size_t size, const Pixel
   // computed as a number.
   const auto origin = reinterpret_cast<intptr_t>(first) - bounds.x0 * static_cast<intptr_t>(pixel) -
                       bounds.y0 * static_cast<intptr_t>(row);
-  return {type, reinterpret_cast<char*>(origin), pixel, row};
+  return {type, reinterpret_cast<char*>(origin), pixel, row};  // NOLINT(performance-no-int-to-ptr)
 }
 
 std::vector<half> ToHalf(const std::vector<float>& values) {

@@ -27,6 +27,7 @@ class PlyBinaryValues {
   }
   // `type` must be an integer type.
   bool ReadInteger(PlyType type, int64_t* value) {
+    // NOLINTNEXTLINE(bugprone-signed-char-misuse): a PLY "char" is a signed number.
     return WithType(type, [value](auto v) { *value = static_cast<int64_t>(v); });
   }
   bool Skip(PlyType type, uint64_t count) {

@@ -129,6 +129,7 @@ std::vector<LossBook::Killer> LossBook::Killers(Instant now) {
     const auto counted = Counted(what, losses, now);
     if (counted.size() < kLossesMax) continue;
     std::vector<std::string> names;
+    names.reserve(counted.size());
     for (const Loss* each : counted) names.push_back(each->name);
     killers.push_back(
         {what,

@@ -33,6 +33,7 @@ void SuspectTrials::Lose(Instant now, const WorkerRecord& worker, bool is_silent
     add({scene, unit.job, unit.frame, unit.tile}, unit.range, record.announced_at);
   }
   std::vector<LossBook::InHand> all;
+  all.reserve(in_hand.size());
   for (const auto& [what, each] : in_hand) all.push_back(each);
   state_.losses.Lose(now, {worker.id, worker.name, is_silent, state_.workers.size()}, all);
 }
