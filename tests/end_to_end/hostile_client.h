@@ -12,10 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "tests/sanitizers.h"
+
 namespace tessera {
 
 // What a coordinator may take at most, whatever it is sent.
-constexpr uint64_t kPeakBytesMax = uint64_t{512} << 20;
+constexpr uint64_t kPeakBytesMax = MemoryBound(uint64_t{512} << 20);
 
 // The largest memory that a process has had resident.
 inline uint64_t PeakBytes(pid_t process) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "tests/end_to_end/farm_fixture.h"
+#include "tests/sanitizers.h"
 
 namespace tessera {
 namespace {
@@ -53,6 +54,7 @@ class StartFailure : public EndToEnd {
 };
 
 TEST_F(StartFailure, RenderThreadsThatCannotStartAreAnError) {
+  if (kHasSanitizer) GTEST_SKIP() << "cannot limit the address space beside a sanitizer";
   const SoftLimit limit(RLIMIT_AS, 6 * kGigabyte);
   const Outcome render =
       Tessera({"render", BoxScene(), "--in-process", "--threads", "1024", "--spp", "1", "-o", "out.exr"});
@@ -67,6 +69,7 @@ TEST_F(StartFailure, RenderThreadsThatCannotStartAreAnError) {
 }
 
 TEST_F(StartFailure, NoThreadAtAllIsAnErrorOfTheCoordinator) {
+  if (kHasSanitizer) GTEST_SKIP() << "cannot limit the address space beside a sanitizer";
   // Stacks that do not fit into the address space.
   const SoftLimit stack(RLIMIT_STACK, 8 * kGigabyte);
   const SoftLimit limit(RLIMIT_AS, 6 * kGigabyte);

@@ -43,7 +43,7 @@ ScaleFarm::ScaleFarm(ScaleOptions options)
     : options_(options), random_(Hash(options.seed, 3)), farm_(SchedulerOptions{}) {
   farm_.Begin({});
   machines_.resize(static_cast<size_t>(options_.workers));
-  const auto slow = static_cast<size_t>(options_.slow_share * options_.workers + 0.5);
+  const auto slow = static_cast<size_t>(std::lround(options_.slow_share * options_.workers));
   for (size_t m = 0; m < machines_.size(); ++m) {
     // Spread evenly, so that every farm has its share of slow machines.
     const bool is_slow =

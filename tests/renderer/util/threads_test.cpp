@@ -9,6 +9,8 @@
 #include <atomic>
 #include <new>
 
+#include "tests/sanitizers.h"
+
 namespace tessera {
 namespace {
 
@@ -32,6 +34,7 @@ TEST(CheckThreads, SucceedsWhereThreadsCanBeStarted) {
 }
 
 TEST(CheckThreads, AnErrorSaysWhatToDo) {
+  if (kHasSanitizer) GTEST_SKIP() << "cannot limit the address space beside a sanitizer";
   EXPECT_EQ(RunWithoutStacks([] {
               const auto started = CheckThreads(8);
               return !started && started.error().message.find("ulimit") != std::string::npos ? 0 : 1;
@@ -49,6 +52,7 @@ TEST(ThreadGroup, RunsAndJoinsItsThreads) {
 }
 
 TEST(ThreadGroup, AThreadThatCannotStartIsAnError) {
+  if (kHasSanitizer) GTEST_SKIP() << "cannot limit the address space beside a sanitizer";
   EXPECT_EQ(RunWithoutStacks([] {
               ThreadGroup group([](const Error&) {});
               // The first ones may find the stacks of earlier threads.
