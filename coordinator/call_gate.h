@@ -11,18 +11,27 @@
 #include "coordinator/core_thread.h"
 #include "coordinator/guarded.h"
 #include "coordinator/message_guard.h"
+#include "coordinator/store/data_dir.h"
+#include "coordinator/task_pool.h"
 #include "proto/wire/channel.h"
 
 namespace tessera {
+
+// What handlers use to make changes that survive a crash.
+struct ChangePath {
+  CoreThread& core;
+  TaskPool& threads;  // for looks at the disk
+  const DataDir& directory;
+};
 
 // A unary call that was admitted. Copies refer to the same call, which one of them has to finish, once, from
 // any thread. Request and answer of the call live until then.
 class UnaryCall {
  public:
-  UnaryCall(CoreThread& core, Principal caller, grpc::ServerUnaryReactor* reactor)
-      : core_(&core), caller_(std::move(caller)), reactor_(reactor) {}
+  UnaryCall(const ChangePath& path, Principal caller, grpc::ServerUnaryReactor* reactor)
+      : path_(&path), caller_(std::move(caller)), reactor_(reactor) {}
   const Principal& caller() const { return caller_; }
-  CoreThread& core() const { return *core_; }
+  CoreThread& core() const { return path_->core; }
 
   void Finish(const grpc::Status& status) const { reactor_->Finish(Shortened(status)); }
 
@@ -30,25 +39,35 @@ class UnaryCall {
   // what it returns.
   template <typename Query>
   void Ask(Query query) const {
-    core_->Post([call = *this, query = std::move(query)](CoreContext& core) {
+    core().Post([call = *this, query = std::move(query)](CoreContext& core) {
       call.Finish(GuardedStatus([&] { return query(core); }));
     });
   }
 
   // Runs `change`, a grpc::Status(CoreContext&), on the core thread. Finishes with its error, or, when
-  // everything that it caused is on stable storage, with OK.
+  // everything that it caused is on stable storage, with OK. If the disk takes nothing, or fewer than `bytes`
+  // besides the usual, nothing is changed and the call finishes with that reason. If that shows only while
+  // the change is written, the call finishes with the reason as well, and the change is written later.
   template <typename Change>
-  void Apply(Change change) const {
-    core_->Post([call = *this, change = std::move(change)](CoreContext& core) {
-      const grpc::Status status = change(core);
-      if (!status.ok()) return call.Finish(status);
-      core.answers.AfterSync(
-          [call](bool synced) { call.Finish(synced ? grpc::Status::OK : CoordinatorEnds()); });
+  void Apply(Change change, uint64_t bytes = 0) const {
+    path_->threads.Post([call = *this, bytes, change = std::move(change)] {
+      if (const auto space = call.path_->directory.CheckSpace(bytes); !space)
+        return call.Finish(DiskFails(space.error().message));
+      call.core().Post([call, change](CoreContext& core) {
+        if (const auto& reason = core.farm.storage_reason(); !reason.empty())
+          return call.Finish(DiskFails(reason));
+        const grpc::Status status = GuardedStatus([&] { return change(core); });
+        if (!status.ok()) return call.Finish(status);
+        core.answers.AfterSync([call](const Result<void>& synced) { call.Finish(Stored(synced)); });
+      });
     });
   }
 
  private:
-  CoreThread* core_;
+  static grpc::Status DiskFails(const std::string& reason);
+  static grpc::Status Stored(const Result<void>& synced);
+
+  const ChangePath* path_;
   Principal caller_;
   grpc::ServerUnaryReactor* reactor_;
 };
@@ -58,9 +77,9 @@ class UnaryCall {
 class CallGate {
  public:
   // `farm` is the one that the core thread runs. Calls that are meant for another are refused.
-  CallGate(CoreThread& core, FarmId farm, AccessPolicy policy)
-      : core_(core), farm_(farm), policy_(std::move(policy)) {}
-  CoreThread& core() const { return core_; }
+  CallGate(const ChangePath& path, FarmId farm, AccessPolicy policy)
+      : path_(path), farm_(farm), policy_(std::move(policy)) {}
+  CoreThread& core() const { return path_.core; }
   FarmId farm() const { return farm_; }
 
   // A call with one answer. `handler`, a void(const UnaryCall&), runs on gRPC's thread and must not block. If
@@ -73,7 +92,7 @@ class CallGate {
     if (const grpc::Status admitted = Check(*context, caller, rule); !admitted.ok()) {
       reactor->Finish(admitted);
     } else {
-      const UnaryCall call(core_, std::move(caller), reactor);
+      const UnaryCall call(path_, std::move(caller), reactor);
       const grpc::Status passed_on = GuardedStatus([&] {
         handler(call);
         return grpc::Status::OK;
@@ -97,7 +116,7 @@ class CallGate {
   grpc::Status Check(const grpc::CallbackServerContext& context, const Principal& caller,
                      const CallRule& rule) const;
 
-  CoreThread& core_;
+  const ChangePath path_;
   const FarmId farm_;
   const AccessPolicy policy_;
 };

@@ -59,10 +59,10 @@ Result<void> Coordinator::Parts::Recover(const CoordinatorOptions& options) {
 }
 
 Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, AccessPolicy policy) {
-  gate = std::make_unique<CallGate>(*core, farm, std::move(policy));
+  gate = std::make_unique<CallGate>(ChangePath{*core, files.brief, directory}, farm, std::move(policy));
   work = std::make_unique<WorkService>(*gate);
   blob_service = std::make_unique<BlobService>(*gate, blobs, files);
-  jobs = std::make_unique<JobsService>(*gate, blobs, pictures, directory, options.data_dir, files);
+  jobs = std::make_unique<JobsService>(*gate, blobs, pictures, options.data_dir, files);
   if (options.http) {
     auto started = WebServer::Start(*options.http, options.http_names, [this] { return LookAtAll(); });
     if (!started) return started.error();

@@ -123,13 +123,14 @@ void CoreThread::Deliver(FarmOutput output) {
     if (std::holds_alternative<JobEnded>(fact)) watchers_due_ = {};
   }
   unsynced_.push_back(std::move(output));
-  if (!Sync()) {
+  const auto synced = Sync();
+  for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer(synced);
+  if (!synced) {
     GiveUpSums();
     if (closing_) Abandon();
     return;
   }
   for (FarmOutput& each : std::exchange(unsynced_, {})) Answer(std::move(each));
-  for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer(true);
   if (std::exchange(wants_space_, false)) GiveUpSums();
   Compact();
 }
@@ -204,8 +205,8 @@ void CoreThread::WritePicture(FinishedPicture picture) {
   });
 }
 
-bool CoreThread::Sync() {
-  if (Now() < sync_due_ && !closing_) return false;
+Result<void> CoreThread::Sync() {
+  if (Now() < sync_due_ && !closing_) return Failed(parts_.farm->storage_reason());
   const Instant begun = Now();
   for (const FrameId frame : parts_.spool->Grown()) {
     if (auto nodes = parts_.farm->Sums(frame)) parts_.spool->Replace(frame, std::move(*nodes));
@@ -219,7 +220,8 @@ bool CoreThread::Sync() {
     sync_due_ = Now() + kSyncRetry;
     parts_.on_storage_failure();
   }
-  return synced.has_value();
+  if (!synced && closing_) return Error{ErrorKind::kInterrupted, "the coordinator is shutting down"};
+  return synced;
 }
 
 // A failure does no harm: the journal stays as it was and is tried again later.
@@ -235,7 +237,6 @@ void CoreThread::Compact() {
 void CoreThread::Abandon() {
   for (const auto& [call, answer] : std::exchange(answers_.results_, {})) answer(nullptr);
   for (const auto& [call, answer] : std::exchange(answers_.directives_, {})) answer(nullptr);
-  for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer(false);
 }
 
 void CoreThread::NotifyWatchers(Instant now) {

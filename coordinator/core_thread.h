@@ -1,7 +1,7 @@
 // The one thread that owns the farm. Others post events. It applies all that wait, appends their results to
 // the spool and their facts to the journal, syncs once and then gives the answers (group commit). While the
-// disk refuses, nothing is answered; the sync is retried. No lock is held meanwhile: the mutex guards the
-// queue alone.
+// disk refuses, workers wait for their answers and clients get the reason; the sync is retried. No lock is
+// held meanwhile: the mutex guards the queue alone.
 #pragma once
 
 #include <atomic>
@@ -38,9 +38,9 @@ class PendingAnswers {
 
   void AwaitDirective(CallId call, OnDirective answer) { directives_[call] = std::move(answer); }
   void AwaitResults(CallId call, OnResults answer) { results_[call] = std::move(answer); }
-  // Receives true when everything that the event caused is on stable storage, false if the coordinator is
-  // shutting down first.
-  using OnSync = std::function<void(bool synced)>;
+  // Called when everything that the event caused is on stable storage. Receives an error if the disk refuses
+  // it for now (kFailed) or the coordinator is shutting down first (kInterrupted).
+  using OnSync = std::function<void(const Result<void>& synced)>;
   void AfterSync(OnSync answer) { after_sync_.push_back(std::move(answer)); }
   void Watch(JobId job, OnStatus watcher, IsWatched is_watched) {
     watchers_.push_back({job, std::move(watcher), std::move(is_watched), {}});
@@ -103,7 +103,7 @@ class CoreThread {
   std::vector<Event> WaitForEvents(Instant patience);
   void Deliver(FarmOutput output);
   void Answer(FarmOutput output);
-  bool Sync();
+  Result<void> Sync();
   void Compact();
   void GiveUpSums();
   void Load(FrameId frame);

@@ -24,11 +24,6 @@ grpc::Status NoJob(JobId job) {
   return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no job {}", Number(job))};
 }
 
-// Nothing that would be written later is accepted.
-grpc::Status DiskFails(const std::string& reason) {
-  return {grpc::StatusCode::RESOURCE_EXHAUSTED, "the coordinator cannot write its data: " + reason};
-}
-
 grpc::Status NoWorker(const std::string& which) {
   return {grpc::StatusCode::NOT_FOUND,
           fmt::format("there is no worker \"{}\"; run `tessera workers` to list them", CleanName(which))};
@@ -82,8 +77,8 @@ grpc::Status NotFinished(const JobStatus& status, uint32_t frame) {
 }  // namespace
 
 JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures,
-                         const DataDir& directory, const std::string& data_dir, FileThreads& threads)
-    : gate_(gate), blobs_(blobs), pictures_(pictures), directory_(directory), threads_(threads) {
+                         const std::string& data_dir, FileThreads& threads)
+    : gate_(gate), blobs_(blobs), pictures_(pictures), threads_(threads) {
   streams_.folder = data_dir;
   const auto serve = [this](auto method, const CallRule& rule) {
     MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
@@ -113,17 +108,14 @@ grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* conte
       if (!spec) return call.Finish(ToStatus(spec.error()));
       if (const auto checked = CheckSubmission(*spec, blobs_); !checked)
         return call.Finish(ToStatus(checked.error()));
-      // A job that cannot be journalled must not appear later.
-      if (const auto space = directory_.CheckSpace(request->ByteSizeLong()); !space)
-        return call.Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, space.error().message});
       const auto shared = std::make_shared<const JobSpec>(std::move(*spec));
-      call.Apply([=](CoreContext& core) {
-        if (const auto& reason = core.farm.storage_reason(); !reason.empty()) return DiskFails(reason);
+      const auto submit = [=](CoreContext& core) {
         const auto job = core.farm.Submit(core.now, shared);
         if (!job) return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, job.error().message);
         answer->set_job(Number(*job));
         return grpc::Status::OK;
-      });
+      };
+      call.Apply(submit, request->ByteSizeLong());
     });
   });
 }
@@ -209,7 +201,6 @@ grpc::ServerUnaryReactor* JobsService::Extend(grpc::CallbackServerContext* conte
     if (samples < 1 || samples > kSamplesPerPixelMax)
       return call.Finish(ToStatus(BadInput("message refused: samples_per_pixel is out of range")));
     const auto extend = [=](CoreContext& core) {
-      if (const auto& reason = core.farm.storage_reason(); !reason.empty()) return DiskFails(reason);
       if (core.farm.IsMovingSums(job)) return BeingWritten();
       return Answer(core.farm.Extend(core.now, job, samples), *answer);
     };

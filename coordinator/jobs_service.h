@@ -3,7 +3,6 @@
 
 #include "coordinator/core/spool.h"
 #include "coordinator/picture_stream.h"
-#include "coordinator/store/data_dir.h"
 #include "coordinator/store/picture_store.h"
 #include "coordinator/task_pool.h"
 #include "proto/blobs/blob_store.h"
@@ -20,7 +19,7 @@ class JobsService final : public proto::Jobs::Service {
  public:
   // The threads must run until every call has ended.
   JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures,
-              const DataDir& directory, const std::string& data_dir, FileThreads& threads);
+              const std::string& data_dir, FileThreads& threads);
   // Finishes what runs in the background. Call it before the server is destroyed, so that every call is
   // answered.
   void Stop() { background_.Stop(); }
@@ -68,7 +67,6 @@ class JobsService final : public proto::Jobs::Service {
   const BlobStore& blobs_;
   const PictureStore& pictures_;
   PictureStreams streams_;
-  const DataDir& directory_;
   FileThreads& threads_;
   TaskPool background_{1};
 };

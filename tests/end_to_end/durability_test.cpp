@@ -169,6 +169,38 @@ TEST_F(Durability, ASubmitOnAFullDiskNamesItAndNothingAppearsLater) {
   EXPECT_EQ(next.output, "2\n") << "the refused job is not there";
 }
 
+TEST_F(Durability, ControlsOnAFullDiskNameItAndEverythingContinuesWhenThereIsSpace) {
+  const SmallDisk disk(Path("data"));
+  if (!disk.is_mounted()) GTEST_SKIP() << "no permission to mount a file system";
+  const std::string scene = ExtendableScene();
+  const std::string oracle = Oracle(scene, {"--spp", "1500"});
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit(scene, {"--spp", "1500"});
+  ASSERT_EQ(Ask({"priority", job, "3"}).code, 0);
+  disk.Fill();
+  const std::vector<std::vector<std::string>> controls{{"pause", job},
+                                                       {"resume", job},
+                                                       {"priority", job, "5"},
+                                                       {"cancel", job},
+                                                       {"extend", job, "--spp", "3000"},
+                                                       {"drain", "only"},
+                                                       {"release", "only"}};
+  for (const std::vector<std::string>& control : controls) {
+    const auto start = std::chrono::steady_clock::now();
+    const Outcome refused = Ask(control);
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20)) << control.front();
+    EXPECT_EQ(refused.code, 1) << control.front();
+    EXPECT_THAT(refused.errors, testing::AllOf(HasSubstr(Path("data")), HasSubstr("No space left")))
+        << control.front();
+  }
+  disk.Free();
+  RestartCoordinator();
+  EXPECT_EQ(Figure(job, "priority"), 3) << "what was acknowledged holds, what was refused was not done";
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  EXPECT_TRUE(Fetched(job) == oracle);
+}
+
 TEST_F(Durability, AMissingJournalIsRefusedUnlessTheUserStartsAfresh) {
   StartCoordinator();
   Submit(BoxScene(), {"--spp", "4"});
