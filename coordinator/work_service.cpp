@@ -33,6 +33,13 @@ class SynchronizeCall final : public grpc::ServerUnaryReactor {
 
 }  // namespace
 
+grpc::Status CheckJoin(const Farm& farm, const WorkerState& state) {
+  if (const auto admitted = farm.CheckAdmission(state); !admitted) return ToStatus(admitted.error());
+  if (const std::string why = farm.WhyNoPlace(state.worker); !why.empty())
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, why};
+  return grpc::Status::OK;
+}
+
 WorkService::WorkService(const CallGate& gate) : gate_(gate) {
   const auto serve = [this](auto method, const CallRule& rule) {
     MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
@@ -61,10 +68,8 @@ grpc::ServerUnaryReactor* WorkService::Synchronize(grpc::CallbackServerContext* 
       return call;
     }
     thread.Post([call, id, answer, state = std::move(*state)](CoreContext& core) {
-      if (const auto admitted = core.farm.CheckAdmission(state); !admitted)
-        return call->Finish(ToStatus(admitted.error()));
-      if (const std::string why = core.farm.WhyNoPlace(state.worker); !why.empty())
-        return call->Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, why});
+      if (const grpc::Status may_join = CheckJoin(core.farm, state); !may_join.ok())
+        return call->Finish(may_join);
       core.answers.AwaitDirective(id, [call, answer](const WorkerDirective* directive) {
         if (directive != nullptr) Write(*directive, *answer);
         call->Finish(directive != nullptr ? grpc::Status::OK : CoordinatorEnds());

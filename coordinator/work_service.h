@@ -10,6 +10,12 @@
 namespace tessera {
 
 class CallGate;
+class Farm;
+struct WorkerState;
+
+// Whether the sender of the state may join now: FAILED_PRECONDITION if it never may, RESOURCE_EXHAUSTED if
+// the farm is full.
+grpc::Status CheckJoin(const Farm& farm, const WorkerState& state);
 
 class WorkService final : public proto::Work::Service {
  public:

@@ -106,6 +106,8 @@ Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, cons
       backoff.Reset();
     }
     const bool again = MayPass(status) && now - progress_at < patience_.download;
+    if (again && status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED)
+      waits_.Warn("fetch_postponed", fmt::format("reason={}", LogText(status.error_message())));
     if (!again || !Pause(stop_, backoff.Next())) return ToError(status, what);
   }
 }

@@ -10,6 +10,7 @@
 
 #include "proto/blobs/blob_store.h"
 #include "proto/scene_package.h"
+#include "proto/shell/rare_log.h"
 #include "renderer/util/digest.h"
 #include "renderer/util/result.h"
 
@@ -65,6 +66,7 @@ class BlobFetcher {
   uint64_t seed_;
   const std::function<void(uint64_t)> on_bytes_;
   const FetchPatience patience_;
+  RareLog waits_{std::chrono::minutes(1)};  // for the coordinator's transfers
 };
 
 }  // namespace tessera

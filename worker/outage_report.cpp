@@ -9,27 +9,35 @@
 
 namespace tessera {
 
+void OutageReport::Begin(TimePoint now) {
+  if (since_) return;
+  since_ = now;
+  next_ = now + kOutageReportFirst;
+  interval_ = kOutageReportFirst;
+}
+
 void OutageReport::Failed(const grpc::Status& status, TimePoint now) {
-  if (!since_) {
-    since_ = now;
-    next_ = now + kOutageReportFirst;
-    interval_ = kOutageReportFirst;
-  }
+  Begin(now);
   if (check_) {
     const auto found = check_->Await({});
     if (!found) return;
     check_.reset();
-    return Log(*found, status, now);
+    return Log("coordinator_unreachable", DescribeOutage(*found, status), now);
   }
   if (now >= next_) check_.emplace(address_);
 }
 
-void OutageReport::Log(const Reachability& found, const grpc::Status& status, TimePoint now) {
+void OutageReport::Postponed(const grpc::Status& status, TimePoint now) {
+  Begin(now);
+  check_.reset();
+  if (now == *since_ || now >= next_) Log("join_postponed", status.error_message(), now);
+}
+
+void OutageReport::Log(const char* event, const std::string& reason, TimePoint now) {
   interval_ = std::min<std::chrono::seconds>(interval_ * kOutageReportGrowth, kOutageReportIntervalMax);
   next_ = now + interval_;
-  spdlog::warn("coordinator_unreachable address={} reason={} outage_s={:.0f} next_report_s={}",
-               address_.Text(), LogText(DescribeOutage(found, status)),
-               std::chrono::duration<double>(now - *since_).count(), interval_.count());
+  spdlog::warn("{} address={} reason={} outage_s={:.0f} next_report_s={}", event, address_.Text(),
+               LogText(reason), std::chrono::duration<double>(now - *since_).count(), interval_.count());
 }
 
 void OutageReport::Ended() {

@@ -1,8 +1,10 @@
-// Logs that the coordinator is not reached: first after a moment, then less and less often.
+// Logs that the coordinator is not reached or does not let this worker join for now: first after a moment,
+// then less and less often.
 #pragma once
 
 #include <chrono>
 #include <optional>
+#include <string>
 
 #include "proto/wire/address.h"
 #include "proto/wire/reachability.h"
@@ -22,11 +24,14 @@ class OutageReport {
   explicit OutageReport(Address address) : address_(std::move(address)) {}
   // A call has failed with `status`.
   void Failed(const grpc::Status& status, TimePoint now);
+  // The coordinator has answered that this worker cannot join now, for the reason in `status`.
+  void Postponed(const grpc::Status& status, TimePoint now);
   // A call has succeeded.
   void Ended();
 
  private:
-  void Log(const Reachability& found, const grpc::Status& status, TimePoint now);
+  void Begin(TimePoint now);
+  void Log(const char* event, const std::string& reason, TimePoint now);
 
   const Address address_;
   std::optional<TimePoint> since_;  // the first failure of this outage

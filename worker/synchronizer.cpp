@@ -22,6 +22,11 @@ constexpr std::chrono::seconds kAnswerPatience{20};
 constexpr size_t kOpenCallsMax = 3;
 constexpr std::chrono::milliseconds kCallAgainMax{10'000};
 
+// Between attempts to join a farm that is full. Places become free seldom, and each attempt costs the
+// coordinator a call.
+constexpr std::chrono::milliseconds kJoinAgainFirst{1000};
+constexpr std::chrono::milliseconds kJoinAgainMax{60'000};
+
 // Whether the coordinator will never admit this worker as it is. Everything else may pass: a farm that is
 // full, a proxy without its coordinator.
 bool IsRefusal(const grpc::Status& status) {
@@ -53,6 +58,7 @@ Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, const Address
       prefetcher_(prefetcher),
       on_refusal_(std::move(on_refusal)),
       backoff_(Number(self_.worker)),
+      join_backoff_(Number(self_.worker), kJoinAgainFirst, kJoinAgainMax),
       next_call_(Clock::now()),
       next_retry_(next_call_),
       outage_(address) {}
@@ -129,8 +135,13 @@ void Synchronizer::Handle(const Call& call) {
   if (IsRefusal(call.status)) return on_refusal_(ToError(call.status, "join the farm"));
   if (connected_) spdlog::warn("disconnected reason={}", LogText(call.status.error_message()));
   connected_ = false;
-  outage_.Failed(call.status, Clock::now());
-  next_retry_ = Clock::now() + backoff_.Next();
+  if (call.status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED) {
+    outage_.Postponed(call.status, Clock::now());
+    next_retry_ = Clock::now() + join_backoff_.Next();
+  } else {
+    outage_.Failed(call.status, Clock::now());
+    next_retry_ = Clock::now() + backoff_.Next();
+  }
 }
 
 void Synchronizer::HandleDirective(const Call& call) {
@@ -141,6 +152,7 @@ void Synchronizer::HandleDirective(const Call& call) {
   connected_ = true;
   outage_.Ended();
   backoff_.Reset();
+  join_backoff_.Reset();
   workload_.Change()->ReturnsAcknowledged(call.returned);
   // The answer to a call that a later one has overtaken may hold leases, but its orders are out of date.
   if (call.sequence != self_.sequence) return workload_.Change()->ApplyOvertaken(*directive, Clock::now());

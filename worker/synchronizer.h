@@ -59,7 +59,7 @@ class Synchronizer {
   ActivityMeter& meter_;
   Prefetcher& prefetcher_;
   const std::function<void(Error)> on_refusal_;
-  Backoff backoff_;
+  Backoff backoff_, join_backoff_;
   std::chrono::steady_clock::time_point next_call_;   // unless there is news
   std::chrono::steady_clock::time_point next_retry_;  // after a failure, news or not
   std::vector<std::unique_ptr<Call>> open_;

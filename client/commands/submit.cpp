@@ -47,7 +47,8 @@ Result<int> RunSubmit(const SubmitOptions& options, Cancellation& cancellation) 
   if (!job) return job.error();
   const auto client = Connect(options.connection, cancellation);
   if (!client) return client.error();
-  const auto sent = (*client)->Upload(job->packed);
+  const auto sent =
+      (*client)->Upload(job->packed, [](const std::string& reason) { PrintNote("tessera: {}\n", reason); });
   if (!sent) return sent.error();
   PrintNote("uploaded {} of {} files, {}\n", sent->files_sent, sent->files_total,
             BytesText(sent->bytes_sent));

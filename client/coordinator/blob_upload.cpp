@@ -100,8 +100,8 @@ using Missing = std::map<std::string, uint64_t>;
 template <typename Connection>
 class Uploader {
  public:
-  explicit Uploader(const Connection& connection)
-      : connection_(connection), stub_(*connection.blobs), stop_(connection.stop) {}
+  Uploader(const Connection& connection, const CoordinatorClient::OnSlow& on_slow)
+      : connection_(connection), on_slow_(on_slow), stub_(*connection.blobs), stop_(connection.stop) {}
 
   Result<Missing> FindMissing(const std::vector<std::string>& digests) {
     proto::FindMissingRequest request;
@@ -147,6 +147,11 @@ class Uploader {
     if (!error_) error_ = std::move(why);
     broken_.request_stop();
   }
+  void ReportSlow(const std::string& what, const grpc::Status& status) {
+    const std::lock_guard lock(mutex_);
+    if (on_slow_ && !std::exchange(is_reported_, true))
+      on_slow_(fmt::format("waiting to {}: {}", what, CleanReason(status.error_message())));
+  }
   // An interrupted upload continues where it stopped, as long as some bytes get through within
   // kRetryPatience.
   Result<void> SendOne(const Source& source, uint64_t held) {
@@ -163,6 +168,7 @@ class Uploader {
       const bool too_late = std::chrono::steady_clock::now() > deadline;
       if (!IsTransient(status) || too_late || !Pause(broken_.get_token(), waits.Next()))
         return connection_.ErrorOf(status, what);
+      ReportSlow(what, status);
       const auto missing = FindMissing({WriteDigest(source.digest)});
       if (!missing) return missing.error();
       if (missing->empty()) return {};
@@ -175,6 +181,7 @@ class Uploader {
   }
 
   const Connection& connection_;
+  const CoordinatorClient::OnSlow& on_slow_;
   proto::Blobs::Stub& stub_;
   std::stop_token stop_;
   std::stop_source broken_;  // ends the other streams when one fails
@@ -183,11 +190,12 @@ class Uploader {
   std::atomic<uint64_t> bytes_sent_{0};
   std::mutex mutex_;
   std::optional<Error> error_;  // guarded by mutex_
+  bool is_reported_ = false;    // guarded by mutex_
 };
 
 }  // namespace
 
-Result<UploadReport> CoordinatorClient::Upload(const PackedScene& scene) {
+Result<UploadReport> CoordinatorClient::Upload(const PackedScene& scene, const OnSlow& on_slow) {
   std::map<std::string, Source> sources;  // by digest as it travels
   for (const auto& [path, file] : scene.package.files) {
     Source& source = sources[WriteDigest(file.digest)];
@@ -202,7 +210,7 @@ Result<UploadReport> CoordinatorClient::Upload(const PackedScene& scene) {
   UploadReport report;
   report.files_total = sources.size();
   sources[WriteDigest(scene.digest)] = {scene.digest, scene.manifest.size(), {}, scene.manifest, true};
-  Uploader uploader(*connection_);
+  Uploader uploader(*connection_, on_slow);
   std::vector<std::pair<const Source*, uint64_t>> queue;
   for (auto it = sources.begin(); it != sources.end();) {
     std::vector<std::string> digests;

@@ -41,8 +41,9 @@ class CoordinatorClient {
   CoordinatorClient(const CoordinatorClient&) = delete;
   CoordinatorClient& operator=(const CoordinatorClient&) = delete;
 
-  // Sends the files of the scene that the coordinator lacks, several in parallel.
-  Result<UploadReport> Upload(const PackedScene& scene);
+  // Sends the files of the scene that the coordinator lacks, several in parallel. If a file has to wait,
+  // calls `on_slow`, if given, once with the reason.
+  Result<UploadReport> Upload(const PackedScene& scene, const OnSlow& on_slow = nullptr);
   struct SubmitOptions {
     std::string name;
     int priority = 0;

@@ -57,7 +57,7 @@ Result<void> Farm::CheckAdmission(const WorkerState& state) const {
 
 std::string Farm::WhyNoPlace(WorkerId worker) const {
   if (!state_.scheduler.IsFull(worker)) return {};
-  return fmt::format("the farm has {} workers, which is its limit", kWorkersMax);
+  return fmt::format("the farm is full: it has {} workers, which is its limit", kWorkersMax);
 }
 
 void Farm::Synchronize(Instant now, CallId call, WorkerState state) {

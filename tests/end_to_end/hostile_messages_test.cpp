@@ -1,8 +1,10 @@
 // Messages that would take a multiple of their size, or much more than a message may take.
 #include <gmock/gmock.h>
 
+#include <list>
 #include <thread>
 
+#include "proto/blobs.grpc.pb.h"
 #include "proto/jobs.grpc.pb.h"
 #include "proto/probe.h"
 #include "proto/wire/channel.h"
@@ -167,6 +169,33 @@ TEST_F(HostileMessages, PreviewsThatNobodyReadsAreNotMade) {
   }
   EXPECT_EQ(Ask({"jobs"}).code, 0);
   for (const auto& context : contexts) context->TryCancel();
+}
+
+// Uploads that send nothing take all places for transfers.
+TEST_F(HostileMessages, ASubmitThatWaitsForOtherTransfersNamesThemAndGoesOnAfterThem) {
+  const auto blobs = proto::Blobs::NewStub(OpenChannel(*ParseAddress(address(), "test")));
+  struct Silent {
+    grpc::ClientContext context;
+    proto::UploadAnswer answer;
+    std::unique_ptr<grpc::ClientWriter<proto::UploadChunk>> writer;
+  };
+  std::list<Silent> silent;
+  proto::UploadChunk chunk;
+  chunk.set_size(100);
+  for (int i = 0; i < 64; ++i) {
+    Silent& each = silent.emplace_back();
+    each.writer = blobs->Upload(&each.context, &each.answer);
+    chunk.set_digest(WriteDigest(Sha256(std::to_string(i))));
+    ASSERT_TRUE(each.writer->Write(chunk));
+  }
+  Process submit(folder(), "tessera", {"submit", BoxScene(), "--coordinator", address()});
+  EXPECT_TRUE(submit.AwaitErrors("too many transfers are running")) << submit.Errors();
+  EXPECT_THAT(submit.Errors(), testing::HasSubstr("waiting to send"));
+  for (Silent& each : silent) {
+    each.context.TryCancel();
+    each.writer->Finish();
+  }
+  EXPECT_EQ(submit.Wait(), 0) << submit.Errors();
 }
 
 }  // namespace

@@ -63,6 +63,18 @@ TEST(OutageReport, ComesWithinSecondsAndThenLessAndLessOften) {
   for (size_t i = 2; i < times.size(); ++i) EXPECT_GT(times[i] - times[i - 1], times[i - 1] - times[i - 2]);
 }
 
+TEST(OutageReport, AFullFarmIsNamedImmediatelyAndNotCalledUnreachable) {
+  const LogCapture log;
+  OutageReport report(*ParseAddress("unix:/no-such-folder/socket", "test"));
+  const grpc::Status full(grpc::StatusCode::RESOURCE_EXHAUSTED, "the farm is full");
+  for (auto at = 0s; at <= 400s; ++at) report.Postponed(full, OutageReport::TimePoint(at));
+  EXPECT_THAT(log.text(),
+              HasSubstr("join_postponed address=unix:/no-such-folder/socket reason=\"the farm is full\""));
+  EXPECT_THAT(log.text(), testing::Not(HasSubstr("unreachable")));
+  EXPECT_GE(log.lines(), 4);
+  EXPECT_LE(log.lines(), 7) << "less and less often";
+}
+
 TEST(OutageReport, StartsAgainWithTheNextOutage) {
   const LogCapture log;
   OutageReport report(*ParseAddress("unix:/no-such-folder/socket", "test"));
