@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "coordinator/answer_limit.h"
 #include "coordinator/call_gate.h"
 #include "coordinator/guarded.h"
 #include "coordinator/picture_stream.h"
@@ -53,6 +54,7 @@ void ChangeWorkers(const UnaryCall& call, const std::string& which, proto::Worke
       change(core.farm, worker.worker);
     const auto changed = core.farm.FindWorkers(core.now, which);
     for (const WorkerStatus& worker : changed) Write(worker, *answer->add_workers());
+    answer->set_left_out(KeepLast(*answer->mutable_workers()));
     return changed.empty() ? NoWorker(which) : grpc::Status::OK;
   });
 }
@@ -125,6 +127,7 @@ grpc::ServerUnaryReactor* JobsService::List(grpc::CallbackServerContext* context
   return gate_.Unary(context, RuleFor("Jobs.List"), [=](const UnaryCall& call) {
     call.Ask([=](CoreContext& core) {
       for (const JobStatus& status : core.farm.Jobs(core.now)) Write(status, *answer->add_jobs());
+      answer->set_left_out(KeepLast(*answer->mutable_jobs()));
       return grpc::Status::OK;
     });
   });
@@ -225,6 +228,7 @@ grpc::ServerUnaryReactor* JobsService::Workers(grpc::CallbackServerContext* cont
       const auto workers =
           which.empty() ? core.farm.Workers(core.now) : core.farm.FindWorkers(core.now, which);
       for (const WorkerStatus& status : workers) Write(status, *answer->add_workers());
+      answer->set_left_out(KeepLast(*answer->mutable_workers()));
       return grpc::Status::OK;
     });
   });

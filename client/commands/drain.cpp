@@ -5,9 +5,10 @@
 namespace tessera {
 
 Command DrainCommand() {
-  return WorkerCommand(
-      "drain", "Stop leasing work to workers; they finish what they hold",
-      [](CoordinatorClient& client, const std::string& which) { return client.Drain(which); });
+  return WorkerCommand("drain", "Stop leasing work to workers; they finish what they hold",
+                       [](CoordinatorClient& client, const std::string& which, uint64_t& left_out) {
+                         return client.Drain(which, left_out);
+                       });
 }
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 #include "client/commands/commands.h"
 #include "client/commands/connection.h"
 #include "client/commands/status_text.h"
+#include "proto/shell/console.h"
 
 namespace tessera {
 namespace {
@@ -21,8 +22,10 @@ void AddJobsFlags(CLI::App& app, JobsOptions& options) {
 Result<int> RunJobs(const JobsOptions& options, Cancellation& cancellation) {
   const auto client = Connect(options.connection, cancellation);
   if (!client) return client.error();
-  const auto jobs = (*client)->Jobs();
+  uint64_t left_out = 0;
+  const auto jobs = (*client)->Jobs(left_out);
   if (!jobs) return jobs.error();
+  if (left_out > 0) PrintNote("tessera: {} older jobs are not listed\n", left_out);
   fmt::print("{}", options.json ? JobsJson(*jobs) + "\n" : JobTable(*jobs));
   return 0;
 }

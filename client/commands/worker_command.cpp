@@ -5,6 +5,7 @@
 #include "client/commands/connection.h"
 #include "client/commands/option_groups.h"
 #include "client/commands/status_text.h"
+#include "proto/shell/console.h"
 
 namespace tessera {
 namespace {
@@ -29,8 +30,10 @@ void AddFlagsAndWorker(CLI::App& app, WorkerOptions& options) {
 Result<int> Run(const WorkerOptions& options, Cancellation& cancellation, const WorkerCall& call) {
   const auto client = Connect(options.connection, cancellation);
   if (!client) return client.error();
-  const auto workers = call(**client, options.which);
+  uint64_t left_out = 0;
+  const auto workers = call(**client, options.which, left_out);
   if (!workers) return workers.error();
+  if (left_out > 0) PrintNote("tessera: {} more workers are not listed\n", left_out);
   fmt::print("{}", options.json ? WorkersJson(*workers) + "\n" : WorkerTable(*workers));
   return 0;
 }

@@ -11,8 +11,8 @@
 namespace tessera {
 
 // `which` is the name of one or more workers, or the id of one.
-using WorkerCall =
-    std::function<Result<std::vector<WorkerStatus>>(CoordinatorClient& client, const std::string& which)>;
+using WorkerCall = std::function<Result<std::vector<WorkerStatus>>(
+    CoordinatorClient& client, const std::string& which, uint64_t& left_out)>;
 
 // A command with the argument WORKER.
 Command WorkerCommand(const std::string& name, const std::string& summary, const WorkerCall& call);

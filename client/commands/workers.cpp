@@ -6,7 +6,9 @@ namespace tessera {
 
 Command WorkersCommand() {
   return AllWorkersCommand("workers", "List the workers of a farm",
-                           [](CoordinatorClient& client, const std::string&) { return client.Workers(); });
+                           [](CoordinatorClient& client, const std::string&, uint64_t& left_out) {
+                             return client.Workers(left_out);
+                           });
 }
 
 }  // namespace tessera

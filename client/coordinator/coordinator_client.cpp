@@ -52,12 +52,13 @@ Result<std::vector<WorkerStatus>> AskAboutWorkers(
     Connection& connection,
     grpc::Status (proto::Jobs::Stub::*method)(grpc::ClientContext*, const proto::WorkersRequest&,
                                               proto::WorkersAnswer*),
-    const std::string& which, const std::string& what) {
+    const std::string& which, const std::string& what, uint64_t& left_out) {
   proto::WorkersRequest request;
   request.set_which(CleanName(which));
   proto::WorkersAnswer answer;
   auto asked = Call(connection, method, request, answer, what);
   if (!asked) return asked.error();
+  left_out = answer.left_out();
   std::vector<WorkerStatus> workers;
   for (const proto::WorkerStatus& message : answer.workers()) {
     auto status = ReadWorkerStatus(message);
@@ -296,10 +297,11 @@ Result<std::string> CoordinatorClient::FetchPicture(JobId job, uint32_t frame, b
   return bytes;
 }
 
-Result<std::vector<JobStatus>> CoordinatorClient::Jobs() {
+Result<std::vector<JobStatus>> CoordinatorClient::Jobs(uint64_t& left_out) {
   proto::ListAnswer answer;
   auto asked = Call(*connection_, &proto::Jobs::Stub::List, proto::ListRequest(), answer, "list the jobs");
   if (!asked) return asked.error();
+  left_out = answer.left_out();
   std::vector<JobStatus> jobs;
   for (const proto::JobStatus& message : answer.jobs()) {
     auto status = ReadJobStatus(message);
@@ -309,16 +311,17 @@ Result<std::vector<JobStatus>> CoordinatorClient::Jobs() {
   return jobs;
 }
 
-Result<std::vector<WorkerStatus>> CoordinatorClient::Workers() {
-  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::Workers, "", "list the workers");
+Result<std::vector<WorkerStatus>> CoordinatorClient::Workers(uint64_t& left_out) {
+  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::Workers, "", "list the workers", left_out);
 }
 
-Result<std::vector<WorkerStatus>> CoordinatorClient::Drain(const std::string& which) {
-  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::DrainWorkers, which, "drain " + which);
+Result<std::vector<WorkerStatus>> CoordinatorClient::Drain(const std::string& which, uint64_t& left_out) {
+  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::DrainWorkers, which, "drain " + which, left_out);
 }
 
-Result<std::vector<WorkerStatus>> CoordinatorClient::Release(const std::string& which) {
-  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::ReleaseWorkers, which, "release " + which);
+Result<std::vector<WorkerStatus>> CoordinatorClient::Release(const std::string& which, uint64_t& left_out) {
+  return AskAboutWorkers(*connection_, &proto::Jobs::Stub::ReleaseWorkers, which, "release " + which,
+                         left_out);
 }
 
 }  // namespace tessera

@@ -64,11 +64,14 @@ class CoordinatorClient {
   Result<JobStatus> Pause(JobId job);
   Result<JobStatus> Resume(JobId job);
   Result<JobStatus> SetPriority(JobId job, int priority);
-  Result<std::vector<JobStatus>> Jobs();
-  Result<std::vector<WorkerStatus>> Workers();
-  // `which` is the name of some workers or the id of one. Each returns those workers after the change.
-  Result<std::vector<WorkerStatus>> Drain(const std::string& which);
-  Result<std::vector<WorkerStatus>> Release(const std::string& which);
+  // Each sets `left_out` to the number of those that are not in the list because it would be too large: the
+  // oldest jobs, or some workers.
+  Result<std::vector<JobStatus>> Jobs(uint64_t& left_out);
+  Result<std::vector<WorkerStatus>> Workers(uint64_t& left_out);
+  // `which` is the name of some workers or the id of one. Each returns those workers after the change, as
+  // Workers does.
+  Result<std::vector<WorkerStatus>> Drain(const std::string& which, uint64_t& left_out);
+  Result<std::vector<WorkerStatus>> Release(const std::string& which, uint64_t& left_out);
 
  private:
   struct Connection;

@@ -67,6 +67,11 @@ constexpr Instant kLeaseDuration = seconds(10);
 // A lease that a call does not list is sent again after this: earlier the answer with it may still be on its
 // way.
 constexpr Instant kAnnounceAgain = milliseconds(250);
+// Of the leases in one answer, encoded, and of the ids to drop: far below the message limit. What is left
+// follows in the next answer.
+constexpr size_t kGrantBytesMax = 256 << 10;
+constexpr size_t kLeaseBytes = 160;  // encoded, without its pixel mask
+constexpr size_t kDropsPerAnswerMax = 16'384;
 // Leases taken away on purpose that are remembered for each worker: more than states on their way can list.
 constexpr size_t kRevokedKeptMax = 256;
 // How long an idle call of a worker waits here. When it breaks the worker has died, so a call is open nearly

@@ -259,7 +259,8 @@ void WorkerRoster::Announce(WorkerRecord& worker, LeaseId lease) {
 }
 
 void WorkerRoster::Drop(WorkerRecord& worker, LeaseId lease) {
-  worker.pending.drops.push_back(lease);
+  // A worker that lists the lease again is told again.
+  if (worker.pending.drops.size() < size_t{kLeasesPerWorkerMax}) worker.pending.drops.push_back(lease);
   news_.insert(worker.id);
 }
 
@@ -287,7 +288,11 @@ bool WorkerRoster::HasNews(WorkerId id) const {
 }
 
 void WorkerRoster::UpdateNews(const WorkerRecord& worker) {
-  if (worker.pending.empty() || !worker.is_live) news_.erase(worker.id);
+  if (worker.pending.empty() || !worker.is_live) {
+    news_.erase(worker.id);
+  } else {
+    news_.insert(worker.id);
+  }
 }
 
 WorkerDirective WorkerRoster::TakeRequests(Instant now, WorkerRecord& worker) {
@@ -302,7 +307,7 @@ WorkerDirective WorkerRoster::TakeRequests(Instant now, WorkerRecord& worker) {
                      : worker.is_drained     ? "drained by a user"
                                              : "";
   worker.pending.has_scenes = worker.pending.has_prefetch = worker.pending.has_notice = false;
-  news_.erase(worker.id);
+  UpdateNews(worker);
   return directive;
 }
 

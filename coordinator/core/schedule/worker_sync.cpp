@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "coordinator/core/schedule/policy.h"
 #include "renderer/text/unicode.h"
 
@@ -135,8 +137,16 @@ LeaseGrants WorkerSync::TakeGrants(Instant now, WorkerId id) {
   WorkerRecord* const worker = state_.workers.Find(id);
   if (worker == nullptr) return {};
   LeaseGrants grants;
-  for (const LeaseId lease : std::exchange(worker->pending.leases, {})) {
+  size_t bytes = 0;
+  const std::vector<LeaseId> pending = std::exchange(worker->pending.leases, {});
+  for (auto next = pending.begin(); next != pending.end(); ++next) {
+    const LeaseId lease = *next;
     LeaseRecord& record = state_.leases.At(lease);
+    bytes += kLeaseBytes + record.lease.pixels.Bytes().size();
+    if (bytes > kGrantBytesMax && !grants.leases.empty()) {
+      worker->pending.leases.assign(next, pending.end());
+      break;
+    }
     const WorkUnit& unit = record.lease.unit;
     if (state_.jobs.FindFrame(unit)->work.HasDone({unit.tile, unit.range})) {
       leases_.Return(lease);  // others were faster: what is left of it is cut anew
@@ -146,7 +156,10 @@ LeaseGrants WorkerSync::TakeGrants(Instant now, WorkerId id) {
     record.announced_at = now;
     grants.leases.push_back(record.lease);
   }
-  grants.drop = std::exchange(worker->pending.drops, {});
+  std::vector<LeaseId>& drops = worker->pending.drops;
+  const auto end = drops.begin() + static_cast<std::ptrdiff_t>(std::min(drops.size(), kDropsPerAnswerMax));
+  grants.drop.assign(drops.begin(), end);
+  drops.erase(drops.begin(), end);
   state_.workers.UpdateNews(*worker);
   return grants;
 }

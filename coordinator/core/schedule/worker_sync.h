@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-// The part of a directive that answers to results carry.
+// The part of a directive that answers to results carry, of bounded size.
 struct LeaseGrants {
   std::vector<Lease> leases;
   std::vector<LeaseId> drop;

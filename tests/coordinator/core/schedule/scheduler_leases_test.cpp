@@ -203,5 +203,26 @@ TEST(SchedulerLeases, LeaseIdsOfTwoProcessesNeverMeet) {
   }
 }
 
+TEST(SchedulerLeases, AWorkerThatListsManyUnknownLeasesIsToldToDropThemPieceByPiece) {
+  SchedulerStage stage;
+  const JobId job = stage.AddJob(1);
+  stage.Join(1);
+  for (int lie = 0; lie < 4; ++lie) {
+    WorkerState& state = stage.Worker(1);
+    state.leases.clear();
+    ++state.sequence;
+    for (uint64_t n = 0; n < uint64_t{kLeasesPerWorkerMax}; ++n)
+      state.leases.push_back({LeaseId{n, 999}, {job, 5, 0, {0, 1}}, LeaseStage::kWaiting, {}});
+    stage.scheduler.Synchronize(stage.now, state);
+  }
+  size_t drops = 0;
+  while (stage.scheduler.HasNews(WorkerId{1})) {
+    const WorkerDirective directive = stage.scheduler.TakeDirective(stage.now, WorkerId{1});
+    EXPECT_LE(directive.drop.size(), kDropsPerAnswerMax);
+    drops += directive.drop.size();
+  }
+  EXPECT_EQ(drops, size_t{kLeasesPerWorkerMax}) << "the rest follows if it lists them again";
+}
+
 }  // namespace
 }  // namespace tessera
