@@ -34,33 +34,31 @@ std::string DefaultCacheFolder(const ReadEnvironment& environment) {
   return fmt::format("{}/tessera-cache-{}", temporary.empty() ? "/tmp" : temporary, ::geteuid());
 }
 
-Result<void> PrepareCacheFolder(const std::string& path) {
+Result<std::shared_ptr<const BlobFolder>> OpenCacheFolder(const std::string& path) {
   const std::filesystem::path parent = std::filesystem::absolute(path).lexically_normal().parent_path();
   std::error_code error;
   std::filesystem::create_directories(parent, error);
   if (error) return Failed(fmt::format("{}: cannot be created: {}", parent.string(), error.message()));
   if (::mkdir(path.c_str(), kPrivate) != 0 && errno != EEXIST) return SystemError(path, "cannot be created");
   // In a shared folder such as /tmp, a link could lead to any folder of this user.
-  const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (folder < 0 && (errno == ENOTDIR || errno == ELOOP))
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (descriptor < 0 && (errno == ENOTDIR || errno == ELOOP))
     return Failed(fmt::format("{}: is a link or a file; choose a folder with --cache-dir", path));
-  if (folder < 0) return SystemError(path, "cannot be opened");
+  if (descriptor < 0) return SystemError(path, "cannot be opened");
+  auto folder = std::make_shared<const BlobFolder>(descriptor, path);
   struct stat status {};
-  Result<void> result;
-  if (::fstat(folder, &status) != 0) {
-    result = SystemError(path, "cannot be examined");
-  } else if (status.st_uid != ::geteuid()) {
-    result = Failed(fmt::format(
-        "{}: belongs to another user (uid {}); choose another folder with --cache-dir", path, status.st_uid));
-  } else if ((status.st_mode & kOthersMayWrite) != 0) {
-    result = Failed(fmt::format(
+  if (::fstat(descriptor, &status) != 0) return SystemError(path, "cannot be examined");
+  if (status.st_uid != ::geteuid()) {
+    return Failed(fmt::format("{}: belongs to another user (uid {}); choose another folder with --cache-dir",
+                              path, status.st_uid));
+  }
+  if ((status.st_mode & kOthersMayWrite) != 0) {
+    return Failed(fmt::format(
         "{}: other users may have written to it (mode {:o}); remove it or choose another with --cache-dir",
         path, status.st_mode & 07777));
-  } else if (::fchmod(folder, kPrivate) != 0) {
-    result = SystemError(path, "cannot be made private");
   }
-  ::close(folder);
-  return result;
+  if (::fchmod(descriptor, kPrivate) != 0) return SystemError(path, "cannot be made private");
+  return folder;
 }
 
 }  // namespace tessera

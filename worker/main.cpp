@@ -25,9 +25,9 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
   const WorkerOptions& options = parsed->options;
   // A worker without it would fail the jobs whose pictures need it.
   if (const auto installed = image_module::CheckInstalled(); !installed) return installed.error();
-  if (const auto prepared = PrepareCacheFolder(options.cache_dir); !prepared)
-    return BadInput("--cache-dir: " + prepared.error().message);
-  auto cache = BlobStore::Open(options.cache_dir, BlobStoreOptions::Cache(options.cache_bytes));
+  auto folder = OpenCacheFolder(options.cache_dir);
+  if (!folder) return BadInput("--cache-dir: " + folder.error().message);
+  auto cache = BlobStore::Open(std::move(*folder), BlobStoreOptions::Cache(options.cache_bytes));
   if (!cache) return BadInput("--cache-dir: " + cache.error().message);
   StartLog(options.log_level);
   const auto worker = Worker::Make(options, std::move(*cache));

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "proto/blobs/blob_folder.h"
 #include "proto/scene_package.h"
 #include "renderer/util/file.h"
 
@@ -35,8 +36,8 @@ struct BlobRoom::File {
   fs::file_time_type used;
 };
 
-BlobRoom::BlobRoom(std::string path, BlobStoreOptions options)
-    : path_(std::move(path)), options_(std::move(options)) {
+BlobRoom::BlobRoom(std::shared_ptr<const BlobFolder> folder, BlobStoreOptions options)
+    : folder_(std::move(folder)), options_(std::move(options)) {
   for (const File& file : List()) bytes_ += file.size;
 }
 
@@ -92,7 +93,7 @@ uint64_t BlobRoom::ReserveOf(const DiskSpace& disk) const {
 
 // How many bytes have to be freed so that `bytes` can be written and the reserve is left.
 uint64_t BlobRoom::DiskLack(uint64_t bytes) const {
-  const auto disk = options_.disk_space(path_);
+  const auto disk = options_.disk_space(folder_->location());
   if (!disk) return 0;
   const uint64_t needed = bytes + ReserveOf(*disk);
   return needed - std::min(needed, disk->free);
@@ -101,7 +102,8 @@ uint64_t BlobRoom::DiskLack(uint64_t bytes) const {
 std::vector<BlobRoom::File> BlobRoom::List() const {
   std::vector<File> files;
   std::error_code error;
-  for (fs::recursive_directory_iterator it(path_, error), end; !error && it != end; it.increment(error)) {
+  for (fs::recursive_directory_iterator it(folder_->location() + "/", error), end; !error && it != end;
+       it.increment(error)) {
     std::error_code gone;  // another thread or process has removed it
     if (!it->is_regular_file(gone)) continue;
     const File file{it->path(), it->file_size(gone), it->last_write_time(gone)};
@@ -118,7 +120,8 @@ std::optional<std::set<std::string>> BlobRoom::NamesInUse() const {
   for (const Digest& digest : *packages) {
     names.insert(digest.Hex());
     const std::string hex = digest.Hex();
-    const auto manifest = ReadFile(fmt::format("{}/{}/{}", path_, hex.substr(0, 2), hex), kManifestBytesMax);
+    const auto manifest =
+        ReadFile(fmt::format("{}/{}/{}", folder_->location(), hex.substr(0, 2), hex), kManifestBytesMax);
     // Without its manifest the job fails, so there is nothing to protect.
     if (!manifest) continue;
     const auto package = DecodeScenePackage(*manifest);
@@ -158,23 +161,23 @@ void BlobRoom::Evict(uint64_t bytes, const std::set<std::string>& in_use) {
 
 Error BlobRoom::Refusal(uint64_t bytes) const {
   const std::lock_guard lock(mutex_);
-  const auto disk = options_.disk_space(path_);
+  const auto disk = options_.disk_space(folder_->location());
   const bool fits = bytes_ + bytes <= options_.bytes_max;
   if (fits && disk) {
     return Failed(fmt::format(
         "{}: No space left on device for {} bytes: its file system has {} bytes left, of which {} are "
         "reserved for the journal and for results; free some space or cancel jobs",
-        path_, bytes, disk->free, ReserveOf(*disk)));
+        folder_->name(), bytes, disk->free, ReserveOf(*disk)));
   }
   if (bytes > options_.bytes_max || options_.grace.count() == 0) {
-    return Failed(fmt::format("{}: no room for {} bytes: the limit of {} is {}", path_, bytes,
+    return Failed(fmt::format("{}: no room for {} bytes: the limit of {} is {}", folder_->name(), bytes,
                               options_.limit_flag, options_.bytes_max));
   }
   return Failed(
       fmt::format("{}: no room for {} bytes: open jobs and uploads of the last {} minutes need what is "
                   "there; wait, cancel "
                   "jobs or raise {} (now {})",
-                  path_, bytes, options_.grace.count(), options_.limit_flag, options_.bytes_max));
+                  folder_->name(), bytes, options_.grace.count(), options_.limit_flag, options_.bytes_max));
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 // disk.
 #pragma once
 
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -19,7 +20,7 @@ bool RemoveIfIdle(const std::string& path);
 class BlobRoom {
  public:
   // Counts what is in the folder.
-  BlobRoom(std::string path, BlobStoreOptions options);
+  BlobRoom(std::shared_ptr<const BlobFolder> folder, BlobStoreOptions options);
   void Protect(BlobStore::PackagesInUse in_use);
   // Reserves `bytes`, evicting blobs if necessary. An error if that does not suffice; kInterrupted: try
   // again.
@@ -43,7 +44,7 @@ class BlobRoom {
   void Evict(uint64_t bytes, const std::set<std::string>& in_use);
   Error Refusal(uint64_t bytes) const;
 
-  const std::string path_;
+  const std::shared_ptr<const BlobFolder> folder_;
   const BlobStoreOptions options_;
   BlobStore::PackagesInUse in_use_;  // constant once other threads use the room
   std::mutex evicting_;              // one thread at a time evicts; it is locked before mutex_

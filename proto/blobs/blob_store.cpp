@@ -12,6 +12,7 @@
 #include <filesystem>
 
 #include "proto/blobs/blob_checks.h"
+#include "proto/blobs/blob_folder.h"
 #include "proto/blobs/blob_room.h"
 #include "proto/terms.h"
 #include "renderer/util/file.h"
@@ -83,19 +84,33 @@ std::optional<DiskSpace> DiskSpaceOf(const std::string& folder) {
 }
 
 Result<BlobStore> BlobStore::Open(const std::string& path, const BlobStoreOptions& options) {
-  const std::string incoming = path + "/incoming";
   std::error_code error;
-  fs::create_directories(incoming, error);
-  if (error) return Failed(fmt::format("{}: cannot be created: {}", incoming, error.message()));
-  if (::access(incoming.c_str(), W_OK) != 0) return SystemError(incoming, "cannot be written to");
-  if (const auto removed = RemoveStale(incoming); !removed) return removed.error();
-  return BlobStore(path, options);
+  fs::create_directories(path, error);
+  if (error) return Failed(fmt::format("{}: cannot be created: {}", path, error.message()));
+  auto folder = BlobFolder::Open(path);
+  if (!folder) return folder.error();
+  return Open(std::move(*folder), options);
 }
 
-BlobStore::BlobStore(std::string path, BlobStoreOptions options)
-    : path_(std::move(path)),
+Result<BlobStore> BlobStore::Open(std::shared_ptr<const BlobFolder> folder, const BlobStoreOptions& options) {
+  const std::string incoming = folder->location() + "/incoming";
+  std::error_code error;
+  fs::create_directory(incoming, error);
+  if (error)
+    return folder->Named(Failed(fmt::format("{}: cannot be created: {}", incoming, error.message())));
+  struct stat status {};
+  if (::lstat(incoming.c_str(), &status) != 0 || !S_ISDIR(status.st_mode))
+    return folder->Named(Failed(fmt::format("{}: is not a folder", incoming)));
+  if (::access(incoming.c_str(), W_OK) != 0)
+    return folder->Named(SystemError(incoming, "cannot be written to"));
+  if (const auto removed = RemoveStale(incoming); !removed) return folder->Named(removed.error());
+  return BlobStore(std::move(folder), options);
+}
+
+BlobStore::BlobStore(std::shared_ptr<const BlobFolder> folder, BlobStoreOptions options)
+    : folder_(std::move(folder)),
       options_(std::move(options)),
-      room_(std::make_shared<BlobRoom>(path_, options_)),
+      room_(std::make_shared<BlobRoom>(folder_, options_)),
       checks_(std::make_shared<BlobChecks>()) {}
 
 void BlobStore::Protect(PackagesInUse in_use) {
@@ -108,7 +123,7 @@ uint64_t BlobStore::bytes() const {
 
 // Two levels, so that no folder gets long.
 std::string BlobStore::Folder(const Digest& digest) const {
-  return path_ + "/" + digest.Hex().substr(0, 2);
+  return folder_->location() + "/" + digest.Hex().substr(0, 2);
 }
 
 std::string BlobStore::Path(const Digest& digest) const {
@@ -162,8 +177,9 @@ bool BlobStore::IsDiskLow() const {
 Result<std::string> BlobStore::Read(const Digest& digest, uint64_t size_max) const {
   if (!Has(digest)) return BadInput(fmt::format("there is no blob {}", digest.Hex()));
   auto bytes = ReadFile(Path(digest), size_max);
-  if (bytes && Sha256(*bytes) != digest)
-    return Failed(fmt::format("{}: is corrupt (SHA-256 mismatch)", Path(digest)));
+  if (!bytes) return folder_->Named(bytes.error());
+  if (Sha256(*bytes) != digest)
+    return folder_->Named(Failed(fmt::format("{}: is corrupt (SHA-256 mismatch)", Path(digest))));
   return bytes;
 }
 
@@ -180,7 +196,7 @@ void BlobStore::Remove(const Digest& digest) const {
 }
 
 std::string BlobStore::IncomingPath(const Digest& digest) const {
-  return fmt::format("{}/incoming/{}", path_, digest.Hex());
+  return fmt::format("{}/incoming/{}", folder_->location(), digest.Hex());
 }
 
 uint64_t BlobStore::Arrived(const Digest& digest) const {
@@ -194,7 +210,7 @@ uint64_t BlobStore::Arrived(const Digest& digest) const {
 Result<int> BlobStore::OpenIncoming(uint64_t offset, bool alone, Partial& partial) const {
   partial.temporary_ = IncomingPath(partial.digest_);
   const int file = OpenOwn(partial.temporary_);
-  if (file < 0) return SystemError(partial.temporary_, "cannot be created");
+  if (file < 0) return folder_->Named(SystemError(partial.temporary_, "cannot be created"));
   struct stat ours {};
   struct stat named {};
   // The file may have been renamed before it was locked: then it is a blob by now.
@@ -214,7 +230,7 @@ Result<int> BlobStore::OpenIncoming(uint64_t offset, bool alone, Partial& partia
     return Error{ErrorKind::kInterrupted, "the bytes sent earlier are no longer there; send the file again"};
   partial.temporary_ += ".XXXXXX";
   const int own = ::mkostemp(partial.temporary_.data(), O_CLOEXEC);
-  if (own < 0) return SystemError(partial.temporary_, "cannot be created");
+  if (own < 0) return folder_->Named(SystemError(partial.temporary_, "cannot be created"));
   ::flock(own, LOCK_EX | LOCK_NB);
   return own;
 }
@@ -252,6 +268,7 @@ Result<std::unique_ptr<BlobStore::Partial>> BlobStore::Receive(const Digest& dig
     return file.error();
   }
   partial->file_ = *file;
+  partial->store_ = folder_;
   partial->room_ = room_;
   partial->checks_ = checks_;
   if (const auto hashed = HashReceived(*partial); !hashed) return partial->Fail(hashed.error());
@@ -281,7 +298,7 @@ BlobStore::Partial::~Partial() {
 
 Error BlobStore::Partial::Fail(Error error) {
   failed_ = true;
-  return error;
+  return store_->Named(std::move(error));
 }
 
 Result<void> BlobStore::Partial::Add(std::string_view bytes) {
@@ -309,21 +326,23 @@ Result<void> BlobStore::Partial::Finish() {
                  fmt::format("blob {}: SHA-256 mismatch: the bytes have {}", digest_.Hex(), found.Hex())};
   }
   const bool is_new = ::mkdir(folder_.c_str(), 0700) == 0;
-  if (!is_new && errno != EEXIST) return SystemError(folder_, "cannot be created");
+  if (!is_new && errno != EEXIST) return Fail(SystemError(folder_, "cannot be created"));
   struct stat status {};
   if (::lstat(folder_.c_str(), &status) != 0 || !S_ISDIR(status.st_mode))
-    return Failed(fmt::format("{}: is not a folder", folder_));
+    return Fail(Failed(fmt::format("{}: is not a folder", folder_)));
   if (is_new && durable_) {
-    if (const auto synced = SyncFolder(folder_ + "/.."); !synced) return synced;
+    if (const auto synced = SyncFolder(folder_ + "/.."); !synced) return Fail(synced.error());
   }
-  if (durable_ && ::fsync(file_) != 0) return SystemError(temporary_, "cannot be synced");
+  if (durable_ && ::fsync(file_) != 0) return Fail(SystemError(temporary_, "cannot be synced"));
   const bool is_copy = ::access(path_.c_str(), F_OK) == 0;  // somebody else was faster
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) return SystemError(path_, "cannot be written");
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) return Fail(SystemError(path_, "cannot be written"));
   ::close(file_);
   file_ = -1;  // nothing is left for the destructor
   if (is_copy) room_->Give(size_);
   checks_->Add(digest_, path_);
-  return durable_ ? SyncFolder(folder_) : Result<void>();
+  if (!durable_) return {};
+  const auto synced = SyncFolder(folder_);
+  return synced ? synced : Fail(synced.error());
 }
 
 }  // namespace tessera

@@ -58,13 +58,17 @@ struct BlobStoreOptions {
 };
 
 class BlobChecks;
+class BlobFolder;
 class BlobRoom;
 
 // Thread safe.
 class BlobStore {
  public:
-  // Creates the folder if there is none and removes incoming files that nobody can resume.
+  // Creates the folder if there is none and removes incoming files that nobody can resume. The store stays in
+  // this folder, even if it is renamed or another takes its place.
   static Result<BlobStore> Open(const std::string& path, const BlobStoreOptions& options);
+  // The same in a folder that is open.
+  static Result<BlobStore> Open(std::shared_ptr<const BlobFolder> folder, const BlobStoreOptions& options);
 
   // Returns the scene packages of all open jobs, whose blobs are not evicted; nullopt if that is not known
   // now. Set it before other threads use the store. Called from any thread.
@@ -128,6 +132,7 @@ class BlobStore {
     uint64_t size_ = 0, resumed_at_ = 0, received_ = 0;
     std::unique_ptr<Sha256Stream> hash_;  // of what was received
     // Shared: a partial blob may outlive the store.
+    std::shared_ptr<const BlobFolder> store_;
     std::shared_ptr<BlobRoom> room_;
     std::shared_ptr<BlobChecks> checks_;
   };
@@ -141,11 +146,11 @@ class BlobStore {
   // How many bytes of an unfinished blob can be resumed from.
   uint64_t Arrived(const Digest& digest) const;
 
-  // Where a blob is that is there: for reading in pieces.
+  // Where a blob is that is there: for reading in pieces, by this process or its children. Not for messages.
   std::string Path(const Digest& digest) const;
 
  private:
-  BlobStore(std::string path, BlobStoreOptions options);
+  BlobStore(std::shared_ptr<const BlobFolder> folder, BlobStoreOptions options);
   std::string Folder(const Digest& digest) const;
   std::string IncomingPath(const Digest& digest) const;
   Result<std::unique_ptr<Partial>> Receive(const Digest& digest, uint64_t size, uint64_t offset,
@@ -153,7 +158,7 @@ class BlobStore {
   Result<int> OpenIncoming(uint64_t offset, bool alone, Partial& partial) const;
   Result<void> HashReceived(Partial& partial) const;
 
-  std::string path_;
+  std::shared_ptr<const BlobFolder> folder_;
   BlobStoreOptions options_;
   std::shared_ptr<BlobRoom> room_;
   std::shared_ptr<BlobChecks> checks_;

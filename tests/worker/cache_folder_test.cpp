@@ -40,45 +40,45 @@ TEST(DefaultCacheFolder, WithoutAHomeIsOneOfThisUser) {
   EXPECT_EQ(DefaultWith({{"TMPDIR", "/t"}}), "/t/tessera-cache-" + std::to_string(::geteuid()));
 }
 
-TEST(PrepareCacheFolder, CreatesAPrivateFolder) {
+TEST(OpenCacheFolder, CreatesAPrivateFolder) {
   const TemporaryDir folder;
-  ASSERT_TRUE(PrepareCacheFolder(folder / "a/b"));
+  ASSERT_TRUE(OpenCacheFolder(folder / "a/b"));
   EXPECT_EQ(ModeOf(folder / "a/b"), 0700u);
 }
 
-TEST(PrepareCacheFolder, MakesAFolderOfThisUserPrivate) {
+TEST(OpenCacheFolder, MakesAFolderOfThisUserPrivate) {
   const TemporaryDir folder;
   ASSERT_EQ(::mkdir((folder / "cache").c_str(), 0755), 0);
-  ASSERT_TRUE(PrepareCacheFolder(folder / "cache"));
+  ASSERT_TRUE(OpenCacheFolder(folder / "cache"));
   EXPECT_EQ(ModeOf(folder / "cache"), 0700u);
 }
 
-TEST(PrepareCacheFolder, RefusesAFolderThatOthersMayHavePrepared) {
+TEST(OpenCacheFolder, RefusesAFolderThatOthersMayHavePrepared) {
   const TemporaryDir folder;
   ASSERT_EQ(::mkdir((folder / "cache").c_str(), 0755), 0);
   ASSERT_EQ(::chmod((folder / "cache").c_str(), 0777), 0);
-  const auto prepared = PrepareCacheFolder(folder / "cache");
+  const auto prepared = OpenCacheFolder(folder / "cache");
   ASSERT_FALSE(prepared);
   EXPECT_THAT(prepared.error().message, HasSubstr("other users may have written"));
 }
 
-TEST(PrepareCacheFolder, RefusesAFolderOfAnotherUser) {
+TEST(OpenCacheFolder, RefusesAFolderOfAnotherUser) {
   if (::geteuid() != 0) GTEST_SKIP() << "only root can give a folder away";
   const TemporaryDir folder;
   ASSERT_EQ(::mkdir((folder / "cache").c_str(), 0700), 0);
   ASSERT_EQ(::chown((folder / "cache").c_str(), 65534, 65534), 0);
-  const auto prepared = PrepareCacheFolder(folder / "cache");
+  const auto prepared = OpenCacheFolder(folder / "cache");
   ASSERT_FALSE(prepared);
   EXPECT_THAT(prepared.error().message, HasSubstr("belongs to another user (uid 65534)"));
 }
 
-TEST(PrepareCacheFolder, RefusesLinksAndFiles) {
+TEST(OpenCacheFolder, RefusesLinksAndFiles) {
   const TemporaryDir folder;
   ASSERT_EQ(::mkdir((folder / "elsewhere").c_str(), 0700), 0);
   ASSERT_EQ(::symlink((folder / "elsewhere").c_str(), (folder / "link").c_str()), 0);
   std::ofstream(folder / "file") << "text";
   for (const char* name : {"link", "file"}) {
-    const auto prepared = PrepareCacheFolder(folder / name);
+    const auto prepared = OpenCacheFolder(folder / name);
     ASSERT_FALSE(prepared) << name;
     EXPECT_THAT(prepared.error().message, HasSubstr("is a link or a file"));
   }

@@ -163,5 +163,55 @@ TEST_F(BlobCache, AFolderThatCannotBeCreatedIsRefused) {
   EXPECT_FALSE(BlobStore::Open("/proc/nothing", BlobStoreOptions::Cache(kMega)));
 }
 
+TEST_F(BlobCache, AFolderOfIncomingFilesThatIsALinkIsRefused) {
+  const TemporaryDir elsewhere;
+  std::ofstream(elsewhere / "not.ours") << "precious";
+  fs::create_directory_symlink(elsewhere.path(), folder_ / "incoming");
+  const auto cache = BlobStore::Open(folder_.path(), BlobStoreOptions::Cache(kMega));
+  ASSERT_FALSE(cache);
+  EXPECT_EQ(cache.error().message, folder_ / "incoming: is not a folder");
+  EXPECT_TRUE(fs::exists(elsewhere / "not.ours"));
+}
+
+// Someone who may rename the folder puts a link in its place.
+TEST_F(BlobCache, AStoreStaysInItsFolderWhateverTakesItsName) {
+  const TemporaryDir elsewhere;
+  const std::string small = "some bytes", large(kMega, 'x');
+  const BlobStore cache = *BlobStore::Open(folder_ / "cache", BlobStoreOptions::Cache(2 * kMega));
+  ASSERT_TRUE(cache.Write(Sha256(small), small));
+  auto arriving = cache.Begin(Sha256(large), large.size());
+  ASSERT_TRUE(arriving);
+  fs::rename(folder_ / "cache", folder_ / "moved");
+  fs::create_directory_symlink(elsewhere.path(), folder_ / "cache");
+  std::ofstream(elsewhere / "precious") << std::string(10'000, 'p');
+  fs::create_directory(elsewhere / "incoming");
+
+  ASSERT_TRUE((*arriving)->Add(large) && (*arriving)->Finish());
+  for (char fill = 'a'; fill < 'f'; ++fill) {  // evicts others
+    const std::string bytes(kMega / 2, fill);
+    ASSERT_TRUE(cache.Write(Sha256(bytes), bytes));
+    EXPECT_EQ(*cache.Read(Sha256(bytes), kMega), bytes);
+    EXPECT_TRUE(
+        fs::exists(folder_ / ("moved/" + Sha256(bytes).Hex().substr(0, 2) + "/" + Sha256(bytes).Hex())));
+  }
+  EXPECT_FALSE(cache.Has(Sha256(small))) << "evicted";
+  cache.Remove(Sha256(std::string(kMega / 2, 'e')));
+  EXPECT_TRUE(fs::is_empty(elsewhere / "incoming"));
+  EXPECT_EQ(fs::file_size(elsewhere / "precious"), 10'000u);
+  EXPECT_EQ(std::distance(fs::directory_iterator(elsewhere.path()), {}), 2) << "nothing else is there";
+}
+
+TEST_F(BlobCache, ErrorsNameTheFolderAsTheUserDid) {
+  const BlobStore cache = *BlobStore::Open(folder_ / "cache", BlobStoreOptions::Cache(kMega));
+  const std::string bytes = "some bytes";
+  ASSERT_TRUE(cache.Write(Sha256(bytes), bytes));
+  const std::string path =
+      folder_ / ("cache/" + Sha256(bytes).Hex().substr(0, 2) + "/" + Sha256(bytes).Hex());
+  std::ofstream(path) << "other bytes";
+  EXPECT_EQ(cache.Read(Sha256(bytes), 100).error().message, path + ": is corrupt (SHA-256 mismatch)");
+  EXPECT_THAT(cache.Read(Sha256(bytes), 5).error().message, testing::StartsWith(path + ": holds 11 bytes"));
+  EXPECT_THAT(cache.Begin(Sha256("x"), 2 * kMega).error().message, testing::StartsWith(folder_ / "cache:"));
+}
+
 }  // namespace
 }  // namespace tessera
