@@ -16,9 +16,11 @@ bool UnitCompletion::Finish(Instant now, WorkerId worker, LeaseId lease, const W
   if (!frame.work.Finish({unit.tile, unit.range})) return false;
   Credit(worker, frame, unit, render_seconds);
   failures_.Disprove(worker, unit, frame);
-  state_.losses.Rendered({frame.scene.key, unit.job, unit.frame, unit.tile}, [&](SampleRange range) {
-    return frame.work.IsDone({unit.tile, range});
-  });
+  if (!state_.losses.empty()) {
+    state_.losses.Rendered({frame.scene.key, unit.job, unit.frame, unit.tile}, [&](SampleRange range) {
+      return frame.work.IsDone({unit.tile, range});
+    });
+  }
   DropDoneLeases(frame, unit);
   Retire(state_.jobs.At(unit.job), unit.frame);
   return true;
