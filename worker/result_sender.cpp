@@ -52,7 +52,8 @@ void LogVerdicts(const proto::ResultsAnswer& answer, const std::vector<FinishedU
   int reason = 0;
   for (int i = 0; i < answer.verdicts_size() && i < static_cast<int>(results.size()); ++i) {
     const WorkUnit& unit = results[static_cast<size_t>(i)].unit;
-    spdlog::debug("result_answered unit={} verdict={}", LogText(unit.Text()), NameOf(answer.verdicts(i)));
+    spdlog::debug("result_answered farm={} unit={} verdict={}", results[static_cast<size_t>(i)].farm.Hex(),
+                  LogText(unit.Text()), NameOf(answer.verdicts(i)));
     if (answer.verdicts(i) != proto::ResultsAnswer::REFUSED) continue;
     const std::string why = reason < answer.reasons_size() ? CleanReason(answer.reasons(reason)) : "";
     ++reason;

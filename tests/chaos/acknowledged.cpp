@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <sstream>
 
 namespace tessera {
 namespace {
 
-constexpr const char* kEvent = " result_answered unit=\"";
+constexpr const char* kEvent = " result_answered farm=";
 constexpr const char* kAccepted = " verdict=accepted";
 
 bool ReadLine(const std::string& line, Acknowledgement* read) {
@@ -15,12 +16,15 @@ bool ReadLine(const std::string& line, Acknowledgement* read) {
   if (event == std::string::npos || !line.ends_with(kAccepted)) return false;
   unsigned long long job = 0;
   unsigned frame = 0, tile = 0, begin = 0, end = 0;
-  const char* const unit = line.c_str() + event;
-  if (std::sscanf(unit, " result_answered unit=\"job %llu frame %u tile %u samples [%u,%u)\"", &job, &frame,
+  const size_t farm = event + std::strlen(kEvent);
+  const size_t unit = line.find(' ', farm);
+  if (unit == std::string::npos ||
+      std::sscanf(line.c_str() + unit, " unit=\"job %llu frame %u tile %u samples [%u,%u)\"", &job, &frame,
                   &tile, &begin, &end) != 5) {
     return false;
   }
-  *read = {job, frame, tile, {begin, end - begin}, line.substr(0, line.find(' '))};
+  *read = {line.substr(farm, unit - farm), job, frame, tile, {begin, end - begin},
+           line.substr(0, line.find(' ')), 0};
   return true;
 }
 
@@ -51,10 +55,11 @@ std::vector<Acknowledgement> ReadAcknowledgements(const std::string& log) {
 
 std::vector<Acknowledgement> RenderedAgain(std::vector<Acknowledgement> all) {
   std::ranges::stable_sort(all, {}, [](const Acknowledgement& each) { return each.range.size; });
-  std::map<std::tuple<uint64_t, uint32_t, uint32_t>, std::vector<SampleRange>> tiles;
+  using Tile = std::tuple<std::string, int, uint64_t, uint32_t, uint32_t>;
+  std::map<Tile, std::vector<SampleRange>> tiles;
   std::vector<Acknowledgement> again;
   for (const Acknowledgement& each : all) {
-    std::vector<SampleRange>& smaller = tiles[{each.job, each.frame, each.tile}];
+    std::vector<SampleRange>& smaller = tiles[{each.farm, each.restores, each.job, each.frame, each.tile}];
     if (IsCovered(each.range, smaller)) again.push_back(each);
     if (std::ranges::find(smaller, each.range) == smaller.end()) smaller.push_back(each.range);
   }

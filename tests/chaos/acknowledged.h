@@ -14,10 +14,14 @@ namespace tessera {
 
 // A result that the coordinator acknowledged to a worker as merged.
 struct Acknowledgement {
+  std::string farm;  // its identity
   uint64_t job = 0;
   uint32_t frame = 0, tile = 0;
   SampleRange range;
   std::string time;  // of the worker's log
+  // How often the farm had been restored to an earlier state before. What was acknowledged since that state
+  // has to be rendered again.
+  int restores = 0;
 };
 
 // Reads the acknowledgements in a worker's log (--log-level debug). Ignores a truncated line.

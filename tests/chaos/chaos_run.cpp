@@ -1,25 +1,15 @@
 #include "tests/chaos/chaos_run.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sched.h>
-#include <sys/mount.h>
 #include <unistd.h>
 
 #include <atomic>
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <random>
-#include <stdexcept>
+#include <optional>
 #include <thread>
 
 #include "tests/chaos/acknowledged.h"
-#include "tests/chaos/chaos_farm.h"
-#include "tests/chaos/customer.h"
-#include "tests/chaos/damage.h"
+#include "tests/chaos/faults.h"
 
 namespace tessera {
 namespace {
@@ -27,158 +17,14 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::duration_cast;
 
-constexpr size_t kCustomers = 2;
 constexpr std::chrono::milliseconds kTick{20};
-constexpr const char* kSmallDiskOptions = "size=24m";  // less than the pictures and spools of all jobs
-
-// Makes the mounts of this process private to it and its children. Without permission to mount, becomes root
-// in a namespace if the system allows it. Must be called before any thread is started.
-bool MakeMountsPrivate() {
-  const uid_t user = ::getuid();
-  const gid_t group = ::getgid();
-  if (::unshare(CLONE_NEWNS) != 0) {
-    if (::unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0) return false;
-    std::ofstream("/proc/self/setgroups") << "deny";
-    std::ofstream("/proc/self/uid_map") << fmt::format("0 {} 1", user);
-    std::ofstream("/proc/self/gid_map") << fmt::format("0 {} 1", group);
-  }
-  return ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0;
-}
-
-// A folder under /tmp that is removed with its contents.
-class ChaosFolder {
- public:
-  explicit ChaosFolder(bool small_disk) {
-    std::string path = "/tmp/tessera-chaos-XXXXXX";
-    if (::mkdtemp(path.data()) == nullptr) throw std::runtime_error("cannot create a folder in /tmp");
-    path_ = path;
-    fs::create_directories(path_ + "/tmp");
-    fs::create_directories(data());
-    if (!small_disk) return;
-    is_mounted_ =
-        MakeMountsPrivate() && ::mount("tessera-chaos", data().c_str(), "tmpfs", 0, kSmallDiskOptions) == 0;
-    if (!is_mounted_) mount_error_ = std::strerror(errno);
-  }
-  ~ChaosFolder() {
-    if (is_mounted_) ::umount2(data().c_str(), MNT_DETACH);
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ChaosFolder(const ChaosFolder&) = delete;
-  ChaosFolder& operator=(const ChaosFolder&) = delete;
-  const std::string& path() const { return path_; }
-  std::string data() const { return path_ + "/disk"; }
-  const std::string& mount_error() const { return mount_error_; }
-
- private:
-  std::string path_, mount_error_;
-  bool is_mounted_ = false;
-};
-
-// Uses up all space of a file system for a while.
-class DiskFiller {
- public:
-  explicit DiskFiller(std::string folder) : path_(std::move(folder) + "/filler") {}
-  bool is_full() const { return until_ != Clock::time_point(); }
-  void Fill(Clock::duration duration) {
-    until_ = Clock::now() + duration;
-    const int file = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    const std::string block(size_t{1} << 16, 'x');
-    for (size_t size = block.size(); size > 0;) {  // smaller blocks for the remaining space
-      if (::write(file, block.data(), size) <= 0) size /= 2;
-    }
-    ::close(file);
-  }
-  void Tick() {
-    if (is_full() && Clock::now() >= until_) Empty();
-  }
-  void Empty() {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-    until_ = {};
-  }
-
- private:
-  std::string path_;
-  Clock::time_point until_;
-};
-
-// Draws faults and injects them.
-class Adversary {
- public:
-  Adversary(const ChaosOptions& options, const ChaosFolder& folder, ChaosFarm& farm, DiskFiller& filler,
-            ChaosReport& report)
-      : options_(options),
-        folder_(folder),
-        farm_(farm),
-        filler_(filler),
-        report_(report),
-        random_(options.seed) {}
-
-  void Strike() {
-    const int kind = Below(100);
-    if (options_.small_disk && kind < 10 && !filler_.is_full()) {
-      filler_.Fill(Between(500, 4000));
-      ++report_.disk_fills;
-    } else if (kind < 20 && HurtsCoordinator() && !farm_.IsCoordinatorHurt()) {
-      HurtCoordinator();
-    } else {
-      const int worker = Below(farm_.workers());
-      if (!farm_.IsHurt(worker)) HurtWorker(worker);
-    }
-  }
-  Clock::duration Pause() { return Between(50, 400); }
-  bool IsDone() const {
-    return report_.worker_kills + report_.worker_stops + report_.worker_drains >= options_.worker_faults &&
-           report_.coordinator_kills >= options_.coordinator_faults;
-  }
-
- private:
-  bool HurtsCoordinator() const {
-    return options_.coordinator_faults > 0 &&
-           (options_.seconds > 0 || report_.coordinator_kills < options_.coordinator_faults);
-  }
-  void HurtCoordinator() {
-    if (Below(4) == 0) {
-      farm_.StopCoordinator(Between(100, 2000));
-      ++report_.coordinator_stops;
-    } else {
-      farm_.KillCoordinator(Between(0, 2000));
-      ++report_.coordinator_kills;
-      if (Below(2) == 0) Damage(folder_.data() + (Below(2) == 0 ? "/pictures" : "/blobs"));
-    }
-  }
-  // Only while the process that owns the files is away, as it may be writing them.
-  void Damage(const std::string& folder) {
-    if (FlipBit(folder, random_)) ++report_.bit_flips;
-  }
-  void HurtWorker(int worker) {
-    const int kind = Below(10);
-    if (kind < 5) {
-      farm_.KillWorker(worker, Between(0, 2000));
-      ++report_.worker_kills;
-      if (Below(2) == 0) Damage(fmt::format("{}/cache-w{}", folder_.path(), worker));
-    } else if (kind < 9) {
-      const bool is_given_up = Below(8) == 0;  // longer than the coordinator waits for a worker
-      farm_.StopWorker(worker, is_given_up ? Between(11'000, 13'000) : Between(50, 3000));
-      ++report_.worker_stops;
-    } else {
-      farm_.DrainWorker(worker, Between(500, 2000));
-      ++report_.worker_drains;
-    }
-  }
-  int Below(int limit) { return std::uniform_int_distribution<int>(0, limit - 1)(random_); }
-  Clock::duration Between(int from_ms, int to_ms) {
-    return std::chrono::milliseconds(std::uniform_int_distribution<int>(from_ms, to_ms)(random_));
-  }
-
-  const ChaosOptions& options_;
-  const ChaosFolder& folder_;
-  ChaosFarm& farm_;
-  DiskFiller& filler_;
-  ChaosReport& report_;
-  std::mt19937_64 random_;
-};
+// Some 120 MB more than a worker has with all scenes of the customers.
+constexpr uint64_t kWorkerBytesMax = uint64_t{320} << 20;
+// Of the deadly scene: a worker reaches its limit well before it has loaded it.
+constexpr uint64_t kDeadlySceneBytes = uint64_t{512} << 20;
+// What coordinators log when they meet the faults of a run.
+constexpr const char* kNoticed[] = {"connections_refused", "picture_damaged", "spool_file_ignored",
+                                    "torn_tail_removed", "worker_lost"};
 
 // Temporary files and processes that were not removed.
 void LookForTemporaryFiles(const std::string& folder, std::vector<std::string>& problems) {
@@ -191,109 +37,222 @@ void LookForTemporaryFiles(const std::string& folder, std::vector<std::string>& 
 }
 
 void LookForProcesses(std::vector<std::string>& problems) {
-  for (const pid_t child : ChildrenOf(::getpid())) {
+  for (const pid_t child : ChildrenOf(::getpid()))
     problems.push_back(fmt::format("process {} was left behind", child));
-  }
 }
 
-// The store contains the files of the jobs and nothing else.
-void LookForBlobs(const ChaosFolder& folder, const std::vector<ChaosJob>& jobs,
+// The stores contain the files of the jobs and nothing else but what stalled clients may go on with.
+void LookForBlobs(const ChaosFolder& folder, const ChaosFarms& farms, const std::vector<ChaosJob>& jobs,
                   std::vector<std::string>& problems) {
-  std::string expected;
+  std::string expected = StalledClients::Files();
   for (const ChaosJob& job : jobs) {
     std::vector<std::string> words{"info", job.scene, "--json"};
     words.insert(words.end(), job.options.begin(), job.options.end());
     expected += RunProgram(folder.path(), "tessera", words).output;
   }
-  for (const auto& entry : fs::recursive_directory_iterator(folder.data() + "/blobs")) {
-    if (!entry.is_regular_file()) continue;
-    const std::string name = entry.path().filename().string();
-    if (expected.find(name) == std::string::npos)
-      problems.push_back("blob " + name + " does not belong to any job");
+  for (int farm = 0; farm < kFarms; ++farm) {
+    for (const auto& entry : fs::recursive_directory_iterator(farms.DataDir(farm) + "/blobs")) {
+      if (!entry.is_regular_file()) continue;
+      if (expected.find(entry.path().filename().string()) == std::string::npos)
+        problems.push_back(entry.path().string() + " was left behind");
+    }
   }
 }
 
-void Count(const ChaosFarm& farm, ChaosReport& report) {
+void CountAcknowledged(const ChaosFarms& farms, ChaosReport& report) {
   std::vector<Acknowledgement> all;
-  for (const std::string& log : farm.WorkerLogs()) {
+  for (const std::string& log : farms.WorkerLogs()) {
     for (Acknowledgement& each : ReadAcknowledgements(log)) all.push_back(std::move(each));
   }
+  for (Acknowledgement& each : all) {
+    for (const auto& restore : farms.restores())
+      each.restores += restore.farm == each.farm && each.time > restore.time ? 1 : 0;
+  }
   report.acknowledged = all.size();
+  if (all.empty() && report.pictures > 0)
+    report.problems.push_back("no acknowledged result was found in the logs of the workers");
   const auto again = RenderedAgain(std::move(all));
   report.rendered_again = again.size();
   for (const Acknowledgement& each : again) {
     report.problems.push_back(fmt::format(
-        "rendered again although acknowledged: job {} frame {} tile {} samples [{},{}), {}", each.job,
-        each.frame, each.tile, each.range.begin, each.range.begin + each.range.size, each.time));
+        "rendered again although acknowledged: farm {} job {} frame {} tile {} samples [{},{}), {}",
+        each.farm, each.job, each.frame, each.tile, each.range.begin, each.range.begin + each.range.size,
+        each.time));
   }
 }
 
-void Run(const ChaosOptions& options, const ChaosFolder& folder, ChaosReport& report) {
-  const std::vector<ChaosJob> jobs = PrepareJobs(folder.path(), options.samples_per_pixel);
-  ChaosFarm farm(folder.path(), folder.data(), options.workers);
-  Customers customers(folder.path(), farm.address(), jobs);
-  std::atomic<size_t> working = kCustomers;
-  std::vector<std::thread> threads;
-  for (size_t i = 0; i < kCustomers; ++i) {
-    threads.emplace_back([&, i] {
-      customers.Work(i);
-      --working;
+std::string Noticed(const ChaosFarms& farms) {
+  std::string text;
+  for (const char* event : kNoticed) {
+    size_t count = 0;
+    for (const std::string& log : farms.CoordinatorLogs()) {
+      for (size_t at = log.find(event); at != std::string::npos; at = log.find(event, at + 1)) ++count;
+    }
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", event, count);
+  }
+  return text;
+}
+
+// Customers and faults of a run.
+class Run {
+ public:
+  Run(const ChaosOptions& options, const ChaosFolder& folder, std::vector<size_t> kinds)
+      : options_(options),
+        folder_(folder),
+        jobs_(PrepareJobs(folder.path(), options.samples_per_pixel)),
+        deadly_(PrepareDeadlyJob(folder.path(), kDeadlySceneBytes)),
+        slow_disk_(folder.path()),
+        farms_(folder.path(), folder.disk(), options.workers, slow_disk_.Prefix(), history_),
+        memory_(SlowDisk::Library().empty() ? UINT64_MAX : kWorkerBytesMax),
+        customers_(folder.path(), history_, jobs_, deadly_),
+        filler_(folder.disk()),
+        probes_(folder.path(), farms_, history_),
+        dice_(options.seed),
+        adversary_(std::move(kinds), options.each,
+                   {folder, farms_, history_, customers_, filler_, slow_disk_, connections_, stalled_,
+                    probes_, dice_}) {}
+
+  void Perform(ChaosReport& report) {
+    StartCustomers();
+    InjectFaults();
+    Heal();
+    if (farms_.IsHopeless()) customers_.GiveUp();
+    for (std::thread& thread : threads_) thread.join();
+    for (LastingFault* fault : lasting()) fault->End();
+    farms_.End();
+    Write(report);
+  }
+
+ private:
+  std::vector<LastingFault*> lasting() {
+    std::vector<LastingFault*> all{&filler_, &slow_disk_, &stalled_};
+    for (SilentConnections& each : connections_) all.push_back(&each);
+    return all;
+  }
+
+  void StartCustomers() {
+    for (size_t i = 0; i < Customers::kCustomers; ++i) {
+      threads_.emplace_back([this, i] {
+        customers_.Work(i);
+        --working_;
+      });
+    }
+    threads_.emplace_back([this] {
+      customers_.WorkOnDeadlyJobs();
+      --working_;
     });
   }
-  DiskFiller filler(folder.data());
-  Adversary adversary(options, folder, farm, filler, report);
-  const auto end =
-      Clock::now() + duration_cast<Clock::duration>(std::chrono::duration<double>(options.seconds));
-  auto next = Clock::now() + adversary.Pause();
-  while ((Clock::now() < end || !adversary.IsDone()) && working == kCustomers && !farm.IsHopeless()) {
+
+  void Tick() {
     std::this_thread::sleep_for(kTick);
-    farm.Tick();
-    filler.Tick();
-    if (Clock::now() < next) continue;
-    adversary.Strike();
-    next = Clock::now() + adversary.Pause();
+    farms_.Tick();
+    std::array<bool, kFarms> were_open{};
+    for (size_t i = 0; i < kFarms; ++i) were_open[i] = connections_[i].is_open();
+    for (LastingFault* fault : lasting()) fault->Tick();
+    for (size_t i = 0; i < kFarms; ++i) {
+      if (were_open[i] && !connections_[i].is_open() && !farms_.IsCoordinatorHurt(static_cast<int>(i)))
+        probes_.Ask(static_cast<int>(i), "after its descriptors were free again");
+    }
+    probes_.Tick();
   }
-  customers.Close();
-  filler.Empty();
-  farm.Heal();
-  while (working > 0 && !farm.IsHopeless()) {
-    std::this_thread::sleep_for(kTick);
-    farm.Tick();
+
+  // While a scene kills workers nothing else does, so that they are lost alone, one after the other.
+  void InjectFaults() {
+    const auto end =
+        Clock::now() + duration_cast<Clock::duration>(std::chrono::duration<double>(options_.seconds));
+    auto next = Clock::now() + dice_.Between(options_.pause_ms / 5, options_.pause_ms * 9 / 5);
+    while ((Clock::now() < end || !adversary_.IsDone()) && working_ == kThreads && !farms_.IsHopeless()) {
+      Tick();
+      if (Clock::now() < next || customers_.is_deadly_job_open()) continue;
+      adversary_.Strike();
+      next = Clock::now() + dice_.Between(options_.pause_ms / 5, options_.pause_ms * 9 / 5);
+    }
   }
-  if (farm.IsHopeless()) customers.GiveUp();
-  for (std::thread& thread : threads) thread.join();
-  farm.End();
-  report.pictures = customers.pictures();
-  report.problems = customers.problems();
-  report.problems.insert(report.problems.end(), farm.failures().begin(), farm.failures().end());
-  Count(farm, report);
-  LookForProcesses(report.problems);
-  LookForTemporaryFiles(folder.path(), report.problems);
-  LookForBlobs(folder, jobs, report.problems);
-}
+
+  void Heal() {
+    customers_.Close();
+    for (LastingFault* fault : lasting()) {
+      if (fault != &stalled_) fault->End();
+    }
+    farms_.Heal();
+    while (working_ > 0 && !farms_.IsHopeless()) Tick();
+  }
+
+  void Write(ChaosReport& report) {
+    report.faults = adversary_.Text();
+    report.pictures = customers_.pictures();
+    report.pictures_again = customers_.pictures_again();
+    report.jobs_lost = customers_.jobs_lost();
+    report.deadly_jobs = customers_.deadly_jobs_failed();
+    report.memory_kills = memory_.kills();
+    report.stalls = stalled_.checked();
+    report.probes = probes_.answered();
+    report.noticed = Noticed(farms_);
+    const auto add = [&](const std::vector<std::string>& problems) {
+      report.problems.insert(report.problems.end(), problems.begin(), problems.end());
+    };
+    add(customers_.problems());
+    add(farms_.failures());
+    add(probes_.problems());
+    for (const LastingFault* fault : lasting()) add(fault->problems());
+    CountAcknowledged(farms_, report);
+    LookForProcesses(report.problems);
+    LookForTemporaryFiles(folder_.path(), report.problems);
+    std::vector<ChaosJob> all = jobs_;
+    all.push_back(deadly_);
+    LookForBlobs(folder_, farms_, all, report.problems);
+  }
+
+  static constexpr size_t kThreads = Customers::kCustomers + 1;
+
+  const ChaosOptions& options_;
+  const ChaosFolder& folder_;
+  const std::vector<ChaosJob> jobs_;
+  const ChaosJob deadly_;
+  FarmHistory history_;
+  SlowDisk slow_disk_;
+  ChaosFarms farms_;
+  MemoryLimit memory_;
+  Customers customers_;
+  DiskFiller filler_;
+  std::array<SilentConnections, kFarms> connections_;
+  StalledClients stalled_;
+  Probes probes_;
+  Dice dice_;
+  Adversary adversary_;
+  std::atomic<size_t> working_ = kThreads;
+  std::vector<std::thread> threads_;
+};
 
 }  // namespace
 
 std::string ChaosReport::Text() const {
   if (!skipped.empty()) return "skipped: " + skipped;
   std::string text = fmt::format(
-      "workers: {} kills, {} stops, {} drains; coordinator: {} kills, {} stops; disk full {} times; {} bits "
-      "flipped\n"
-      "{} pictures compared; {} results acknowledged, {} of them rendered again\n",
-      worker_kills, worker_stops, worker_drains, coordinator_kills, coordinator_stops, disk_fills, bit_flips,
-      pictures, acknowledged, rendered_again);
+      "faults: {}\ncoordinators logged: {}\n"
+      "{} pictures compared, {} of them again at the end; {} jobs lost by restores; {} deadly jobs failed, "
+      "{} "
+      "workers killed for their memory; {} stalled calls ended; {} probes answered\n"
+      "{} results acknowledged, {} of them rendered again\n",
+      faults, noticed, pictures, pictures_again, jobs_lost, deadly_jobs, memory_kills, stalls, probes,
+      acknowledged, rendered_again);
   for (const std::string& problem : problems) text += "PROBLEM: " + problem + "\n";
   return text + (Passed() ? "passed" : fmt::format("{} problems", problems.size()));
 }
 
 ChaosReport RunChaos(const ChaosOptions& options) {
   ChaosReport report;
+  auto kinds = FindFaults(options.faults, options.small_disk);
+  if (!kinds) {
+    report.problems.push_back(kinds.error().message);
+    return report;
+  }
   const ChaosFolder folder(options.small_disk);
   if (!folder.mount_error().empty()) {
     report.skipped = "cannot mount a small file system: " + folder.mount_error();
     return report;
   }
-  Run(options, folder, report);
+  Run(options, folder, std::move(*kinds)).Perform(report);
   return report;
 }
 

@@ -5,10 +5,10 @@
 namespace tessera {
 namespace {
 
-std::string Line(int second, const std::string& range, const std::string& verdict = "accepted") {
-  return "2026-01-01T00:00:0" + std::to_string(second) +
-         ".000+0000 debug result_answered unit=\"job 3 frame 0 tile 17 samples " + range +
-         "\" verdict=" + verdict + "\n";
+std::string Line(int second, const std::string& range, const std::string& verdict = "accepted",
+                 const std::string& farm = "a1") {
+  return "2026-01-01T00:00:0" + std::to_string(second) + ".000+0000 debug result_answered farm=" + farm +
+         " unit=\"job 3 frame 0 tile 17 samples " + range + "\" verdict=" + verdict + "\n";
 }
 
 size_t Count(const std::string& log) {
@@ -19,9 +19,25 @@ TEST(Acknowledged, ReadsWhatWorkersLog) {
   const auto all =
       ReadAcknowledgements("something else\n" + Line(1, "[64,128)") + Line(2, "[0,1)", "duplicate"));
   ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].farm, "a1");
   EXPECT_EQ(all[0].job, 3u);
   EXPECT_EQ(all[0].tile, 17u);
   EXPECT_EQ(all[0].range, (SampleRange{64, 64}));
+}
+
+// Both have jobs of the same numbers.
+TEST(Acknowledged, ResultsOfDifferentFarmsAreDifferent) {
+  EXPECT_EQ(Count(Line(1, "[0,64)") + Line(2, "[0,64)")), 1u);
+  EXPECT_EQ(Count(Line(1, "[0,64)") + Line(2, "[0,64)", "accepted", "b2")), 0u);
+}
+
+TEST(Acknowledged, WhatARestoredFarmHasLostIsRenderedAgain) {
+  auto all = ReadAcknowledgements(Line(1, "[0,64)") + Line(2, "[0,64)"));
+  ASSERT_EQ(all.size(), 2u);
+  all[1].restores = 1;
+  EXPECT_TRUE(RenderedAgain(all).empty());
+  all[0].restores = 1;
+  EXPECT_EQ(RenderedAgain(all).size(), 1u);
 }
 
 TEST(Acknowledged, ALineThatIsCutOffIsNone) {
