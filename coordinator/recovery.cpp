@@ -46,7 +46,6 @@ Result<RecoveredFarm> Recover(const DataDir& directory, const RecoveryOptions& o
       },
       on_torn);
   if (!journal) return journal.error();
-  if (const auto marked = directory.MarkUsed(); !marked) return marked.error();
   auto spool = FileSpool::Open(directory.SpoolPath(), std::move(run));
   if (!spool) return spool.error();
   if (id == FarmId{}) id = RandomFarmId();  // the directory is new, or from before farms had identities
@@ -59,6 +58,12 @@ Result<RecoveredFarm> Recover(const DataDir& directory, const RecoveryOptions& o
                          spdlog::warn("spool_file_ignored file=\"{}\" reason=\"it is of another scene\"",
                                       file);
                        });
+  // Results without a scene are those of this journal only if both come from the time before scenes were
+  // named.
+  if (directory.is_older()) {
+    if (const auto bound = (*spool)->BindToScenes(); !bound) return bound.error();
+  }
+  if (const auto marked = directory.MarkUsed(); !marked) return marked.error();
   if (const auto restored = RestoreSpool(**spool, *farm, on_torn); !restored) return restored.error();
   return RecoveredFarm{std::move(farm), std::move(*journal), std::move(*spool), std::move(log)};
 }

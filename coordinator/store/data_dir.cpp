@@ -7,8 +7,10 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <iterator>
 #include <vector>
 
 #include "renderer/util/file.h"
@@ -16,9 +18,14 @@
 namespace tessera {
 namespace {
 
-constexpr std::string_view kDataVersion = "tessera-data 5\n";
-// Directories of version 4 are read: their journal and spool have forms that are read but no longer written.
-constexpr std::string_view kOldestDataVersion = "tessera-data 4\n";
+constexpr std::string_view kDataVersion = "tessera-data 6\n";
+// Older directories are read. Version 4: the journal and spool have forms that are no longer written. Version
+// 5: spool files that name no scene are not bound to one.
+constexpr std::string_view kOlderDataVersions[] = {"tessera-data 4\n", "tessera-data 5\n"};
+
+bool IsOlder(std::string_view version) {
+  return std::ranges::find(kOlderDataVersions, version) != std::end(kOlderDataVersions);
+}
 
 // For the records that follow a job's.
 constexpr uint64_t kSpaceMin = uint64_t{64} << 10;
@@ -28,7 +35,7 @@ Result<void> CheckVersion(const std::string& path) {
   if (!std::filesystem::exists(file)) return {};
   const auto version = ReadFile(file, 1024);
   if (!version) return version.error();
-  if (*version == kDataVersion || *version == kOldestDataVersion) return {};
+  if (*version == kDataVersion || IsOlder(*version)) return {};
   return Failed(fmt::format(
       "{}: was created by another version of tessera-coordinator (found \"{}\", expected \"{}\"); "
       "finish its jobs with that version or use another --data-dir",
@@ -90,6 +97,11 @@ Result<void> DataDir::Lock() {
     return Failed(fmt::format("{}: another tessera-coordinator is using this data directory", path_));
   if (::fchmod(folder_, 0700) != 0) return SystemError(path_, "cannot be made private");
   return {};
+}
+
+bool DataDir::is_older() const {
+  const auto version = ReadFile(path_ + "/version", 1024);
+  return version && IsOlder(*version);
 }
 
 Result<void> DataDir::MarkUsed() const {

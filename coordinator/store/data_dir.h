@@ -28,7 +28,9 @@ class DataDir {
   DataDir(DataDir&& other) noexcept;
   DataDir& operator=(DataDir&&) = delete;
 
-  // Call this once there is a journal: from now on the folder must have one.
+  // Whether the folder has not been brought up to date yet.
+  bool is_older() const;
+  // Call this once there is a journal and the folder is up to date: from now on it must have a journal.
   Result<void> MarkUsed() const;
   // An error that names the file system if `bytes` more would hardly fit on it.
   Result<void> CheckSpace(uint64_t bytes) const;

@@ -74,6 +74,15 @@ void FileSpool::NameScenes(SceneOf scene_of, std::function<void(const std::strin
   on_foreign_ = std::move(on_foreign);
 }
 
+Result<void> FileSpool::BindToScenes() {
+  for (auto& [id, frame] : frames_) {
+    const auto scene = scene_of_(id);
+    if (!scene) continue;
+    if (const auto bound = frame.files->BindTo(*scene); !bound) return bound;
+  }
+  return {};
+}
+
 std::vector<FileSpool::Found> FileSpool::Frames() const {
   std::vector<Found> all;
   for (const auto& [id, frame] : frames_)

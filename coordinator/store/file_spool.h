@@ -1,6 +1,8 @@
 // The spool as files: a folder JOB-FRAME for each frame, in it logs of nodes (node_log.h), of version 2 or 1.
 //   segment-N  what was accepted while N was the newest
 //   base-N     every node that a merger made of what was accepted before segment N began
+// Files of older directories, which name no scene, were called segment-N-of-SCENE and base-N-of-SCENE when
+// the directory was opened first.
 // What counts is the newest base and the segments from its number on. Results are a set, so a base can be
 // written at any time: in the background, from a copy, while results go to the next segment. It is renamed to
 // its final name when it is whole, and then the older files are removed.
@@ -51,6 +53,10 @@ class FileSpool : public Spool {
   // `on_foreign` is called on any thread, with the path of each file that holds such results when it is read.
   using SceneOf = std::function<std::optional<Digest>(FrameId)>;
   void NameScenes(SceneOf scene_of, std::function<void(const std::string& path)> on_foreign);
+
+  // Binds the files of all frames whose scene is known to it. Call it when a directory of an older version is
+  // opened, after NameScenes.
+  Result<void> BindToScenes();
 
   // ---- After a start ----
   struct Found {

@@ -16,14 +16,27 @@
 namespace tessera {
 namespace {
 
-// The number of a file that is called PREFIX-NUMBER.
-std::optional<uint64_t> NumberOf(const std::string& name, std::string_view prefix) {
+constexpr const char* kSegment = "segment-";
+constexpr const char* kBase = "base-";
+constexpr std::string_view kOfScene = "-of-";
+
+// What the name of a file, PREFIX NUMBER or PREFIX NUMBER-of-SCENE, tells about it.
+std::optional<FrameFiles::File> FileOf(std::string_view name, std::string_view prefix, uint64_t bytes) {
   if (!name.starts_with(prefix)) return std::nullopt;
-  const char* const end = name.data() + name.size();
-  uint64_t number = 0;
-  const auto read = std::from_chars(name.data() + prefix.size(), end, number);
-  if (read.ec != std::errc() || read.ptr != end || number == 0) return std::nullopt;
-  return number;
+  name.remove_prefix(prefix.size());
+  FrameFiles::File file{0, bytes};
+  const auto read = std::from_chars(name.data(), name.data() + name.size(), file.number);
+  if (read.ec != std::errc() || file.number == 0) return std::nullopt;
+  name.remove_prefix(static_cast<size_t>(read.ptr - name.data()));
+  if (name.empty()) return file;
+  if (!name.starts_with(kOfScene)) return std::nullopt;
+  file.scene = Digest::FromHex(std::string(name.substr(kOfScene.size())));
+  return file.scene ? std::optional(file) : std::nullopt;
+}
+
+std::string NameOf(const char* prefix, const FrameFiles::File& file) {
+  return fmt::format("{}{}{}", prefix, file.number,
+                     file.scene ? std::string(kOfScene) + file.scene->Hex() : "");
 }
 
 void Remove(const std::string& path) {
@@ -40,11 +53,12 @@ FrameFiles::FrameFiles(std::string folder) : folder_(std::move(folder)) {
     const std::string name = entry.path().filename().string();
     std::error_code ignored;
     const uint64_t bytes = entry.file_size(ignored);
-    if (const auto segment = NumberOf(name, "segment-")) {
-      segments_.push_back({*segment, bytes});
-    } else if (const auto base = NumberOf(name, "base-")) {
-      if (base_.number > 0) old.push_back(BasePath(std::min(base_.number, *base)));
-      if (*base > base_.number) base_ = {*base, bytes};
+    if (const auto segment = FileOf(name, kSegment, bytes)) {
+      segments_.push_back(*segment);
+    } else if (const auto base = FileOf(name, kBase, bytes)) {
+      const bool is_newer = base->number > base_.number;
+      if (base_.number > 0) old.push_back(BasePath(is_newer ? base_ : *base));
+      if (is_newer) base_ = *base;
     } else {
       old.push_back(entry.path().string());
     }
@@ -52,7 +66,7 @@ FrameFiles::FrameFiles(std::string folder) : folder_(std::move(folder)) {
   std::ranges::sort(segments_, {}, &File::number);
   std::erase_if(segments_, [&](const File& segment) {
     if (segment.number >= base_.number) return false;
-    old.push_back(SegmentPath(segment.number));
+    old.push_back(SegmentPath(segment));
     return true;
   });
   for (const std::string& path : old) Remove(path);
@@ -63,16 +77,36 @@ void FrameFiles::SetGuard(SceneGuard guard) {
   const std::lock_guard lock(mutex_);
   guard_ = std::move(guard);
 }
-SceneGuard FrameFiles::guard() const {
-  const std::lock_guard lock(mutex_);
-  return guard_;
+
+SceneGuard FrameFiles::GuardOf(const File& file) const {
+  SceneGuard guard = guard_;
+  guard.bound = file.scene;
+  return guard;
 }
 
-std::string FrameFiles::SegmentPath(uint64_t number) const {
-  return fmt::format("{}/segment-{}", folder_, number);
+std::string FrameFiles::SegmentPath(const File& segment) const {
+  return folder_ + "/" + NameOf(kSegment, segment);
 }
-std::string FrameFiles::BasePath(uint64_t number) const {
-  return fmt::format("{}/base-{}", folder_, number);
+std::string FrameFiles::BasePath(const File& base) const {
+  return folder_ + "/" + NameOf(kBase, base);
+}
+
+Result<void> FrameFiles::BindTo(const Digest& scene) {
+  const std::lock_guard lock(mutex_);
+  const auto bind = [&](File& file, const char* prefix) -> Result<void> {
+    if (file.number == 0 || file.scene) return {};
+    File bound = file;
+    bound.scene = scene;
+    const std::string from = folder_ + "/" + NameOf(prefix, file), to = folder_ + "/" + NameOf(prefix, bound);
+    if (std::rename(from.c_str(), to.c_str()) != 0) return SystemError(from, "cannot be renamed");
+    file = bound;
+    return {};
+  };
+  if (const auto bound = bind(base_, kBase); !bound) return bound;
+  for (File& segment : segments_) {
+    if (const auto bound = bind(segment, kSegment); !bound) return bound;
+  }
+  return base_.number > 0 || !segments_.empty() ? SyncFolder(folder_) : Result<void>();
 }
 
 Result<std::unique_ptr<NodeLog>> FrameFiles::BeginSegment() {
@@ -80,7 +114,7 @@ Result<std::unique_ptr<NodeLog>> FrameFiles::BeginSegment() {
   const std::lock_guard lock(mutex_);
   const uint64_t newest = segments_.empty() ? 0 : segments_.back().number;
   const uint64_t number = std::max({newest + 1, base_next_, uint64_t{1}});
-  auto log = NodeLog::Create(SegmentPath(number), guard_);
+  auto log = NodeLog::Create(SegmentPath({number}), guard_);
   if (log) segments_.push_back({number, (*log)->synced_bytes()});
   return log;
 }
@@ -89,7 +123,7 @@ Result<std::unique_ptr<NodeLog>> FrameFiles::ReopenSegment(const std::function<v
                                                            const RecordLog::OnTorn& on_torn) {
   const std::lock_guard lock(mutex_);
   if (segments_.empty()) return std::unique_ptr<NodeLog>();
-  auto log = NodeLog::Open(SegmentPath(segments_.back().number), visit, guard_, on_torn);
+  auto log = NodeLog::Open(SegmentPath(segments_.back()), visit, GuardOf(segments_.back()), on_torn);
   if (log && *log != nullptr) segments_.back().bytes = (*log)->synced_bytes();
   return log;
 }
@@ -131,10 +165,13 @@ uint64_t FrameFiles::BeginBase() {
 }
 
 Result<uint64_t> FrameFiles::WriteBaseFile(uint64_t number, std::vector<TileNode> nodes) const {
-  const std::string path = BasePath(number);
+  const std::string path = BasePath({number});
   const std::string beside = path + ".new";
+  std::unique_lock lock(mutex_);
+  const SceneGuard guard = guard_;
+  lock.unlock();
   const auto write = [&]() -> Result<uint64_t> {
-    auto log = NodeLog::Create(beside, guard());
+    auto log = NodeLog::Create(beside, guard);
     if (!log) return log.error();
     for (TileNode& node : nodes) (*log)->Append(std::move(node));
     if (const auto synced = (*log)->Sync(); !synced) return synced.error();
@@ -155,9 +192,9 @@ void FrameFiles::WriteBase(uint64_t number, std::vector<TileNode> nodes) {
     const std::lock_guard lock(mutex_);
     outcome_ = written ? Result<void>() : written.error();
     if (written) {
-      if (base_.number > 0) old.push_back(BasePath(base_.number));
+      if (base_.number > 0) old.push_back(BasePath(base_));
       for (const File& segment : segments_) {
-        if (segment.number < number) old.push_back(SegmentPath(segment.number));
+        if (segment.number < number) old.push_back(SegmentPath(segment));
       }
     }
   }
@@ -183,24 +220,24 @@ Result<void> FrameFiles::AwaitBase() {
 }
 
 Result<void> FrameFiles::Read(bool but_newest, const std::function<void(TileNode)>& visit) const {
-  const SceneGuard guard = this->guard();
-  std::vector<File> segments;
-  File base;
+  struct Log {
+    std::string path;
+    SceneGuard guard;
+    RecordLog::Tail tail = RecordLog::Tail::kWhole;
+  };
+  std::vector<Log> logs;
   {
     const std::lock_guard lock(mutex_);
-    segments = segments_;
-    base = base_;
+    if (base_.number > 0) logs.push_back({BasePath(base_), GuardOf(base_)});
+    for (const File& segment : segments_) logs.push_back({SegmentPath(segment), GuardOf(segment)});
+    if (!segments_.empty() && but_newest) {
+      logs.pop_back();
+    } else if (!segments_.empty()) {
+      logs.back().tail = RecordLog::Tail::kMayBeTorn;
+    }
   }
-  if (but_newest && !segments.empty()) segments.pop_back();
-  if (base.number > 0) {
-    const auto read = NodeLog::Read(BasePath(base.number), RecordLog::Tail::kWhole, visit, guard);
-    if (!read) return read.error();
-  }
-  for (const File& segment : segments) {
-    const bool is_newest = segment.number == segments.back().number && !but_newest;
-    const auto tail = is_newest ? RecordLog::Tail::kMayBeTorn : RecordLog::Tail::kWhole;
-    const auto read = NodeLog::Read(SegmentPath(segment.number), tail, visit, guard);
-    if (!read) return read.error();
+  for (const Log& log : logs) {
+    if (const auto read = NodeLog::Read(log.path, log.tail, visit, log.guard); !read) return read;
   }
   return {};
 }

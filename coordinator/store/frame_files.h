@@ -6,11 +6,13 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "coordinator/store/node_log.h"
 #include "renderer/film/merger.h"
+#include "renderer/util/digest.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -20,6 +22,7 @@ class FrameFiles {
   struct File {
     uint64_t number = 0;
     uint64_t bytes = 0;
+    std::optional<Digest> scene = {};  // that is part of its name
   };
 
   // Reads the folder, which need not exist, and removes files that were replaced or never finished.
@@ -27,6 +30,9 @@ class FrameFiles {
 
   // Sets what the frame is rendered from. Call it before files are read or written.
   void SetGuard(SceneGuard guard);
+  // Makes the scene part of the names of the files that have none. Called once, before an older directory is
+  // used: what its files hold that names no scene is of this one.
+  Result<void> BindTo(const Digest& scene);
   // Creates the next segment, and the folder if there is none.
   Result<std::unique_ptr<NodeLog>> BeginSegment();
   // Visits the nodes of the newest segment and opens it for appending. Null if there is none, or if it is
@@ -55,9 +61,9 @@ class FrameFiles {
 
  private:
   Result<uint64_t> WriteBaseFile(uint64_t number, std::vector<TileNode> nodes) const;
-  std::string SegmentPath(uint64_t number) const;
-  std::string BasePath(uint64_t number) const;
-  SceneGuard guard() const;
+  std::string SegmentPath(const File& segment) const;
+  std::string BasePath(const File& base) const;
+  SceneGuard GuardOf(const File& file) const;  // with the mutex held
 
   const std::string folder_;
   mutable std::mutex mutex_;

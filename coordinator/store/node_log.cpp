@@ -42,7 +42,8 @@ Result<TileNode> DecodeNode(std::string_view payload) {
 // Reads the payloads of a log one after the other.
 class NodeReader {
  public:
-  NodeReader(const NodeLog::Visit& visit, const SceneGuard& guard) : visit_(visit), guard_(guard) {}
+  NodeReader(const NodeLog::Visit& visit, const SceneGuard& guard)
+      : visit_(visit), guard_(guard), is_foreign_(guard.scene && guard.bound != guard.scene) {}
 
   Result<void> Read(std::string_view payload, uint32_t version) {
     if (version == kSpoolVersionWithoutKinds) return ReadNode(payload);
@@ -78,6 +79,7 @@ class NodeReader {
     return {};
   }
   Result<void> ReadNode(std::string_view bytes) {
+    has_foreign_ |= is_foreign_;
     if (is_foreign_) return {};
     auto node = DecodeNode(bytes);
     if (!node) return node.error();
@@ -90,8 +92,8 @@ class NodeReader {
   const SceneGuard& guard_;
   SharedChannels channels_;
   bool has_scene_ = false;    // some nodes name their scene
-  bool is_foreign_ = false;   // the last scene is not the one of the guard
-  bool has_foreign_ = false;  // nor was one before it
+  bool is_foreign_;           // what follows is not of the scene of the guard
+  bool has_foreign_ = false;  // nor was something before it
 };
 
 void Report(const NodeReader& reader, const SceneGuard& guard, const std::string& path) {

@@ -6,7 +6,8 @@
 //   kind 2, node: tile, begin and size of its samples, 32 bits each, then its values as floats in the order
 //           of ChannelLayout
 //   kind 3, scene: the 32 bytes of the SceneKey (terms.h) that the following nodes are rendered from. Nodes
-//           before the first of them were written by releases without this kind.
+//           before the first of them were written by releases without this kind: they are of the scene that
+//           the name of the file tells, if it does (file_spool.h), and count as another scene's if not.
 // The meaning of a kind never changes: another form gets another number, and what was written before is still
 // read. Version 1 has nodes without kind, and no channels: they are those of the frame. It is read but not
 // written: a log of version 1 is never appended to.
@@ -27,12 +28,13 @@
 namespace tessera {
 
 // What the nodes of a log must be rendered from. Nodes of another scene are skipped: their log comes from
-// another data directory, or from another history of this one. Nodes that name no scene are accepted, because
-// jobs that were running before an upgrade must keep their results.
+// another data directory, or from another history of this one.
 struct SceneGuard {
   std::optional<Digest> scene;  // nullopt: any
-  // Called once for each log that names another scene.
+  // Called once for each log that holds nodes of another scene.
   std::function<void(const std::string& path)> on_foreign;
+  // What nodes that name no scene are rendered from; nullopt: unknown.
+  std::optional<Digest> bound = std::nullopt;
 };
 
 class NodeLog {
@@ -41,8 +43,8 @@ class NodeLog {
 
   // As RecordLog's. Messages of errors end with what to do.
   static Result<std::unique_ptr<NodeLog>> Create(const std::string& path, const SceneGuard& guard = {});
-  // Null if the log is of a version that is not appended to, or names another scene. Its torn tail is cut off
-  // all the same.
+  // Null if the log is of a version that is not appended to, or holds nodes of another scene. Its torn tail
+  // is cut off all the same.
   static Result<std::unique_ptr<NodeLog>> Open(const std::string& path, const Visit& visit,
                                                const SceneGuard& guard = {},
                                                const RecordLog::OnTorn& on_torn = {});

@@ -47,7 +47,7 @@ class Migration : public EndToEnd {
 TEST_F(Migration, ADirectoryOfFormat4IsContinuedToTheSameBits) {
   StartCoordinator();
   ASSERT_TRUE(coordinator().AwaitErrors("samples_restored="));
-  EXPECT_EQ(Bytes("data/version"), "tessera-data 5\n");
+  EXPECT_EQ(Bytes("data/version"), "tessera-data 6\n");
   EXPECT_EQ(Figure("2", "samples_done"), 212992);
   EXPECT_EQ(Figure("3", "samples_done"), 106496);
   EXPECT_EQ(DigestOf("1"), kPictures[0]);
@@ -75,6 +75,25 @@ TEST_F(Migration, AFinishedJobOfFormat4IsExtendedByWhatItLacks) {
   const std::string scene = Write("corner.pbrt", Bytes("data/blobs/" + blob));
   const std::string oracle = Oracle(scene, {"--spp", "40", "--tile-size", "8", "--aov", "samples"});
   EXPECT_EQ(DigestOf("1"), Sha256(oracle).Hex());
+}
+
+// Its files name no scene. They count only in the directory that they were in when it was upgraded.
+TEST_F(Migration, ASpoolOfFormat4ThatComesIntoAnUpgradedDirectoryIsNotBelieved) {
+  StartCoordinator();
+  ASSERT_TRUE(coordinator().AwaitErrors("samples_restored="));
+  coordinator().Signal(SIGKILL);
+  coordinator().Wait();
+  const std::string old = SourceDir() + "/tests/coordinator/store/data/format-4/spool";
+  std::filesystem::remove_all(Path("data/spool/2-0"));
+  std::filesystem::copy(old + "/2-0", Path("data/spool/2-0"));
+  StartCoordinator();
+  ASSERT_TRUE(coordinator().AwaitErrors("spool_file_ignored"));
+  EXPECT_EQ(Figure("2", "samples_done"), 0);
+  EXPECT_EQ(Figure("3", "samples_done"), 106496) << "the spool of the directory itself";
+  StartWorker("only");
+  ASSERT_EQ(Ask({"resume", "2"}).code, 0);
+  ASSERT_EQ(Ask({"watch", "2"}).code, 0);
+  EXPECT_EQ(DigestOf("2"), kPictures[1]);
 }
 
 // What a restart finds is a mixture of old files and new ones.

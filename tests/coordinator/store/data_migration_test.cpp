@@ -39,8 +39,10 @@ TEST(DataMigration, ADirectoryOfFormat4KeepsItsJobsAndSums) {
                         std::filesystem::copy_options::recursive);
   const auto data = DataDir::Open(path);
   ASSERT_TRUE(data) << data.error().message;
+  EXPECT_TRUE(data->is_older());
   ASSERT_TRUE(data->MarkUsed());
-  EXPECT_EQ(*ReadFile(path + "/version", 100), "tessera-data 5\n");
+  EXPECT_EQ(*ReadFile(path + "/version", 100), "tessera-data 6\n");
+  EXPECT_FALSE(data->is_older());
 
   const Facts facts = ReadJournal(data->JournalPath());
   ASSERT_EQ(facts.jobs.size(), 3u);

@@ -52,6 +52,11 @@ struct SceneStage {
     EXPECT_TRUE(restored) << restored.error().message;
     return TilesOf(nodes);
   }
+  // Opens the directory as one of an older release.
+  void Upgrade(Digest scene) {
+    Open(scene);
+    ASSERT_TRUE(spool->BindToScenes());
+  }
   Tiles Loaded() {
     Tiles tiles;
     spool->Load(kSceneFrame, [&](Result<std::vector<TileNode>> nodes) {
@@ -136,27 +141,62 @@ TEST(SpoolScene, AFileThatOnlyNamesAnotherSceneTakesNoResults) {
   EXPECT_THAT(stage.Restart(kGreen), ElementsAre(5));
 }
 
-TEST(SpoolScene, ResultsFromBeforeFilesNamedTheirSceneAreKept) {
+// A directory that an older release left is opened for the first time.
+TEST(SpoolScene, ResultsThatNameNoSceneAreBoundToTheirFrameWhenTheDirectoryIsUpgraded) {
   SceneStage stage;
   stage.Open(std::nullopt);
   stage.Keep(0);
+  stage.Upgrade(kGreen);
+  const std::string name = "segment-1-of-" + kGreen.Hex();
+  EXPECT_TRUE(stage.Has(name));
   EXPECT_THAT(stage.Restart(kGreen), ElementsAre(0));
   stage.Keep(1);
   EXPECT_FALSE(stage.Has("segment-2")) << "the segment is continued";
   EXPECT_THAT(stage.Restart(kGreen), ElementsAre(0, 1));
   EXPECT_THAT(stage.foreign, IsEmpty());
-  EXPECT_THAT(stage.Restart(kRed), ElementsAre(0)) << "what was added since names its scene";
-  EXPECT_THAT(stage.foreign, ElementsAre(stage.Path("segment-1")));
+  EXPECT_THAT(stage.Restart(kRed), IsEmpty());
+  EXPECT_THAT(stage.foreign, ElementsAre(stage.Path(name)));
 }
 
-TEST(SpoolScene, ABaseFromBeforeFilesNamedTheirSceneIsKept) {
+TEST(SpoolScene, ABaseThatNamesNoSceneIsBoundToItsFrameWhenTheDirectoryIsUpgraded) {
   SceneStage stage;
   stage.Open(std::nullopt);
   stage.Keep(0);
   stage.spool->Replace(kSceneFrame, {SceneNode(0)});
+  stage.Upgrade(kGreen);
+  EXPECT_THAT(stage.Loaded(), ElementsAre(0));
   EXPECT_THAT(stage.Restart(kGreen), ElementsAre(0));
   stage.Keep(1);
   EXPECT_THAT(stage.Restart(kGreen), ElementsAre(0, 1));
+  EXPECT_THAT(stage.foreign, IsEmpty());
+  stage.spool->Replace(kSceneFrame, {SceneNode(0), SceneNode(1)});
+  EXPECT_FALSE(stage.Has("base-2-of-" + kGreen.Hex())) << "it goes when it is replaced";
+  EXPECT_THAT(stage.Restart(kGreen), ElementsAre(0, 1));
+}
+
+TEST(SpoolScene, ResultsThatNameNoSceneAreIgnoredInADirectoryThatWasUpgradedBefore) {
+  SceneStage stage;
+  stage.Open(std::nullopt);
+  stage.Keep(0);
+  EXPECT_THAT(stage.Restart(kGreen), IsEmpty());
+  EXPECT_THAT(stage.foreign, ElementsAre(stage.Path("segment-1")));
+  EXPECT_THAT(stage.Loaded(), IsEmpty());
+  stage.Keep(5);
+  EXPECT_TRUE(stage.Has("segment-2")) << "the file is not appended to";
+  EXPECT_THAT(stage.Restart(kGreen), ElementsAre(5));
+}
+
+TEST(SpoolScene, AnUpgradeThatWasInterruptedIsCompleted) {
+  SceneStage stage;
+  stage.Open(std::nullopt);
+  stage.Keep(0);
+  stage.Upgrade(kGreen);
+  std::filesystem::rename(stage.Path("segment-1-of-" + kGreen.Hex()),
+                          stage.Path("base-1-of-" + kGreen.Hex()));
+  std::ofstream(stage.Path("segment-1"), std::ios::binary) << stage.Bytes("base-1-of-" + kGreen.Hex());
+  stage.Upgrade(kGreen);
+  EXPECT_TRUE(stage.Has("segment-1-of-" + kGreen.Hex()));
+  EXPECT_THAT(stage.Restart(kGreen), ElementsAre(0, 0));
 }
 
 TEST(SpoolScene, AWriteThatFailedDoesNotLoseTheSceneOfTheFile) {
