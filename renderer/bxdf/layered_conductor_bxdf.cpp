@@ -11,7 +11,7 @@ namespace tessera {
 namespace {
 
 // Of sampling the cosine lobe: keeps f / pdf bounded where light is reflected several times.
-constexpr float kDiffuseProbabilityMin = 0.05f;
+constexpr float kDiffuseProbabilityMin = 0.2f;
 // The least width of the metal's lobe under a rough coat.
 constexpr float kMetalAlphaMin = 2 * MicrofacetDistribution::kAlphaSmooth;
 
