@@ -7,13 +7,14 @@ namespace tessera {
 Result<MaterialTable> MaterialTable::Build(const SceneDescription& scene, TextureBuilder& textures) {
   MaterialTable table;
   CoatTableCache coats;
+  MeasuredBrdfCache measured;
   for (size_t i = 0; i < scene.materials.size(); ++i) {
     const Entity& entity = scene.materials[i].entity;
     const std::string name = entity.kind.empty() ? "interface" : entity.kind;
     const auto* kind = MaterialKinds().Find(name);
     if (kind == nullptr) return ErrorAt(entity.location, MaterialKinds().Refusal(name));
     ParameterReader parameters(entity);
-    MaterialReader reader{parameters, textures, coats, scene, static_cast<int>(i)};
+    MaterialReader reader{parameters, textures, coats, measured, scene, static_cast<int>(i)};
     Material material = kind->reader(reader);
     if (const Result<void> finished = parameters.Finish(); !finished) return finished.error();
     table.materials_.push_back(std::move(material));

@@ -9,6 +9,7 @@
 #include "renderer/description/parameter_reader.h"
 #include "renderer/description/scene_description.h"
 #include "renderer/material/material_inputs.h"
+#include "renderer/material/measured_brdf_cache.h"
 #include "renderer/texture/texture_builder.h"
 
 namespace tessera {
@@ -20,6 +21,7 @@ struct MaterialReader {
   ParameterReader& parameters;
   TextureBuilder& textures;
   CoatTableCache& coats;
+  MeasuredBrdfCache& measured;
   const SceneDescription& scene;
   int index;  // of the material in scene.materials
 

@@ -52,6 +52,7 @@ class Materials {
     return table.Evaluate(last, textures, context, interaction, wavelengths);
   }
 
+  int FileReads() const { return files_.reads; }
   const std::vector<Diagnostic>& Warnings() const { return diagnostics_.warnings(); }
 
   std::string error;

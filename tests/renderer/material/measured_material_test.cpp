@@ -95,6 +95,14 @@ TEST(MeasuredMaterial, IsBuiltFromAScene) {
   EXPECT_FALSE(m.wavelengths.SecondaryTerminated());
 }
 
+TEST(MeasuredMaterial, MaterialsOfOneFileReadItOnce) {
+  Materials m(R"(MakeNamedMaterial "a" "string type" "measured" "string filename" "metal.bsdf"
+                 MakeNamedMaterial "b" "string type" "measured" "string filename" "metal.bsdf")",
+              {{"metal.bsdf", TensorBytes(SmallMeasurement())}});
+  ASSERT_EQ(m.error, "");
+  EXPECT_EQ(m.FileReads(), 1);
+}
+
 TEST(MeasuredMaterial, ErrorsNameTheFileAndItsPlace) {
   Materials without(R"(Material "measured")");
   EXPECT_THAT(without.error,
