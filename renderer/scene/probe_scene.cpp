@@ -113,6 +113,14 @@ AttributeBegin Translate 1.5 1.5 0 Material "interface" MediumInterface "ember" 
 AttributeBegin Translate 3 1.5 0 Material "coateddiffuse" "texture reflectance" "facing" "float roughness" 0 "float thickness" 0.05
   "rgb albedo" [ 0.4 0.3 0.2 ] Shape "sphere" "float radius" 0.6 AttributeEnd
 
+AttributeBegin Translate -1.7 -0.2 -2.2 Material "coatedconductor" "float conductor.roughness" 0.05 "float interface.roughness" 0.02
+  "float thickness" 0.1 "rgb albedo" [ 0.2 0.3 0.6 ] "float g" 0.3 Shape "sphere" "float radius" 0.3 AttributeEnd
+AttributeBegin Translate -0.8 -0.2 -2.5 Material "coatedconductor" "rgb reflectance" [ 0.9 0.6 0.3 ] "spectrum interface.eta" "glass-BK7"
+  "float conductor.uroughness" 0.1 Shape "sphere" "float radius" 0.25 AttributeEnd
+AttributeBegin Translate 0.9 -0.2 -2.5 Material "hair" "texture eumelanin" "grain" Shape "sphere" "float radius" 0.25 AttributeEnd
+AttributeBegin Translate 1.8 -0.2 -2.2 Material "hair" "rgb reflectance" [ 0.8 0.4 0.2 ] "float beta_m" 0.6 "float alpha" 4
+  Shape "sphere" "float radius" 0.3 AttributeEnd
+
 MakeNamedMaterial "leaf" "string type" "diffuse" "texture reflectance" "flat" "string normalmap" "probe.pfm"
 MakeNamedMaterial "foil" "string type" "conductor" "spectrum eta" "metal-Al-eta" "spectrum k" "metal-Al-k" "texture roughness" "image1"
 MakeNamedMaterial "both" "string type" "mix" "string materials" [ "leaf" "foil" ] "texture amount" "folds"
