@@ -1,6 +1,8 @@
 // How scenes describe coated surfaces.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/renderer/bxdf/bxdf_examples.h"
 #include "tests/renderer/material/material_scene.h"
 
@@ -18,6 +20,18 @@ TEST(CoatedMaterial, CoatedConductorIsTheConductorIfItsCoatBendsNothing) {
   const SampledSpectrum expected = bare.Evaluate().Evaluate(wo, wi).f;
   const SampledSpectrum f = coated.Evaluate().Evaluate(wo, wi).f;
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(f[i], expected[i], 1e-4f * expected[i]);
+}
+
+TEST(CoatedMaterial, MetalUnderACoatHasItsIndexRelativeToTheCoat) {
+  Materials m(R"(Material "coatedconductor" "spectrum conductor.eta" [ 300 0.3 900 0.3 ]
+                 "spectrum conductor.k" [ 300 3 900 3 ] "float thickness" 0)");
+  ASSERT_EQ(m.error, "");
+  const auto sample = m.Evaluate().Sample(kUp, 0.5f, {0.5f, 0.5f});
+  ASSERT_TRUE(sample && sample->IsSpecular());
+  const double metal = 1 - 4 * 0.2 / (1.2 * 1.2 + 4);  // of 0.2 + 2 i, the index relative to 1.5
+  double expected = 0.04;
+  for (int i = 0; i < 5; ++i) expected += 0.96 * 0.96 * metal * std::pow(metal * 0.04, i);
+  EXPECT_NEAR(sample->f[0], expected, 1e-4);
 }
 
 TEST(CoatedMaterial, CoatedConductorReadsTheRoughnessOfItsCoat) {
