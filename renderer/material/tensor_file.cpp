@@ -7,8 +7,8 @@
 #include <cstring>
 #include <optional>
 
+#include "renderer/description/source_location.h"
 #include "renderer/image/header_reader.h"
-#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
