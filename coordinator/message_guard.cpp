@@ -7,6 +7,7 @@
 #include <grpc/byte_buffer_reader.h>
 #include <grpcpp/impl/codegen/proto_utils.h>
 
+#include "renderer/text/unicode.h"
 #include "renderer/util/check.h"
 
 namespace tessera {
@@ -56,24 +57,31 @@ class SliceStream final : public google::protobuf::io::ZeroCopyInputStream {
   int64_t read_ = 0;
 };
 
-// Counts what a parser would allocate. Walks through the fields as the parser does.
+// Counts what the parser would allocate, and accepts nothing that the parser would refuse: such a refusal has
+// no reason.
 class ElementCounter {
  public:
   ElementCounter(CodedInputStream& input, size_t elements_max) : input_(input), left_(elements_max) {}
   bool is_exceeded() const { return is_exceeded_; }
+  bool has_bad_text() const { return has_bad_text_; }
 
-  // Returns false if the bytes are malformed or the limit is exceeded.
-  bool Count(const Descriptor& type, int depth) {
+  // Counts the next `size` bytes. Returns false if they are malformed or the limit is exceeded.
+  bool Count(const Descriptor& type, int size, int depth) {
     if (depth > kDepthMax) return false;
-    while (const uint32_t tag = input_.ReadTag()) {
-      const FieldDescriptor* const field = type.FindFieldByNumber(WireFormatLite::GetTagFieldNumber(tag));
-      if (!CountField(field, tag, depth)) return false;
+    const auto outer = input_.PushLimit(size);
+    while (input_.BytesUntilLimit() > 0) {
+      uint64_t tag = 0;
+      if (!ReadShort(tag) || !CountField(type, static_cast<uint32_t>(tag), depth)) return false;
     }
-    return input_.ConsumedEntireMessage();
+    input_.PopLimit(outer);
+    return true;
   }
 
  private:
-  bool CountField(const FieldDescriptor* field, uint32_t tag, int depth) {
+  bool CountField(const Descriptor& type, uint32_t tag, int depth) {
+    const int number = WireFormatLite::GetTagFieldNumber(tag);
+    if (number == 0) return false;
+    const FieldDescriptor* const field = type.FindFieldByNumber(number);
     uint64_t ignored = 0;
     // A known single number takes no memory of its own; an unknown one is kept.
     const bool is_plain = field != nullptr && !field->is_repeated();
@@ -86,16 +94,42 @@ class ElementCounter {
     }
   }
   bool CountBytes(const FieldDescriptor* field, int depth) {
-    uint32_t size = 0;
-    if (!input_.ReadVarint32(&size) || size > static_cast<uint32_t>(INT32_MAX)) return false;
-    if (field == nullptr || field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) {
-      const bool is_packed = field != nullptr && field->is_packable();
-      return Take(is_packed ? size / kPackedBytes : 0) && input_.Skip(static_cast<int>(size));
+    uint64_t long_size = 0;
+    if (!ReadShort(long_size) || long_size > static_cast<uint64_t>(input_.BytesUntilLimit())) return false;
+    const int size = static_cast<int>(long_size);
+    if (field == nullptr) return input_.Skip(size);
+    if (field->type() == FieldDescriptor::TYPE_MESSAGE) return Count(*field->message_type(), size, depth + 1);
+    if (field->type() == FieldDescriptor::TYPE_STRING) return CheckText(size);
+    return field->is_packable() ? CountPacked(*field, size) : input_.Skip(size);
+  }
+  bool CountPacked(const FieldDescriptor& field, int size) {
+    if (!Take(static_cast<size_t>(size) / kPackedBytes)) return false;
+    switch (WireFormatLite::WireTypeForFieldType(static_cast<WireFormatLite::FieldType>(field.type()))) {
+      case WireFormatLite::WIRETYPE_FIXED64: return size % 8 == 0 && input_.Skip(size);
+      case WireFormatLite::WIRETYPE_FIXED32: return size % 4 == 0 && input_.Skip(size);
+      default: break;
     }
-    const auto outer = input_.PushLimit(static_cast<int>(size));
-    if (!Count(*field->message_type(), depth + 1)) return false;
+    const auto outer = input_.PushLimit(size);
+    uint64_t ignored = 0;
+    while (input_.BytesUntilLimit() > 0) {
+      if (!input_.ReadVarint64(&ignored)) return false;
+    }
     input_.PopLimit(outer);
     return true;
+  }
+  // A tag or a size, for which the parser takes no more than 5 bytes.
+  bool ReadShort(uint64_t& value) {
+    constexpr int kBytesMax = 5;
+    const int start = input_.CurrentPosition();
+    return input_.ReadVarint64(&value) && input_.CurrentPosition() - start <= kBytesMax;
+  }
+  // The parser prints an error about each text that is not UTF-8, and the caller would not learn why it
+  // fails.
+  bool CheckText(int size) {
+    std::string text;
+    if (!input_.ReadString(&text, size)) return false;
+    has_bad_text_ = !IsUtf8(text);
+    return !has_bad_text_;
   }
   bool Take(size_t elements) {
     is_exceeded_ = is_exceeded_ || elements > left_;
@@ -107,6 +141,7 @@ class ElementCounter {
   CodedInputStream& input_;
   size_t left_;
   bool is_exceeded_ = false;
+  bool has_bad_text_ = false;
 };
 
 grpc::Status BadMessage(const std::string& what) {
@@ -128,10 +163,10 @@ grpc::Status CheckMessage(const grpc_byte_buffer& bytes, const Descriptor& type,
   SliceStream stream(slices);
   CodedInputStream input(&stream);
   ElementCounter counter(input, limits.elements_max);
-  if (counter.Count(type, 0)) return grpc::Status::OK;
+  if (counter.Count(type, static_cast<int>(slices.length), 0)) return grpc::Status::OK;
   if (counter.is_exceeded())
     return TooLarge(fmt::format("it has more than {} elements", limits.elements_max));
-  return BadMessage("it is malformed");
+  return BadMessage(counter.has_bad_text() ? "it contains text that is not UTF-8" : "it is malformed");
 }
 
 grpc::Status ParseMessage(grpc::ByteBuffer& bytes, const MessageLimits& limits,
