@@ -20,6 +20,7 @@ constexpr uint64_t kOffsetSize = 8;                                     // bytes
 struct Part {
   int64_t width = 0, height = 0, channels = 0;
   int64_t tile_width = 0, tile_height = 0;  // 0: scan lines
+  bool has_known_types = true;              // of its channels; OpenImageIO aborts the process on others
 };
 
 // Reads the headers from the front to the back.
@@ -59,6 +60,7 @@ class HeaderCheck {
       if (in_.position() > kExrHeaderSizeMax) return Damaged("the header is too large");
       if (*attribute == "type" && value->starts_with("deep")) return Deep();
       Read(*attribute, *value, part);
+      if (!part.has_known_types) return Damaged("a channel has an unknown type");
     }
     return CheckSizes(part);
   }
@@ -74,10 +76,13 @@ class HeaderCheck {
       part.tile_width = *in.Little32();
       part.tile_height = *in.Little32();
     } else if (attribute == "channels") {
-      constexpr size_t kChannelSize = 16;  // after its name
+      constexpr size_t kChannelSize = 16;  // after its name: the type and other numbers
+      constexpr uint32_t kTypesEnd = 3;    // integers, halves and floats
       for (auto name = in.ZeroEnded(); name && !name->empty(); name = in.ZeroEnded()) {
         ++part.channels;
-        if (!in.SkipBytes(kChannelSize)) break;
+        const std::optional<std::string_view> channel = in.Take(kChannelSize);
+        if (!channel) break;
+        part.has_known_types &= *HeaderReader(*channel).Little32() < kTypesEnd;
       }
     }
   }
