@@ -1,7 +1,9 @@
 #include "renderer/scene/layers.h"
 
 #include <cmath>
+#include <iterator>
 
+#include "renderer/scene/layer_names.h"
 #include "renderer/scene/scene.h"
 
 namespace tessera {
@@ -15,9 +17,11 @@ Channel Value(const char* name) {
 
 constexpr Kind<Layer> kLayers[] = {
     // The number of samples of each pixel.
-    {"samples", Support::kSupported, {[] { return std::vector<Channel>{SamplesChannel(true)}; }, nullptr}},
+    {kLayerNames[0],
+     Support::kSupported,
+     {[] { return std::vector<Channel>{SamplesChannel(true)}; }, nullptr}},
     // For denoisers: the mean reflectance, as colours under the white of the picture.
-    {"albedo",
+    {kLayerNames[1],
      Support::kSupported,
      {[] {
         return std::vector<Channel>{Value("albedo.R"), Value("albedo.G"), Value("albedo.B")};
@@ -29,7 +33,7 @@ constexpr Kind<Layer> kLayers[] = {
         values[2] = rgb.z;
       }}},
     // For denoisers: the mean shading normal, in world space and towards the camera.
-    {"normal",
+    {kLayerNames[2],
      Support::kSupported,
      {[] {
         return std::vector<Channel>{Value("N.X"), Value("N.Y"), Value("N.Z")};
@@ -42,22 +46,19 @@ constexpr Kind<Layer> kLayers[] = {
         values[2] = n.z;
       }}},
     // For compositing: the least distance from the camera.
-    {"depth",
+    {kLayerNames[3],
      Support::kSupported,
      {[] {
         return std::vector<Channel>{{"Z", ChannelType::kDepth, MergeRule::kNearest}};
       },
       [](const LayerSample& sample, float* values) { values[0] = sample.first.distance; }}},
 };
+static_assert(std::size(kLayers) == std::size(kLayerNames));
 
 }  // namespace
 
 KindTable<Layer> Layers() {
   return {"layer", kLayers};
-}
-
-std::vector<std::string_view> AovNames() {
-  return Layers().Names();
 }
 
 void AddLayers(const std::set<std::string>& names, std::vector<Channel>& channels) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "renderer/description/number.h"
+#include "renderer/scene/layer_names.h"
 #include "renderer/scene/scene.h"
 #include "renderer/util/text.h"
 
@@ -164,6 +165,10 @@ Result<void> DecodeLine(std::string_view text, RenderOptions& options) {
 }
 
 }  // namespace
+
+std::vector<std::string_view> AovNames() {
+  return {std::begin(kLayerNames), std::end(kLayerNames)};
+}
 
 std::string EncodeRenderOptions(const RenderOptions& options) {
   std::string text;

@@ -1,0 +1,10 @@
+// The names of the layers that may be added to a picture, in order; layers.cpp says what each holds.
+#pragma once
+
+#include <string_view>
+
+namespace tessera {
+
+constexpr std::string_view kLayerNames[] = {"samples", "albedo", "normal", "depth"};
+
+}  // namespace tessera

@@ -1,0 +1,42 @@
+#include <algorithm>
+
+#include "renderer/pbrt/parser.h"
+#include "renderer/shape/ply_reader.h"
+#include "renderer/util/check.h"
+#include "renderer/util/file.h"
+#include "tests/fuzz/targets.h"
+#include "tests/renderer/memory_files.h"
+
+namespace tessera {
+
+// A scene that may include itself and another file.
+bool FuzzSceneText(std::string_view bytes) {
+  MemoryFiles files({{"a.pbrt", std::string(bytes)}, {"b.pbrt", "Shape \"sphere\"\n"}});
+  const Result<SceneDescription> scene = ParseScene(files, "a.pbrt");
+  if (!scene) TESSERA_CHECK(!scene.error().message.empty());
+  return scene.has_value();
+}
+
+bool FuzzGzip(std::string_view bytes) {
+  constexpr uint64_t kSizeMax = uint64_t{1} << 20;
+  const Result<std::string> text = Gunzip(bytes, "a.gz", kSizeMax);
+  TESSERA_CHECK(!text || text->size() <= kSizeMax);
+  return text.has_value();
+}
+
+bool FuzzPly(std::string_view bytes) {
+  const Result<PlyMesh> mesh = ReadPly(bytes, "a.ply");
+  if (!mesh) {
+    TESSERA_CHECK(mesh.error().message.starts_with("a.ply"));
+    return false;
+  }
+  const auto is_valid = [&](uint32_t index) { return index < mesh->P.size(); };
+  TESSERA_CHECK(std::ranges::all_of(mesh->triangles, is_valid) && std::ranges::all_of(mesh->quads, is_valid));
+  TESSERA_CHECK(std::ranges::all_of(mesh->P, [](Point3 p) { return IsFinite(p); }));
+  TESSERA_CHECK(mesh->triangles.size() % 3 == 0 && mesh->quads.size() % 4 == 0);
+  TESSERA_CHECK(mesh->N.empty() || mesh->N.size() == mesh->P.size());
+  TESSERA_CHECK(mesh->uv.empty() || mesh->uv.size() == mesh->P.size());
+  return true;
+}
+
+}  // namespace tessera

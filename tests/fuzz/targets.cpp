@@ -1,0 +1,38 @@
+#include "tests/fuzz/targets.h"
+
+namespace tessera {
+namespace {
+
+constexpr FuzzTarget kTargets[] = {
+    {"answer", FuzzAnswer},
+    {"bmp", FuzzBmp, PrepareImages},
+    {"exr", FuzzExr, PrepareImages},
+    {"fact", FuzzFact},
+    {"gzip", FuzzGzip},
+    {"hdr", FuzzHdr, PrepareImages},
+    {"http_request", FuzzHttpRequest},
+    {"journal", FuzzJournal},
+    {"jpeg", FuzzJpeg, PrepareImages},
+    {"manifest", FuzzManifest},
+    {"pfm", FuzzPfm},
+    {"ply", FuzzPly},
+    {"png", FuzzPng, PrepareImages},
+    {"qoi", FuzzQoi},
+    {"radiance_tile", FuzzRadianceTile},
+    {"render_options", FuzzRenderOptions},
+    {"request", FuzzRequest},
+    {"scene_text", FuzzSceneText},
+    {"spool", FuzzSpool},
+    {"text", FuzzText},
+    {"tga", FuzzTga, PrepareImages},
+    {"tiff", FuzzTiff, PrepareImages},
+    {"webp", FuzzWebp, PrepareImages},
+};
+
+}  // namespace
+
+std::span<const FuzzTarget> FuzzTargets() {
+  return kTargets;
+}
+
+}  // namespace tessera
