@@ -137,6 +137,7 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
   const auto job = LoadSceneJob(options.scene, Scene::Depth::kCheck, cancellation.token());
   if (!job) return job.error();
   if (auto good = CheckPictures(*job, names); !good) return good.error();
+  if (auto started = CoordinatorClient::StartThreads(); !started) return started.error();
   const FarmSize size = ChooseSize(options);
   const auto farm = LocalFarm::Start(size.workers, size.threads, cancellation);
   if (!farm) return farm.error();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "client/coordinator/coordinator_connection.h"
+#include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "proto/wire/reachability.h"
 
@@ -163,6 +164,10 @@ Error CoordinatorClient::Connection::ErrorOf(const grpc::Status& status, const s
 CoordinatorClient::CoordinatorClient(std::unique_ptr<Connection> connection)
     : connection_(std::move(connection)) {}
 CoordinatorClient::~CoordinatorClient() = default;
+
+Result<void> CoordinatorClient::StartThreads() {
+  return StartGrpc();
+}
 
 Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const std::string& address,
                                                                       std::chrono::milliseconds patience,

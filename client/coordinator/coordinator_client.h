@@ -29,6 +29,9 @@ struct UploadReport {
 // request to stop ends each of them with kInterrupted. Used by one thread at a time.
 class CoordinatorClient {
  public:
+  // Starts the threads that connections need, or fails if the system grants too few. Connect starts them too;
+  // call this before other processes of this user are started.
+  static Result<void> StartThreads();
   using OnSlow = std::function<void(const std::string& reason)>;
   // `address` is HOST:PORT or unix:PATH. Fails if no coordinator answers there within `patience` or if its
   // version differs. If the answer takes longer than a moment, calls `on_slow`, if given, once with the

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <system_error>
 
 #include "proto/shell/console.h"
 #include "proto/shell/termination_signals.h"
@@ -19,9 +20,9 @@
 namespace tessera {
 namespace {
 
-// Besides one for each core: the threads that gRPC starts when it is first used, and those of a command. gRPC
-// ends the process if it cannot start one.
-constexpr int kThreadsMin = 16;
+// Besides two for each core: the threads of gRPC, of the status page and of a command. gRPC never ends if it
+// could not start one.
+constexpr int kThreadsMin = 28;
 
 // gRPC ends the process if it finds no descriptor when it starts.
 constexpr rlim_t kDescriptorsMin = 64;
@@ -36,7 +37,7 @@ Result<void> CheckSystemLimits() {
     return Failed(fmt::format("at most {} files can be open at a time; at least {} are needed (ulimit -n)",
                               descriptors.rlim_cur, kDescriptorsMin));
   }
-  return CheckThreads(kThreadsMin + UsableCores());
+  return CheckThreads(kThreadsMin + 2 * UsableCores());
 }
 
 }  // namespace
@@ -77,6 +78,10 @@ int RunProgram(const std::string& name, int argc, char** argv, const ProgramBody
     });
     const auto code = body({argv + 1, argv + argc}, termination.get_token());
     return code ? *code : Report(name, code.error());
+  } catch (const std::system_error& e) {
+    // A library that could not start a thread (std::thread).
+    if (e.code() == std::errc::resource_unavailable_try_again) return Report(name, CannotStartThread(e));
+    return Report(name, Failed(e.what()));
   } catch (const std::exception& e) {
     return Report(name, Failed(e.what()));
   }

@@ -12,6 +12,8 @@
 
 #include "proto/terms.h"
 #include "renderer/text/unicode.h"
+#include "renderer/util/cores.h"
+#include "renderer/util/threads.h"
 
 namespace tessera {
 namespace {
@@ -41,6 +43,17 @@ constexpr size_t kErrorBytesMax = 2000;
 
 constexpr const char* kFarmKey = "tessera-farm";
 
+// The threads that gRPC starts when it is first used, besides one for each core.
+constexpr int kGrpcThreads = 16;
+
+// Whoever uses gRPC last waits until all of its threads have ended, and for ever if one of them could not be
+// started. A channel that is never used and never deleted is a user that does not end.
+void KeepGrpcRunning() {
+  static const auto* const kept = new std::shared_ptr<grpc::Channel>(
+      grpc::CreateChannel("unix:/nowhere", grpc::InsecureChannelCredentials()));
+  static_cast<void>(kept);
+}
+
 // Why a call failed. gRPC itself gives no reason, or one for its developers, if a message cannot be read.
 std::string ReasonOf(const grpc::Status& status) {
   const std::string message = CleanText(status.error_message(), kReasonBytesMax);
@@ -58,7 +71,14 @@ constexpr size_t kStatusBytesMax = 6000;
 
 }  // namespace
 
+Result<void> StartGrpc() {
+  if (auto can_start = CheckThreads(kGrpcThreads + UsableCores()); !can_start) return can_start;
+  KeepGrpcRunning();
+  return {};
+}
+
 std::shared_ptr<grpc::Channel> OpenChannel(const Address& address) {
+  KeepGrpcRunning();
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(static_cast<int>(kMessageBytesMax));
   arguments.SetMaxSendMessageSize(static_cast<int>(kMessageBytesMax));
@@ -75,6 +95,7 @@ std::shared_ptr<grpc::Channel> OpenChannel(const Address& address) {
 }
 
 void ConfigureServer(grpc::ServerBuilder& builder) {
+  KeepGrpcRunning();
   builder.SetMaxReceiveMessageSize(static_cast<int>(kMessageBytesMax));
   builder.SetMaxSendMessageSize(static_cast<int>(kMessageBytesMax));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);

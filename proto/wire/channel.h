@@ -19,6 +19,11 @@ class Status;
 
 namespace tessera {
 
+// Starts gRPC and the threads that it always has, or fails if the system grants too few. Once started, gRPC
+// runs until the process ends. OpenChannel and ConfigureServer start it too, but cannot fail: call this first
+// where other processes may take the threads that the system grants.
+Result<void> StartGrpc();
+
 // A connection that is made when it is first used and, with back-off, made again whenever it breaks. Never
 // fails: calls on it return UNAVAILABLE while there is no coordinator. Thread safe.
 std::shared_ptr<grpc::Channel> OpenChannel(const Address& address);

@@ -8,16 +8,13 @@
 #include <system_error>
 
 namespace tessera {
-namespace {
 
-Error CannotStart(const std::system_error& why) {
+Error CannotStartThread(const std::system_error& why) {
   return Failed(
       fmt::format("cannot start a thread: {}; use fewer threads, or raise the limit on processes or memory "
                   "(ulimit -u, -v)",
                   why.code().message()));
 }
-
-}  // namespace
 
 Result<void> CheckThreads(int count) {
   std::mutex mutex;
@@ -47,7 +44,7 @@ Result<void> ThreadGroup::Start(std::function<void()> body) {
       }
     });
   } catch (const std::system_error& e) {
-    return CannotStart(e);
+    return CannotStartThread(e);
   }
   return {};
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -12,6 +13,9 @@ namespace tessera {
 // Whether `count` more threads can be started now. Libraries end the process if theirs cannot, so programs
 // ask before they use them. The error says what to do.
 Result<void> CheckThreads(int count);
+
+// The error of a thread that the system did not start (std::thread), with what to do.
+Error CannotStartThread(const std::system_error& why);
 
 // Threads that are joined together. Not thread safe.
 class ThreadGroup {

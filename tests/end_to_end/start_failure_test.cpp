@@ -1,9 +1,13 @@
 // Programs that cannot start end with an error, whatever the system refuses.
 #include <gmock/gmock.h>
+#include <signal.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 
+#include "renderer/util/cores.h"
 #include "tests/end_to_end/farm_fixture.h"
 #include "tests/sanitizers.h"
 
@@ -85,6 +89,95 @@ TEST_F(StartFailure, TooFewDescriptorsAreAnErrorOfEveryProgram) {
     const SoftLimit limit(RLIMIT_NOFILE, descriptors);
     ExpectErrors("ulimit -n");
   }
+}
+
+// Programs of a user who may have only a few threads, whatever the number is.
+class ThreadLimit : public EndToEnd {
+ protected:
+  // The limit does not hold for root, and counts all threads of a user. So this is a user of this test alone.
+  void SetUp() override {
+    if (kHasSanitizer) GTEST_SKIP() << "a sanitizer starts threads of its own";
+    if (::geteuid() != 0) GTEST_SKIP() << "only root can run programs as another user";
+    for (const std::string& path : {folder(), Path("tmp")}) ASSERT_EQ(::chown(path.c_str(), user_, user_), 0);
+    if (RunAsUser(1000, "tessera", {"--version"}).Wait() != 0)
+      GTEST_SKIP() << "another user cannot run the programs";
+  }
+  Process RunAsUser(int threads_max, const std::string& program,
+                    const std::vector<std::string>& words) const {
+    const std::string user = std::to_string(user_);
+    std::vector<std::string> arguments{"--reuid",
+                                       user,
+                                       "--regid",
+                                       user,
+                                       "--clear-groups",
+                                       "prlimit",
+                                       "--nproc=" + std::to_string(threads_max),
+                                       BinaryDir() + "/bin/" + program};
+    arguments.insert(arguments.end(), words.begin(), words.end());
+    return {folder(), "/usr/bin/setpriv", arguments};
+  }
+  std::vector<std::string> ProcessesOfUser() const {
+    std::vector<std::string> processes;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+      struct stat status {};
+      if (::stat(entry.path().c_str(), &status) == 0 && status.st_uid == user_)
+        processes.push_back(entry.path().filename());
+    }
+    return processes;
+  }
+  // From no thread besides the first to more than the program needs.
+  static std::vector<int> Limits() {
+    const int needed = 28 + 2 * UsableCores();
+    std::vector<int> limits{1, 2, 3, 4, 5, 6, 8, 12, 20};
+    for (const int more : {-2, -1, 0, 1, 2, 3, 4, 8, 16, 24, 32, 40, 64}) limits.push_back(needed + more);
+    return limits;
+  }
+  // Whatever the limit is, the program works or ends with an error that says what to do, and leaves nothing
+  // behind. One that does not end by itself is asked to when it has written `ready`.
+  void ExpectErrorOrWork(const std::string& program, const std::vector<std::string>& words,
+                         const std::string& ready) {
+    bool has_failed = false, has_worked = false;
+    for (const int limit : Limits()) {
+      Process process = RunAsUser(limit, program, words);
+      if (!ready.empty() && process.AwaitErrors(ready)) process.Signal(SIGTERM);
+      const int code = process.Wait().value_or(1000);
+      const std::string errors = process.Errors();
+      (code == 0 ? has_worked : has_failed) = true;
+      if (code != 0) {
+        EXPECT_EQ(code, 1) << limit << " threads: " << errors;
+        EXPECT_THAT(errors, HasSubstr("cannot start a thread")) << limit << " threads";
+        EXPECT_THAT(errors, HasSubstr("ulimit -u")) << limit << " threads";
+      }
+      EXPECT_TRUE(Eventually([&] { return ProcessesOfUser().empty(); }, std::chrono::seconds(10)))
+          << limit << " threads: " << testing::PrintToString(ProcessesOfUser());
+    }
+    EXPECT_TRUE(has_failed && has_worked);
+  }
+
+  const uid_t user_ = 100'000 + static_cast<uid_t>(::getpid());
+};
+
+TEST_F(ThreadLimit, IsAnErrorOfARenderInOneProcess) {
+  ExpectErrorOrWork("tessera", {"render", BoxScene(), "--in-process", "--spp", "1", "-o", "out.exr"}, "");
+}
+
+TEST_F(ThreadLimit, IsAnErrorWhenAPictureFormatNeedsThreads) {
+  ExpectErrorOrWork("tessera", {"render", BoxScene(), "--in-process", "--spp", "1", "-o", "out.png"}, "");
+}
+
+TEST_F(ThreadLimit, IsAnErrorOfALocalFarm) {
+  ExpectErrorOrWork("tessera", {"render", BoxScene(), "--spp", "1", "-o", "out.exr"}, "");
+}
+
+TEST_F(ThreadLimit, IsAnErrorOfTheWorker) {
+  ExpectErrorOrWork("tessera-worker", {"--coordinator", "127.0.0.1:1", "--cache-dir", Path("cache")},
+                    "worker_started");
+}
+
+TEST_F(ThreadLimit, IsAnErrorOfTheCoordinator) {
+  ExpectErrorOrWork("tessera-coordinator",
+                    {"--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--data-dir", Path("data")},
+                    "listening on");
 }
 
 // Copies of the programs in a folder without the module for picture formats.

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "tests/build_paths.h"
+#include "tests/sanitizers.h"
 
 namespace tessera::image_module {
 namespace {
@@ -73,6 +74,7 @@ TEST_F(ModuleLoading, ProgramsDoNotLoadOpenImageIoBeforeTheyNeedIt) {
 
 // Libraries that the module needs end a process in which they cannot start threads.
 TEST_F(ModuleLoading, TooFewThreadsAreAnErrorAndDoNotEndTheProcess) {
+  if (kHasSanitizer) GTEST_SKIP() << "cannot limit the address space beside a sanitizer";
   EXPECT_EXIT(LoadWithFewThreadsAndExit(), testing::ExitedWithCode(0),
               "libtessera_image_formats.so: cannot start a thread");
 }
