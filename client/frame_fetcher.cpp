@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "client/output/output_file.h"
 #include "renderer/util/file.h"
 
 namespace tessera {
@@ -34,7 +35,7 @@ Result<void> FrameFetcher::SaveFinished() {
 
 Result<void> FrameFetcher::Save(size_t index, const FrameStatus& frame) {
   const std::string path = names_.Picture(frame.number);
-  if (names_.Png(frame.number).empty() && HasDigest(path, *frame.file)) {
+  if (names_.Png(frame.number).empty() && !IsStandardOutput(path) && HasDigest(path, *frame.file)) {
     saved_.push_back({frame.number, path, *frame.file});
     return {};
   }

@@ -8,7 +8,6 @@
 #include "client/commands/option_groups.h"
 #include "client/commands/option_values.h"
 #include "client/frame_fetcher.h"
-#include "client/output/output_file.h"
 
 namespace tessera {
 namespace {
@@ -58,8 +57,8 @@ PictureNames NamesFor(const FetchOptions& options, const std::vector<FrameStatus
 }
 
 Result<void> CheckFetch(const FetchOptions& options) {
-  if (options.json && IsStandardOutput(options.output.picture))
-    return BadInput("-o is the standard output, which cannot also take the answer of --json");
+  if (options.json && TakesStandardOutput(options.output))
+    return BadInput("the standard output cannot take both a picture and the answer of --json");
   return {};
 }
 
@@ -91,6 +90,7 @@ struct Fetched {
 Result<Fetched> FetchFrames(const FetchOptions& options, const std::vector<FrameStatus>& frames,
                             const std::vector<size_t>& chosen, FrameFetcher& fetcher) {
   Fetched fetched;
+  const bool prints_names = !options.json && !TakesStandardOutput(options.output);
   for (const size_t i : chosen) {
     const FrameStatus& frame = frames[i];
     if (frame.file) {
@@ -106,8 +106,7 @@ Result<Fetched> FetchFrames(const FetchOptions& options, const std::vector<Frame
         continue;
       }
     }
-    const std::string& path = fetcher.saved().back().path;
-    if (!options.json && !IsStandardOutput(path)) fmt::print("{}\n", path);
+    if (prints_names) fmt::print("{}\n", fetcher.saved().back().path);
   }
   return fetched;
 }

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "client/commands/option_values.h"
+#include "client/output/output_file.h"
 #include "client/output/picture_format.h"
 #include "proto/shell/program.h"
 #include "renderer/accelerator/accelerator.h"
@@ -131,12 +132,17 @@ void AddConnectionFlags(CLI::App& app, ConnectionOptions& options) {
 }
 
 void AddOutputFlags(CLI::App& app, OutputOptions& options, const std::string& default_name) {
-  AddText(app, "-o,--output", "FILE",
-          WithDefault("Picture file to write: .exr .png .jpg .tif .hdr or .pfm; in the name for a sequence, "
-                      "#### stands for the frame number",
-                      default_name),
-          options.picture);
-  AddText(app, "--png", "FILE", "Also write a tone-mapped 8-bit PNG", options.png);
+  AddText(
+      app, "-o,--output", "FILE",
+      WithDefault("Picture file to write: .exr .png .jpg .tif .hdr or .pfm, or - for OpenEXR on the standard "
+                  "output; in the name for a sequence, #### stands for the frame number",
+                  default_name),
+      options.picture);
+  AddText(app, "--png", "FILE", "Also write a tone-mapped 8-bit PNG; - is the standard output", options.png);
+}
+
+bool TakesStandardOutput(const OutputOptions& options) {
+  return IsStandardOutput(options.picture) || IsStandardOutput(options.png);
 }
 
 Result<void> CheckPictureOptions(const RenderOptions& render, const OutputOptions& output) {

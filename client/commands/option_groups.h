@@ -35,6 +35,8 @@ struct OutputOptions {
   std::string picture;  // path, or for a sequence a FrameName; empty: the command chooses one
   std::string png;      // the same of a tone-mapped copy; empty: none
 };
+// Whether a picture is written to the standard output of this program, which then prints nothing else there.
+bool TakesStandardOutput(const OutputOptions& options);
 // `default_name` describes in the help what the command chooses.
 void AddOutputFlags(CLI::App& app, OutputOptions& options, const std::string& default_name);
 

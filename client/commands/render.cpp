@@ -14,7 +14,7 @@
 #include "client/frame_fetcher.h"
 #include "client/in_process.h"
 #include "client/local_farm.h"
-#include "client/output/output_file.h"
+#include "client/output/output_target.h"
 #include "client/progress_line.h"
 #include "client/saved_picture.h"
 #include "client/scene_job.h"
@@ -57,8 +57,8 @@ Result<void> Check(const RenderCommandOptions& options) {
   if (options.verify_share > 0 && (options.in_process || options.workers == 1)) {
     return BadInput("--verify needs at least two workers to compare: use --workers 2 or more");
   }
-  if (options.json && IsStandardOutput(options.output.picture))
-    return BadInput("-o is the standard output, which cannot also take the answer of --json");
+  if (options.json && TakesStandardOutput(options.output))
+    return BadInput("the standard output cannot take both a picture and the answer of --json");
   return CheckPictureOptions(options.scene.render, options.output);
 }
 
@@ -176,7 +176,7 @@ Result<int> RunRender(const RenderCommandOptions& options, Cancellation& cancell
   if (!saved) return saved.error();
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const std::string count = is_sequence ? fmt::format(" {} frames", saved->size()) : "";
-  PrintNote("{}:{} rendered in {}\n", names.picture(), count, DurationText(seconds));
+  PrintNote("{}:{} rendered in {}\n", ShownPath(names.picture()), count, DurationText(seconds));
   if (options.json) fmt::print("{}\n", PicturesJson(*saved, is_sequence, seconds));
   return 0;
 }

@@ -16,13 +16,13 @@ Result<void> FilesInUse::AddOutput(const std::string& path) {
   const auto [use, is_new] = uses_.insert({target->identity, {path, false}});
   if (is_new) return {};
   const std::string& other = use->second.path;
-  const std::string alias = path == other ? "" : fmt::format(" ({})", other);
+  const std::string alias = path == other ? "" : fmt::format(" ({})", ShownPath(other));
   if (use->second.is_input)
     return BadInput(
         fmt::format("{}: the scene reads this file{}, so nothing can be written to it; choose another name",
-                    path, alias));
-  return BadInput(
-      fmt::format("{}: two pictures would be written to this file{}; choose another name", path, alias));
+                    ShownPath(path), alias));
+  return BadInput(fmt::format("{}: two pictures would be written to this file{}; choose another name",
+                              ShownPath(path), alias));
 }
 
 }  // namespace tessera

@@ -43,7 +43,7 @@ class Descriptor {
 };
 
 Error CannotWrite(const std::string& path, int reason) {
-  return Failed(fmt::format("{}: cannot be written: {}", path, std::strerror(reason)));
+  return Failed(fmt::format("{}: cannot be written: {}", ShownPath(path), std::strerror(reason)));
 }
 
 bool WriteAll(int descriptor, std::string_view bytes) {

@@ -28,7 +28,7 @@ constexpr uint32_t kNtfs3Magic = 0x7366746e;
 constexpr uint32_t kHfsPlusMagic = 0x482b;
 
 Error Refuse(const std::string& path, const std::string& why) {
-  return BadInput(fmt::format("{}: {}", path, why));
+  return BadInput(fmt::format("{}: {}", ShownPath(path), why));
 }
 
 std::string FolderOf(const std::string& path) {
@@ -92,6 +92,9 @@ Result<void> ExamineDescriptor(const std::string& path, OutputTarget& target) {
   const int mode = ::fcntl(target.descriptor, F_GETFL);
   if (mode < 0 || ::fstat(target.descriptor, &target.status) != 0) return Refuse(path, "is not open");
   if ((mode & O_ACCMODE) == O_RDONLY) return Refuse(path, "is not open for writing");
+  if (::isatty(target.descriptor) != 0)
+    return Refuse(path,
+                  "is a terminal, which cannot show the bytes of a picture; redirect it to a file or a pipe");
   return {};
 }
 
@@ -127,12 +130,19 @@ std::string OutputTarget::folder() const {
   return FolderOf(path);
 }
 
+std::string ShownPath(const std::string& path) {
+  return path == kStandardOutput ? "the standard output" : path;
+}
+
 Result<OutputTarget> ExamineOutput(const std::string& path) {
   auto followed = FollowLinks(path);
   if (!followed) return followed.error();
   OutputTarget target;
   target.path = std::move(*followed);
-  if (const auto descriptor = DescriptorOf(target.path)) {
+  if (path == kStandardOutput) {
+    target.descriptor = STDOUT_FILENO;
+    if (auto good = ExamineDescriptor(path, target); !good) return good.error();
+  } else if (const auto descriptor = DescriptorOf(target.path)) {
     target.descriptor = *descriptor;
     if (auto good = ExamineDescriptor(path, target); !good) return good.error();
   } else if (::stat(target.path.c_str(), &target.status) == 0) {

@@ -10,6 +10,11 @@
 
 namespace tessera {
 
+// The path that stands for the standard output. A file of this name is "./-".
+constexpr char kStandardOutput[] = "-";
+// The path as messages show it.
+std::string ShownPath(const std::string& path);
+
 // Tells files apart: two paths have equal identities if and only if writing to one changes the other. A file
 // that does not exist yet is identified by its folder and its name in it.
 struct FileIdentity {
@@ -24,7 +29,7 @@ struct OutputTarget {
     kNew,         // nothing is there yet
     kRegular,     // a file that will be replaced
     kStream,      // a pipe or a character device
-    kDescriptor,  // an open file of this process, such as /dev/stdout
+    kDescriptor,  // an open file of this process, such as - or /dev/stdout
   };
   Kind kind = Kind::kNew;
   std::string path;       // behind the links
@@ -36,7 +41,8 @@ struct OutputTarget {
 };
 
 // Follows the links of `path` and examines what is there. Refuses folders, block devices, sockets, files that
-// nobody may write to, descriptors that are not open for writing, and names in folders that do not exist.
+// nobody may write to, descriptors that are terminals or not open for writing, and names in folders that do
+// not exist.
 Result<OutputTarget> ExamineOutput(const std::string& path);
 
 // The identity of a file that is read. Compares with those of outputs.

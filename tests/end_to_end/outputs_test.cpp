@@ -141,6 +141,75 @@ TEST_F(Outputs, PipesAndDevicesAreWrittenTo) {
   ExpectRefused({"render", "plain.pbrt", "-o", "/dev/stdout", "--json"}, "--json");
 }
 
+TEST_F(Outputs, ADashIsTheStandardOutput) {
+  Write("plain.pbrt", Scene());
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit("plain.pbrt", {});
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  const std::string exr = Oracle("plain.pbrt", {});
+  ASSERT_EQ(Ask({"fetch", job, "-o", "a.png"}).code, 0);
+  const std::string png = Bytes("a.png");
+  // A file of this name is another one. It holds what the command would write.
+  Write("-", exr);
+  const auto expect = [](const Outcome& outcome, const std::string& picture) {
+    EXPECT_EQ(outcome.code, 0) << outcome.errors;
+    EXPECT_TRUE(outcome.output == picture);
+  };
+  for (const char* way : {"--in-process", "--workers=1"}) {
+    const Outcome rendered = Tessera({"render", "plain.pbrt", "-o", "-", way});
+    expect(rendered, exr);
+    EXPECT_THAT(rendered.errors, HasSubstr("the standard output: rendered"));
+  }
+  expect(Tessera({"render", "plain.pbrt", "-o", "b.exr", "--png", "-", "--in-process"}), png);
+  EXPECT_TRUE(Bytes("b.exr") == exr);
+  expect(Ask({"fetch", job, "-o", "-"}), exr);
+  expect(Ask({"fetch", job, "-o", "c.exr", "--png", "-"}), png);
+  EXPECT_TRUE(Bytes("-") == exr);
+  ASSERT_EQ(Ask({"fetch", job, "-o", "./-", "--png", "d.png"}).code, 0);
+  EXPECT_TRUE(Bytes("-") == exr);
+}
+
+TEST_F(Outputs, TheStandardOutputTakesOnePictureAndNothingElse) {
+  Write("plain.pbrt", Scene());
+  const std::vector<std::string> render{"render", "plain.pbrt", "--in-process"};
+  const auto refused = [&](std::vector<std::string> options, const std::string& message) {
+    options.insert(options.begin(), render.begin(), render.end());
+    ExpectRefused(options, message);
+  };
+  refused({"-o", "-", "--json"}, "--json");
+  refused({"-o", "a.exr", "--png", "-", "--json"}, "--json");
+  refused({"-o", "-", "--png", "-"}, "the standard output: two pictures");
+  refused({"-o", "-", "--png", "/dev/stdout"}, "two pictures");
+  refused({"-o", "-", "--frames", "1-2"}, "the standard output: two pictures");
+  EXPECT_FALSE(Exists("a.exr"));
+  // One frame is one picture.
+  const Outcome one = Tessera({"render", "plain.pbrt", "-o", "-", "--frames", "3", "--in-process"});
+  EXPECT_EQ(one.code, 0) << one.errors;
+  EXPECT_TRUE(one.output == Oracle("plain.pbrt", {}));
+}
+
+TEST_F(Outputs, ATerminalOrAClosedPipeOnTheStandardOutputIsAnError) {
+  Write("plain.pbrt", Scene());
+  // script(1) runs a command on a new terminal.
+  for (const char* name : {"-", "/dev/stdout"}) {
+    const Outcome terminal = RunShell(
+        folder(),
+        "export tessera; script --quiet --return --command '$tessera render plain.pbrt --in-process -o " +
+            std::string(name) + "' /dev/null </dev/null");
+    EXPECT_EQ(terminal.code, 2) << terminal.output << terminal.errors;
+    EXPECT_THAT(terminal.output, HasSubstr("is a terminal"));
+  }
+  // Descriptor 4 writes to a pipe whose reader is gone.
+  const std::string closed_pipe = "mkfifo pipe; exec 3<>pipe 4>pipe 3<&-; $tessera render plain.pbrt ";
+  for (const char* way : {"--in-process", "--workers=1"}) {
+    std::filesystem::remove(Path("pipe"));
+    const Outcome closed = RunShell(folder(), closed_pipe + way + " -o - >&4 4>&-");
+    EXPECT_EQ(closed.code, 1) << closed.errors;
+    EXPECT_THAT(closed.errors, HasSubstr("the standard output: cannot be written: Broken pipe"));
+  }
+}
+
 TEST_F(Outputs, TheEndingChoosesTheFormat) {
   Write("plain.pbrt", Scene());
   StartCoordinator();

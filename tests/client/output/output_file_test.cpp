@@ -160,6 +160,8 @@ TEST_F(OutputFile, MayBeAnOpenFileOfThisProcess) {
   ::close(file);
   EXPECT_THAT(WriteOutput("/dev/fd/" + std::to_string(file), "bytes", {}).error().message,
               HasSubstr("is not open"));
+  EXPECT_TRUE(IsStandardOutput("-"));
+  EXPECT_FALSE(IsStandardOutput("./-"));
   EXPECT_TRUE(IsStandardOutput("/dev/stdout"));
   EXPECT_TRUE(IsStandardOutput("/proc/self/fd/1"));
   EXPECT_FALSE(IsStandardOutput("/dev/stderr"));
