@@ -1,5 +1,4 @@
 // Programs that reach no coordinator give the reason.
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -7,6 +6,7 @@
 #include <thread>
 
 #include "tests/end_to_end/farm_fixture.h"
+#include "tests/listening_socket.h"
 
 namespace tessera {
 namespace {
@@ -16,32 +16,20 @@ using testing::HasSubstr;
 // Answers every connection as an old web server does.
 class WebServer {
  public:
-  WebServer() : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in name{};
-    name.sin_family = AF_INET;
-    name.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof name;
-    auto* const address = reinterpret_cast<sockaddr*>(&name);
-    EXPECT_EQ(::bind(fd_, address, size), 0);
-    EXPECT_EQ(::getsockname(fd_, address, &size), 0);
-    EXPECT_EQ(::listen(fd_, 16), 0);
-    port_ = ntohs(name.sin_port);
-    thread_ = std::thread([this] { Serve(); });
-  }
+  WebServer() : thread_([this] { Serve(); }) {}
   ~WebServer() {
-    ::shutdown(fd_, SHUT_RDWR);
+    ::shutdown(socket_.fd(), SHUT_RDWR);
     thread_.join();
-    ::close(fd_);
   }
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
-  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+  std::string address() const { return socket_.address(); }
 
  private:
   void Serve() const {
     constexpr std::string_view kAnswer = "HTTP/1.1 400 Bad Request\r\n\r\n";
     while (true) {
-      const int peer = ::accept(fd_, nullptr, nullptr);
+      const int peer = ::accept(socket_.fd(), nullptr, nullptr);
       if (peer < 0) return;
       char request[256];
       if (::recv(peer, request, sizeof request, 0) > 0) {
@@ -52,8 +40,7 @@ class WebServer {
     }
   }
 
-  int fd_;
-  int port_ = 0;
+  const ListeningSocket socket_{16};
   std::thread thread_;
 };
 

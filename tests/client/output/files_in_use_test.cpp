@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/coordinator/store/temporary_dir.h"
+
 namespace tessera {
 namespace {
 
@@ -15,8 +17,6 @@ using testing::HasSubstr;
 class FilesOfACommand : public testing::Test {
  protected:
   FilesOfACommand() {
-    folder_ = testing::TempDir() + "tessera-files-XXXXXX";
-    EXPECT_NE(::mkdtemp(folder_.data()), nullptr);
     fs::create_directory(folder_ + "/sub");
     std::ofstream(folder_ + "/scene.pbrt") << "scene";
     fs::create_symlink("scene.pbrt", folder_ + "/link");
@@ -24,8 +24,8 @@ class FilesOfACommand : public testing::Test {
     fs::create_directory_symlink("sub", folder_ + "/alias");
     fs::create_symlink("sub/new.exr", folder_ + "/dangling");
   }
-  ~FilesOfACommand() override { fs::remove_all(folder_); }
-  std::string folder_;
+  const TemporaryDir temporary_;
+  const std::string folder_ = temporary_.path();
 };
 
 TEST_F(FilesOfACommand, AreNotOverwrittenByItsOutputsHoweverTheyAreSpelled) {

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "client/output/output_target.h"
+#include "tests/coordinator/store/temporary_dir.h"
 
 namespace tessera {
 namespace {
@@ -21,11 +22,6 @@ using testing::HasSubstr;
 
 class OutputFile : public testing::Test {
  protected:
-  OutputFile() {
-    folder_ = testing::TempDir() + "tessera-output-XXXXXX";
-    EXPECT_NE(::mkdtemp(folder_.data()), nullptr);
-  }
-  ~OutputFile() override { fs::remove_all(folder_); }
   std::string Path(const std::string& name) const { return folder_ + "/" + name; }
   void Put(const std::string& name, const std::string& text, mode_t mode = 0644) const {
     std::ofstream(Path(name)) << text;
@@ -44,7 +40,8 @@ class OutputFile : public testing::Test {
   size_t FileCount() const {
     return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
   }
-  std::string folder_;
+  const TemporaryDir temporary_;
+  const std::string folder_ = temporary_.path();
 };
 
 TEST_F(OutputFile, AppearsWholeWithTheModeOfTheUmask) {

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <set>
 
+#include "tests/coordinator/store/temporary_dir.h"
+
 namespace tessera {
 namespace {
 
@@ -20,9 +22,8 @@ TEST(System, RandomIdsDifferAndAreNotZero) {
 }
 
 TEST(System, ASocketCanBeConnectedToOnlyWhileAProcessListens) {
-  std::string folder = testing::TempDir() + "tessera-socket-XXXXXX";
-  ASSERT_NE(::mkdtemp(folder.data()), nullptr);
-  const std::string path = folder + "/socket";
+  const TemporaryDir folder;
+  const std::string path = folder / "socket";
   EXPECT_FALSE(CanConnect(path));
   sockaddr_un name{};
   name.sun_family = AF_UNIX;
@@ -36,8 +37,6 @@ TEST(System, ASocketCanBeConnectedToOnlyWhileAProcessListens) {
   ::close(socket);
   EXPECT_FALSE(CanConnect(path)) << "the file is still there, but nobody listens";
   EXPECT_FALSE(CanConnect(std::string(200, 'x')));
-  ::unlink(path.c_str());
-  ::rmdir(folder.c_str());
 }
 
 }  // namespace

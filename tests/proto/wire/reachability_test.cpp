@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "proto/work.grpc.pb.h"
+#include "tests/listening_socket.h"
 
 namespace tessera {
 namespace {
@@ -29,34 +30,9 @@ Address UnixAddress(const std::string& path) {
   return *ParseAddress("unix:" + path, "test");
 }
 
-// A socket that listens on a free port.
-class Listener {
- public:
-  explicit Listener(int backlog) : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in name{};
-    name.sin_family = AF_INET;
-    name.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof name;
-    auto* const address = reinterpret_cast<sockaddr*>(&name);
-    EXPECT_EQ(::bind(fd_, address, size), 0);
-    EXPECT_EQ(::getsockname(fd_, address, &size), 0);
-    EXPECT_EQ(::listen(fd_, backlog), 0);
-    port_ = ntohs(name.sin_port);
-  }
-  ~Listener() { ::close(fd_); }
-  Listener(const Listener&) = delete;
-  Listener& operator=(const Listener&) = delete;
-  int fd() const { return fd_; }
-  int port() const { return port_; }
-
- private:
-  int fd_;
-  int port_ = 0;
-};
-
 // What is found at the address of a program that answers each connection with `bytes` and closes it.
 Reachability CheckAnswerOf(const std::string& bytes) {
-  const Listener listener(4);
+  const ListeningSocket listener(4);
   std::jthread server([&] {
     const int peer = ::accept(listener.fd(), nullptr, nullptr);
     char greeting[64];
@@ -80,12 +56,12 @@ TEST(Reachability, NamesAnUnknownHost) {
 
 TEST(Reachability, NamesARefusedConnection) {
   int port = 0;
-  { port = Listener(1).port(); }
+  { port = ListeningSocket(1).port(); }
   EXPECT_THAT(CheckReachability(Local(port)).reason, HasSubstr("refused"));
 }
 
 TEST(Reachability, NamesAMachineThatDoesNotAnswer) {
-  const Listener listener(0);
+  const ListeningSocket listener(0);
   // A full queue drops further connections, as a machine does that is not there.
   std::vector<int> queued;
   sockaddr_in name{};
@@ -101,7 +77,7 @@ TEST(Reachability, NamesAMachineThatDoesNotAnswer) {
 }
 
 TEST(Reachability, NamesAProgramThatListensButDoesNotAnswer) {
-  const Listener listener(8);
+  const ListeningSocket listener(8);
   EXPECT_THAT(CheckReachability(Local(listener.port())).reason, HasSubstr("timed out: the program"));
 }
 
