@@ -53,9 +53,9 @@ class Merger {
   Result<Outcome> Add(TileNode node);
   // Whether every sample of `range` of the tile is merged, or will never be wanted.
   bool Has(int tile, SampleRange range) const;
-  // What is wanted of the tile by now.
+  // What is wanted of the tile so far.
   const TileGoal& Goal(int tile) const;
-  // The ranges that the tile wants by now and that are not merged, as large as units can be, in order.
+  // The ranges that the tile wants so far and that are not merged, as large as units can be, in order.
   std::vector<SampleRange> Missing(int tile) const;
   uint64_t samples_merged() const { return samples_merged_; }  // pixel samples
   // Of pixels that have not stopped: as many as they may come to.

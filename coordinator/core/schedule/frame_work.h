@@ -24,7 +24,7 @@ struct TileSamples {
   auto operator<=>(const TileSamples&) const = default;
 };
 
-// Of an adaptive frame only those samples are open that the goals of its tiles ask for by now, of some pixels
+// Of an adaptive frame only those samples are open that the present goals of its tiles ask for, of some pixels
 // only. Costs are in seconds that a worker of speed 1 takes on one slot.
 class FrameWork {
  public:
@@ -47,7 +47,7 @@ class FrameWork {
   bool IsDone(TileSamples samples) const;
   // Whether some of them are.
   bool HasDone(TileSamples samples) const;
-  // What is wanted of the tile by now; never fewer samples than before. True if samples opened.
+  // Sets what is wanted of the tile; never fewer samples than before. True if samples opened.
   bool SetGoal(uint32_t tile, const TileGoal& goal);
   const TileGoal& Goal(uint32_t tile) const { return tiles_[tile].goal; }
   // The pixels of the tile whose samples are open or held.
