@@ -27,7 +27,4 @@ std::string Quoted(std::string_view text);
 // `text` with control characters and bytes that are not UTF-8 replaced by '?'.
 std::string OneLine(std::string_view text);
 
-// Whether `text` is well-formed UTF-8.
-bool IsUtf8(std::string_view text);
-
 }  // namespace tessera

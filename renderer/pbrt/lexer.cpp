@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "renderer/text/unicode.h"
+
 namespace tessera {
 namespace {
 

@@ -42,6 +42,14 @@ TEST(CleanText, ReplacesWhatChangesTheDirectionOfWriting) {
   }
 }
 
+TEST(IsUtf8, RefusesWhatIsCutOverlongOrNoCodePoint) {
+  EXPECT_TRUE(IsUtf8("a\xc3\xa4\xe2\x82\xac\xf0\x9f\x98\x80"));
+  for (const char* text : {"\x80", "\xc0\x80", "\xc1\xbf", "\xe0\x80\x80", "\xed\xa0\x80", "\xf0\x80\x80\x80",
+                           "\xf4\x90\x80\x80", "\xf8\x88\x80\x80\x80", "\xc3", "\xe2\x82"}) {
+    EXPECT_FALSE(IsUtf8(text));
+  }
+}
+
 TEST(CleanText, ReplacesBytesThatAreNotUtf8) {
   EXPECT_EQ(CleanText("a\xff"
                       "b",
