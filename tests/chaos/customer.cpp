@@ -91,22 +91,23 @@ std::optional<Customers::Placed> Customers::Submit(const ChaosJob& job, int farm
   return std::nullopt;
 }
 
-Customers::Answer Customers::Watch(const Placed& placed) {
-  while (!history_.IsLost(placed.place)) {
-    const uint64_t change = AwaitNoChange();
+Customers::Answer Customers::Watch(const Placed& placed, uint64_t* change) {
+  while (true) {
+    *change = AwaitNoChange();
+    if (history_.IsLost(placed.place)) return Answer::kChanged;
     std::string answer;
-    const Answer asked = Ask({"watch", placed.id}, history_.Address(placed.place.farm), change, &answer);
+    const Answer asked = Ask({"watch", placed.id}, history_.Address(placed.place.farm), *change, &answer);
     // After a change it may have been another farm's job that ended.
-    if (asked == Answer::kFailed || (asked != Answer::kChanged && history_.change() == change)) return asked;
+    if (asked == Answer::kFailed || (asked != Answer::kChanged && history_.change() == *change)) return asked;
   }
-  return Answer::kChanged;
 }
 
 Customers::Outcome Customers::Collect(const Placed& placed, size_t customer) {
   const std::string output = fmt::format("{}/customer-{}", folder_, customer);
   const bool is_sequence = placed.job->pictures.size() > 1;
   while (true) {
-    const Answer watched = Watch(placed);
+    uint64_t change = 0;
+    const Answer watched = Watch(placed, &change);
     if (watched == Answer::kFileLost) return Outcome::kLost;
     if (watched == Answer::kChanged) {
       ++jobs_lost_;
@@ -115,8 +116,7 @@ Customers::Outcome Customers::Collect(const Placed& placed, size_t customer) {
     if (watched == Answer::kKillsWorkers)
       Report(fmt::format("job {} ({}) failed because it kills its workers", placed.id, placed.job->scene));
     if (watched != Answer::kDone) return Outcome::kFailed;
-    const uint64_t change = AwaitNoChange();
-    if (history_.IsLost(placed.place)) continue;
+    // A farm that has been restored since may not have finished the job.
     std::string answer;
     const Answer fetched = Ask({"fetch", placed.id, "-o", output + (is_sequence ? ".#.exr" : ".exr")},
                                history_.Address(placed.place.farm), change, &answer);
@@ -156,7 +156,8 @@ void Customers::WorkOnDeadlyJobs() {
     lock.unlock();
     const auto placed = Submit(deadly_, farm);
     if (!placed) return;
-    const Answer watched = Watch(*placed);
+    uint64_t change = 0;
+    const Answer watched = Watch(*placed, &change);
     if (watched == Answer::kKillsWorkers) ++deadly_jobs_failed_;
     if (watched == Answer::kDone) Report("the job that kills its workers is finished");
     if (watched == Answer::kDone || watched == Answer::kFailed) return;

@@ -73,8 +73,9 @@ class Customers {
   bool Do(const ChaosJob& job, size_t customer, int farm);
   void FetchAgain(size_t customer);
   std::optional<Placed> Submit(const ChaosJob& job, int farm);
-  // Watches the job until it ends, wherever its farm is.
-  Answer Watch(const Placed& placed);
+  // Watches the job until it ends, wherever its farm is. Sets `change` to that of the history in which it
+  // ended. Returns kChanged if the job is lost.
+  Answer Watch(const Placed& placed, uint64_t* change);
   Outcome Collect(const Placed& placed, size_t customer);
   bool Compare(const Placed& placed, size_t customer);
   // `change`: of the history, before the address was read.

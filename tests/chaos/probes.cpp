@@ -5,7 +5,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::chrono::seconds kAnswerPatience{30};  // 5 s are promised; the machine may be loaded
+constexpr std::chrono::seconds kAnswerPatience{60};  // 5 s are promised; the machine may be loaded
 
 }  // namespace
 
