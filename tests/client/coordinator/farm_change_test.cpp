@@ -67,6 +67,7 @@ TEST_F(FarmChange, EveryCallForTheFirstFarmIsRefusedByTheSecond) {
   Finish(job);
   const JobId id{job};
   const PackedScene scene;
+  uint64_t left_out = 0;
   const std::vector<Result<void>> outcomes{
       Outcome(client_->Status(id)),
       Outcome(client_->Frames(id)),
@@ -78,10 +79,10 @@ TEST_F(FarmChange, EveryCallForTheFirstFarmIsRefusedByTheSecond) {
       Outcome(client_->Pause(id)),
       Outcome(client_->Resume(id)),
       Outcome(client_->SetPriority(id, 3)),
-      Outcome(client_->Jobs()),
-      Outcome(client_->Workers()),
-      Outcome(client_->Drain("any")),
-      Outcome(client_->Release("any")),
+      Outcome(client_->Jobs(left_out)),
+      Outcome(client_->Workers(left_out)),
+      Outcome(client_->Drain("any", left_out)),
+      Outcome(client_->Release("any", left_out)),
       Outcome(client_->Submit(scene, {})),
       Outcome(client_->Upload(scene)),
   };
