@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include "renderer/image/header_reader.h"
+
 namespace tessera {
 namespace {
 
@@ -69,6 +71,21 @@ Result<void> CheckPng(const std::string& bytes, const std::string& name) {
     if (!IsKnownChunk(type)) return damaged("unknown kind of chunk");
     at += kChunkOverhead + length;
   }
+}
+
+Result<void> CheckBmp(const std::string& bytes, const std::string& name) {
+  constexpr size_t kCompressionAt = 30;
+  constexpr uint32_t kNone = 0, kBitFields = 3;
+  constexpr uint32_t kOldHeaderSize = 12;  // without compression
+  HeaderReader header(bytes);
+  const auto header_size = header.SkipBytes(14) ? header.Little32() : std::nullopt;
+  if (!header_size) return Damaged(name, "BMP", "unexpected end of file");
+  if (*header_size == kOldHeaderSize) return {};
+  HeaderReader in(bytes);
+  const auto compression = in.SkipBytes(kCompressionAt) ? in.Little32() : std::nullopt;
+  if (!compression) return Damaged(name, "BMP", "unexpected end of file");
+  if (*compression == kNone || *compression == kBitFields) return {};
+  return BadInput(fmt::format("{}: compressed BMP pictures are not supported", name));
 }
 
 Result<void> CheckJpeg(const std::string& bytes, const std::string& name) {

@@ -165,6 +165,7 @@ Result<Image> DecodeWithLibrary(ImageFormat format, const std::string& bytes, co
   if (format == ImageFormat::kExr) checked = CheckExr(bytes, name);
   if (format == ImageFormat::kPng) checked = CheckPng(bytes, name);
   if (format == ImageFormat::kJpeg) checked = CheckJpeg(bytes, name);
+  if (format == ImageFormat::kBmp) checked = CheckBmp(bytes, name);
   if (!checked) return checked.error();
   try {
     return Decode(format, bytes, name, encoding);

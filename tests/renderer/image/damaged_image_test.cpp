@@ -69,6 +69,27 @@ TEST(DamagedImage, FilesCutInTheMiddleAreRefused) {
   }
 }
 
+TEST(DamagedImage, CompressedBmpFilesAreRefused) {
+  for (const char compression : {1, 2}) {  // runs of 8 and of 4 bits, here without the palette that they need
+    std::string bmp = Encode("bmp", 24, 10, 3, Pattern8(24, 10, 3));
+    bmp[30] = compression;
+    const Result<Image> image = DecodeImage(bmp, "a.bmp", {});
+    ASSERT_FALSE(image);
+    EXPECT_EQ(image.error().message, "a.bmp: compressed BMP pictures are not supported");
+  }
+}
+
+TEST(DamagedImage, OpenExrChannelsOfUnknownTypesAreRefused) {
+  std::string exr = Encode("openexr", 8, 8, 1, PatternFloat(8, 8, 1));
+  const size_t list = exr.find("chlist");
+  ASSERT_NE(list, std::string::npos);
+  exr[list + 13] =
+      7;  // after "chlist", a zero byte, the size of the list and the channel's name "Y" with a zero byte
+  const Result<Image> image = DecodeImage(exr, "a.exr", {});
+  ASSERT_FALSE(image);
+  EXPECT_THAT(image.error().message, testing::HasSubstr("a channel has an unknown type"));
+}
+
 TEST(DamagedImage, ChangedBytesEndWell) {
   std::mt19937 random(1);
   for (const Sample& sample : Samples()) {
