@@ -17,13 +17,18 @@ Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs) {
       return BadInput(fmt::format("{}: the scene file is not in the scene package", frame.scene_file));
     }
   }
+  // Checks every file, so that the client can send all that are damaged before it tries again.
+  Result<void> checked;
   for (const auto& [path, file] : package->files) {
     const auto size = blobs.UseVerified(file.digest);
-    if (!size) return Failed(fmt::format("{}: was not uploaded", path));
-    if (*size != file.size)
-      return BadInput(fmt::format("{}: the size given in the scene package is wrong", path));
+    if (!checked) continue;
+    if (!size) {
+      checked = Failed(fmt::format("{}: was not uploaded", path));
+    } else if (*size != file.size) {
+      checked = BadInput(fmt::format("{}: the size given in the scene package is wrong", path));
+    }
   }
-  return {};
+  return checked;
 }
 
 }  // namespace tessera

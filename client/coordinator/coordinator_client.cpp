@@ -16,6 +16,9 @@ constexpr std::chrono::seconds kSlowConnection{1};
 constexpr std::chrono::milliseconds kConnectSlice{100};
 // For a coordinator that is away while a job is watched: its machine may be restarting.
 constexpr std::chrono::minutes kWatchPatience{30};
+// Submissions of a scene whose stored files turn out to be damaged. One suffices unless the disk of the
+// coordinator is failing.
+constexpr int kSubmitAttemptsMax = 3;
 constexpr uint64_t kPictureSizeMax = uint64_t{8} << 30;  // bytes: the largest frame in floats
 
 // Makes one call with one answer.
@@ -211,12 +214,18 @@ Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const SubmitOp
   spec.frames = scene.frames;
   proto::JobSpec request;
   Write(spec, request);
-  proto::SubmitAnswer answer;
-  auto asked = Call(*connection_, &proto::Jobs::Stub::Submit, request, answer, "submit the job");
-  if (!asked) return asked.error();
-  const JobId job{answer.job()};
-  connection_->submissions[job] = spec.submission;
-  return job;
+  for (int attempt = 1;; ++attempt) {
+    proto::SubmitAnswer answer;
+    auto asked = Call(*connection_, &proto::Jobs::Stub::Submit, request, answer, "submit the job");
+    if (asked) {
+      const JobId job{answer.job()};
+      connection_->submissions[job] = spec.submission;
+      return job;
+    }
+    if (attempt == kSubmitAttemptsMax) return asked.error();
+    const auto sent = Upload(scene);
+    if (!sent || sent->bytes_sent == 0) return asked.error();
+  }
 }
 
 Result<JobStatus> CoordinatorClient::Status(JobId job) {

@@ -53,6 +53,8 @@ class CoordinatorClient {
     std::set<std::string> required_tags;
     double verify_share = 0;
   };
+  // Submits the scene once its files were sent. Sends those again that the coordinator found damaged, or
+  // removed to make room, since then.
   Result<JobId> Submit(const PackedScene& scene, const SubmitOptions& options);
   Result<JobStatus> Status(JobId job);
   // Calls `report` with every change until the job has ended. Returns its last status.

@@ -201,6 +201,26 @@ TEST_F(Durability, ControlsOnAFullDiskNameItAndEverythingContinuesWhenThereIsSpa
   EXPECT_TRUE(Fetched(job) == oracle);
 }
 
+TEST_F(Durability, StoredFilesFoundDamagedAreSentAgainByTheSubmissionThatNeedsThem) {
+  StartCoordinator();
+  Submit(BoxScene(), {"--spp", "1"});
+  coordinator().Signal(SIGTERM);
+  coordinator().Wait();
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(Path("data/blobs"))) {
+    if (!entry.is_regular_file()) continue;
+    std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
+    const int first = file.get();
+    file.seekp(0);
+    file.put(static_cast<char>(first ^ 1));
+  }
+  StartCoordinator();
+  const std::string job = Submit(BoxScene(), {"--spp", "4"});
+  StartWorker("only");
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  ASSERT_EQ(Ask({"fetch", job, "-o", "out.exr"}).code, 0);
+  EXPECT_TRUE(Bytes("out.exr") == Oracle(BoxScene(), {"--spp", "4"}));
+}
+
 TEST_F(Durability, AMissingJournalIsRefusedUnlessTheUserStartsAfresh) {
   StartCoordinator();
   Submit(BoxScene(), {"--spp", "4"});
