@@ -1,8 +1,11 @@
 #include "renderer/image/exr_header.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -22,6 +25,62 @@ struct Part {
   int64_t tile_width = 0, tile_height = 0;  // 0: scan lines
   bool has_known_types = true;              // of its channels; OpenImageIO aborts the process on others
 };
+
+// The sizes of values, in bytes, that OpenEXR reads whatever size the file gives, by the names of their types
+// (OpenEXR file layout, "attribute data").
+constexpr std::pair<std::string_view, size_t> kFixedSizes[] = {
+    {"box2f", 16},
+    {"box2i", 16},
+    {"chromaticities", 32},
+    {"compression", 1},
+    {"deepImageState", 1},
+    {"double", 8},
+    {"envmap", 1},
+    {"float", 4},
+    {"int", 4},
+    {"keycode", 28},
+    {"lineOrder", 1},
+    {"m33d", 72},
+    {"m33f", 36},
+    {"m44d", 128},
+    {"m44f", 64},
+    {"rational", 8},
+    {"v2d", 16},
+    {"tiledesc", 9},
+    {"timecode", 8},
+    {"v2f", 8},
+    {"v2i", 8},
+    {"v3d", 24},
+    {"v3f", 12},
+    {"v3i", 12},
+};
+constexpr size_t kChannelSize = 16;  // after its name: the type and other numbers
+
+// Whether OpenEXR reads as many bytes of the value as the file says that it has. If not, it would take other
+// bytes for the sizes of the next attributes than those that are checked here.
+bool HasSizeOfItsType(std::string_view type, std::string_view value) {
+  HeaderReader in(value);
+  if (type == "chlist") {
+    auto name = in.ZeroEnded();
+    while (name && !name->empty() && in.Take(kChannelSize)) name = in.ZeroEnded();
+    return name && name->empty() && in.position() == value.size();
+  }
+  if (type == "stringvector") {
+    while (in.position() < value.size()) {
+      const auto length = in.Little32();
+      if (!length || !in.SkipBytes(*length)) return false;
+    }
+    return true;
+  }
+  if (type == "preview") {
+    constexpr uint64_t kPixelSize = 4;
+    const auto width = in.Little32(), height = width ? in.Little32() : std::nullopt;
+    return height && uint64_t{*width} * *height == (value.size() - in.position()) / kPixelSize &&
+           (value.size() - in.position()) % kPixelSize == 0;
+  }
+  const auto* const fixed = std::ranges::find(kFixedSizes, type, &std::pair<std::string_view, size_t>::first);
+  return fixed == std::end(kFixedSizes) || fixed->second == value.size();
+}
 
 // Reads the headers from the front to the back.
 class HeaderCheck {
@@ -57,6 +116,10 @@ class HeaderCheck {
         return Damaged(fmt::format("the attribute \"{}\" has {} bytes, more than the file",
                                    attribute->substr(0, kNameShown), *size));
       }
+      if (!HasSizeOfItsType(*type, *value)) {
+        return Damaged(fmt::format("the attribute \"{}\" has {} bytes, which is not the size of its type",
+                                   attribute->substr(0, kNameShown), *size));
+      }
       if (in_.position() > kExrHeaderSizeMax) return Damaged("the header is too large");
       if (*attribute == "type" && value->starts_with("deep")) return Deep();
       Read(*attribute, *value, part);
@@ -76,8 +139,7 @@ class HeaderCheck {
       part.tile_width = *in.Little32();
       part.tile_height = *in.Little32();
     } else if (attribute == "channels") {
-      constexpr size_t kChannelSize = 16;  // after its name: the type and other numbers
-      constexpr uint32_t kTypesEnd = 3;    // integers, halves and floats
+      constexpr uint32_t kTypesEnd = 3;  // integers, halves and floats
       for (auto name = in.ZeroEnded(); name && !name->empty(); name = in.ZeroEnded()) {
         ++part.channels;
         const std::optional<std::string_view> channel = in.Take(kChannelSize);

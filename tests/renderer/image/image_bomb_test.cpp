@@ -36,6 +36,39 @@ TEST(ExrBomb, AttributesLieWithinTheFile) {
   }
 }
 
+// OpenEXR reads as many bytes as the type has, so that a wrong size would move the attributes that follow.
+TEST(ExrBomb, AttributesHaveTheSizeOfTheirType) {
+  const std::string text = LittleEndian32(2) + "ab";
+  const std::string pixel = LittleEndian32(1) + LittleEndian32(1) + "rgba";
+  const std::vector<std::pair<std::string, std::string>> valid = {{"float", "1234"},
+                                                                  {"box2i", std::string(16, '\1')},
+                                                                  {"v3f", std::string(12, '\1')},
+                                                                  {"chlist", std::string(1, '\0')},
+                                                                  {"stringvector", text + text},
+                                                                  {"preview", pixel},
+                                                                  {"string", ""},
+                                                                  {"unknown", "any"}};
+  for (const auto& [type, value] : valid)
+    EXPECT_EQ(ErrorOf(ExrOf(1, 1, {1, 1, 1}, ExrAttribute("extra", type, value)), "a.exr"), "no error")
+        << type;
+  const std::vector<std::pair<std::string, std::string>> wrong = {
+      {"float", "12345"},
+      {"box2i", "1"},
+      {"v3f", std::string(8, '\1')},
+      {"chlist", std::string(2, '\0')},
+      {"chlist", "R"},
+      {"stringvector", text + LittleEndian32(0x70000000)},
+      {"stringvector", "ab"},
+      {"preview", pixel + "a"},
+      {"preview", LittleEndian32(0x10000) + LittleEndian32(0x10000)}};
+  for (const auto& [type, value] : wrong) {
+    EXPECT_EQ(ErrorOf(ExrOf(1, 1, {1, 1, 1}, ExrAttribute("extra", type, value)), "a.exr"),
+              "a.exr: damaged OpenEXR picture: the attribute \"extra\" has " + std::to_string(value.size()) +
+                  " bytes, which is not the size of its type")
+        << type;
+  }
+}
+
 TEST(ExrBomb, HeadersAreBounded) {
   const std::string file =
       ExrOf(1, 1, {1, 1, 1}, ExrAttribute("large", "string", std::string(kExrHeaderSizeMax + 1, 'x')));
