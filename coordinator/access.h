@@ -1,12 +1,24 @@
-// Who may make which call. Every call of proto/*.proto has one rule here; a handler cannot be written without
-// it (see call_gate.h). There is no login yet: every peer that reaches a listening address may do everything.
+// Who may make which call.
+//
+// How somebody gets in: an operator issues a join token (a random secret, of which the coordinator keeps the
+// digest of a public key). Whoever holds it proves that in the TLS handshake, sends a signing request and
+// gets a certificate of the farm's own authority, in which a URI names role and member (proto/identity).
+// Nobody completes a handshake without a certificate of either kind (membership/peer_check.h). Programs of
+// the coordinator's user on the same machine use a Unix socket, and may do everything.
+//
+// For each call, the gate (call_gate.h) finds out who calls: from the connection, and from the members that
+// the farm knows now, so a revocation counts from the next call on. Then the table here decides: every call
+// of proto/*.proto has one rule, and each role a set of permissions. A handler cannot be written without a
+// rule.
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "proto/membership.h"
 #include "proto/terms.h"
 #include "renderer/util/result.h"
 
@@ -14,8 +26,13 @@ namespace tessera {
 
 // Who makes a call.
 struct Principal {
-  std::string name = "unauthenticated";
+  std::optional<Role> role;  // none: the holder of a token
+  MemberId member{};   // 0: the user of the coordinator, through a Unix socket, or the holder of a token
+  Digest token_key{};  // of the holder of a token
+  std::string name;
   std::string peer;  // the address of the connection, for logs
+
+  std::string Text() const;  // "user ada", "the holder of a token", for messages
 };
 
 // What a call does to the farm. Roles are sets of these.
@@ -26,6 +43,9 @@ enum class Permission {
   kControlJobs,     // change jobs
   kControlWorkers,  // drain and release workers
   kWork,            // do the work of a worker
+  kJoin,            // become a member
+  kRenew,           // stay a member
+  kAdminister,      // let others in, list and revoke them
 };
 
 // What a request may take, checked before it is parsed (message_guard.h).
@@ -71,6 +91,11 @@ constexpr CallRule kCallRules[] = {
     {"Work.Synchronize", Permission::kWork, kStateLimits},
     {"Work.ReturnResults", Permission::kWork, kResultsLimits},
     {"Work.ReturnFailure", Permission::kWork},
+    {"Access.Join", Permission::kJoin},
+    {"Access.Renew", Permission::kRenew},
+    {"Access.IssueToken", Permission::kAdminister},
+    {"Access.ListAccess", Permission::kAdminister},
+    {"Access.Revoke", Permission::kAdminister},
 };
 
 // The rule of a call. Does not compile if there is none.
@@ -81,9 +106,25 @@ consteval const CallRule& RuleFor(std::string_view method) {
   throw "the call has no rule";
 }
 
+// Whether a role has a permission. Without a role, the holder of a token may join and do nothing else.
+constexpr bool May(std::optional<Role> role, Permission permission) {
+  if (!role || permission == Permission::kJoin) return !role && permission == Permission::kJoin;
+  if (permission == Permission::kProbe || permission == Permission::kRenew) return true;
+  switch (*role) {
+    case Role::kWorker: return permission == Permission::kWork;
+    case Role::kViewer: return permission == Permission::kView;
+    case Role::kUser:
+      return permission == Permission::kView || permission == Permission::kSubmit ||
+             permission == Permission::kControlJobs;
+    case Role::kOperator: return true;
+  }
+  return false;
+}
+
 // Decides on a call; the error is the message to the caller. Called from any thread.
 using AccessPolicy = std::function<Result<void>(const Principal& caller, const CallRule& rule)>;
 
-Result<void> AdmitEveryone(const Principal& caller, const CallRule& rule);
+// The table above. The error says which roles may make the call.
+Result<void> AdmitByRole(const Principal& caller, const CallRule& rule);
 
 }  // namespace tessera

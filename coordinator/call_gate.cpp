@@ -1,6 +1,23 @@
 #include "coordinator/call_gate.h"
 
+#include <fmt/format.h>
+#include <grpc/grpc_security_constants.h>
+#include <grpcpp/security/auth_context.h>
+
+#include "coordinator/membership/member_board.h"
+#include "proto/identity/certificate.h"
+#include "proto/identity/subject.h"
+#include "renderer/text/unicode.h"
+
 namespace tessera {
+namespace {
+
+grpc::Status Unauthenticated(const std::string& reason) {
+  return {grpc::StatusCode::UNAUTHENTICATED,
+          reason + "; ask an operator of the farm for a token and join again"};
+}
+
+}  // namespace
 
 grpc::Status UnaryCall::DiskFails(const std::string& reason) {
   return {grpc::StatusCode::RESOURCE_EXHAUSTED, "the coordinator cannot write its data: " + reason};
@@ -12,17 +29,60 @@ grpc::Status UnaryCall::Stored(const Result<void>& synced) {
   return DiskFails(synced.error().message + "; the change takes effect when it can be written");
 }
 
-Principal CallGate::CallerOf(const grpc::CallbackServerContext& context) {
-  Principal caller;
-  caller.peer = context.peer();
-  return caller;
+grpc::Status CallGate::IdentifyMember(MemberId id, Principal& caller) const {
+  caller.member = id;
+  const auto member = core().members().FindMember(id);
+  if (!member) {
+    return Unauthenticated(
+        "this farm does not know the certificate: it was forgotten, or the data of the coordinator is older");
+  }
+  caller.name = member->name;
+  caller.role = member->role;
+  if (member->revoked)
+    return Unauthenticated(fmt::format("the certificate of {} was revoked", caller.Text()));
+  if (member->expires <= UnixNow()) {
+    return Unauthenticated(
+        fmt::format("the certificate of {} expired on {}", caller.Text(), UnixTimeText(member->expires)));
+  }
+  return grpc::Status::OK;
 }
 
-grpc::Status CallGate::Check(const grpc::CallbackServerContext& context, const Principal& caller,
-                             const CallRule& rule) const {
-  const auto admitted = policy_(caller, rule);
-  return admitted ? CheckFarm(context, farm_)
-                  : grpc::Status(grpc::StatusCode::PERMISSION_DENIED, admitted.error().message);
+grpc::Status CallGate::Recheck(const Principal& caller) const {
+  if (caller.member == MemberId{}) return grpc::Status::OK;
+  Principal now;
+  return IdentifyMember(caller.member, now);
+}
+
+// A plain connection is one to a Unix socket, or the user wants no security. On others, the handshake has
+// checked the certificate and that it has one URI.
+grpc::Status CallGate::Identify(const grpc::CallbackServerContext& context, Principal& caller) const {
+  caller.peer = context.peer();
+  const auto connection = context.auth_context();
+  if (connection->FindPropertyValues(GRPC_X509_PEM_CERT_PROPERTY_NAME).empty()) {
+    caller.role = Role::kOperator;
+    caller.name = "local";
+    return grpc::Status::OK;
+  }
+  const std::vector<grpc::string_ref> uris = connection->FindPropertyValues(GRPC_PEER_URI_PROPERTY_NAME);
+  const auto subject =
+      uris.size() == 1 ? Subject::Parse({uris.front().data(), uris.front().size()}) : std::nullopt;
+  if (!subject) return Unauthenticated("the certificate names no member");
+  if (subject->IsMember()) return IdentifyMember(subject->id, caller);
+  caller.token_key = subject->token_key;
+  return grpc::Status::OK;
+}
+
+grpc::Status CallGate::Admit(const grpc::CallbackServerContext& context, const CallRule& rule,
+                             Principal& caller) const {
+  grpc::Status status = Identify(context, caller);
+  if (status.ok()) {
+    const auto admitted = policy_(caller, rule);
+    if (admitted) return CheckFarm(context, farm_);
+    status = {grpc::StatusCode::PERMISSION_DENIED, admitted.error().message};
+  }
+  denied_.Warn("call_denied", fmt::format("call={} peer={} reason={}", rule.method, LogText(caller.peer),
+                                          LogText(status.error_message())));
+  return status;
 }
 
 }  // namespace tessera

@@ -1,4 +1,5 @@
-// The way of every call into the coordinator: its rule is checked (access.h), then its handler runs.
+// The way of every call into the coordinator: the caller is identified, its rule is checked (access.h), then
+// its handler runs.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -13,6 +14,7 @@
 #include "coordinator/message_guard.h"
 #include "coordinator/store/data_dir.h"
 #include "coordinator/task_pool.h"
+#include "proto/shell/rare_log.h"
 #include "proto/wire/channel.h"
 
 namespace tessera {
@@ -88,9 +90,9 @@ class CallGate {
   grpc::ServerUnaryReactor* Unary(grpc::CallbackServerContext* context, const CallRule& rule,
                                   Handler handler) const {
     grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-    Principal caller = CallerOf(*context);
-    if (const grpc::Status admitted = Check(*context, caller, rule); !admitted.ok()) {
-      reactor->Finish(admitted);
+    Principal caller;
+    if (const grpc::Status admitted = Admit(*context, rule, caller); !admitted.ok()) {
+      reactor->Finish(Shortened(admitted));
     } else {
       const UnaryCall call(path_, std::move(caller), reactor);
       const grpc::Status passed_on = GuardedStatus([&] {
@@ -105,20 +107,29 @@ class CallGate {
   // Any other call, such as a stream: `make`, a Reactor*(const Principal&), returns its reactor.
   template <typename Reactor, typename Make>
   Reactor* Serve(grpc::CallbackServerContext* context, const CallRule& rule, Make make) const {
-    const Principal caller = CallerOf(*context);
-    if (const grpc::Status admitted = Check(*context, caller, rule); !admitted.ok())
+    Principal caller;
+    if (const grpc::Status admitted = Admit(*context, rule, caller); !admitted.ok())
       return new RefusedCall<Reactor>(admitted);
     return make(caller);
   }
 
+  // For calls that last: UNAUTHENTICATED as soon as the certificate of the caller has expired or was revoked.
+  grpc::Status Recheck(const Principal& caller) const;
+
  private:
-  static Principal CallerOf(const grpc::CallbackServerContext& context);
-  grpc::Status Check(const grpc::CallbackServerContext& context, const Principal& caller,
-                     const CallRule& rule) const;
+  static constexpr std::chrono::seconds kLogInterval{10};
+
+  // Sets `caller` to whoever makes the call. UNAUTHENTICATED if that cannot be told or holds no longer,
+  // PERMISSION_DENIED if the policy does not admit the caller. Both are logged.
+  grpc::Status Admit(const grpc::CallbackServerContext& context, const CallRule& rule,
+                     Principal& caller) const;
+  grpc::Status Identify(const grpc::CallbackServerContext& context, Principal& caller) const;
+  grpc::Status IdentifyMember(MemberId id, Principal& caller) const;
 
   const ChangePath path_;
   const FarmId farm_;
   const AccessPolicy policy_;
+  mutable RareLog denied_{kLogInterval};
 };
 
 }  // namespace tessera

@@ -1,12 +1,20 @@
 #include "coordinator/coordinator.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
+#include "coordinator/access_service.h"
 #include "coordinator/ask_core.h"
 #include "coordinator/blob_service.h"
 #include "coordinator/call_gate.h"
 #include "coordinator/core_thread.h"
 #include "coordinator/jobs_service.h"
+#include "coordinator/listener.h"
+#include "coordinator/membership/farm_identity.h"
+#include "coordinator/membership/peer_check.h"
+#include "coordinator/public_addresses.h"
 #include "coordinator/recovery.h"
 #include "coordinator/server.h"
 #include "coordinator/store/data_dir.h"
@@ -14,8 +22,18 @@
 #include "coordinator/task_pool.h"
 #include "coordinator/web_server.h"
 #include "coordinator/work_service.h"
+#include "proto/shell/program.h"
+#include "proto/wire/local_socket.h"
 
 namespace tessera {
+namespace {
+
+bool HasTcpAddress(const CoordinatorOptions& options) {
+  return std::ranges::any_of(options.listen,
+                             [](const Address& each) { return each.kind == Address::Kind::kTcp; });
+}
+
+}  // namespace
 
 // In the order in which they are made; each may use those above it.
 struct Coordinator::Parts {
@@ -23,7 +41,9 @@ struct Coordinator::Parts {
       : directory(std::move(data_dir)), blobs(std::move(blob_store)), pictures(directory.PicturesPath()) {}
 
   Result<void> Recover(const CoordinatorOptions& options);
+  Result<void> OpenIdentity(const CoordinatorOptions& options);
   Result<void> Serve(const CoordinatorOptions& options, AccessPolicy policy);
+  ServerSecurity Security() const;
   std::optional<FarmView> LookAtAll();
   void ProbePictures();
 
@@ -38,6 +58,8 @@ struct Coordinator::Parts {
   std::unique_ptr<WorkService> work;
   std::unique_ptr<BlobService> blob_service;
   std::unique_ptr<JobsService> jobs;
+  std::optional<FarmIdentity> identity;  // if TCP connections are encrypted
+  std::unique_ptr<AccessService> access;
   std::unique_ptr<WebServer> web;
   std::unique_ptr<CoordinatorServer> server;
 };
@@ -58,6 +80,37 @@ Result<void> Coordinator::Parts::Recover(const CoordinatorOptions& options) {
   return {};
 }
 
+Result<void> Coordinator::Parts::OpenIdentity(const CoordinatorOptions& options) {
+  if (options.insecure || !HasTcpAddress(options)) return {};
+  if (core->members().HasMembers() && !FarmIdentity::Exists(directory.IdentityPath()) &&
+      !options.start_afresh) {
+    return Failed(
+        fmt::format("{}: the key of the farm's authority is missing, so its members could not connect; put "
+                    "the folder back, or "
+                    "let all of them join again with --start-afresh",
+                    directory.IdentityPath()));
+  }
+  const std::vector<std::string> names = options.names.empty() ? NamesOfThisMachine() : options.names;
+  auto opened = FarmIdentity::Open(directory.IdentityPath(), names, UnixNow());
+  if (!opened) return opened.error();
+  if (opened->is_new())
+    spdlog::info("authority_made fingerprint={}", opened->authority().certificate().Fingerprint().Hex());
+  identity = std::move(*opened);
+  return {};
+}
+
+ServerSecurity Coordinator::Parts::Security() const {
+  ServerSecurity security;
+  security.socket_folder = LocalSocketFolder(Environment);
+  if (!identity) return security;
+  security.identity_path = identity->coordinator_path();
+  security.admit = [authority = identity->authority().certificate(),
+                    board = core->shared_members()](const std::vector<Certificate>& chain) {
+    return CheckPeer(chain, authority, *board, UnixNow());
+  };
+  return security;
+}
+
 Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, AccessPolicy policy) {
   gate = std::make_unique<CallGate>(ChangePath{*core, files.brief, directory}, farm, std::move(policy));
   work = std::make_unique<WorkService>(*gate);
@@ -68,7 +121,14 @@ Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, Access
     if (!started) return started.error();
     web = std::move(*started);
   }
-  auto started = CoordinatorServer::Start(options.listen, *work, *blob_service, *jobs);
+  auto listener = Listener::Open(options.listen);
+  if (!listener) return listener.error();
+  const bool has_names = !options.names.empty();
+  access = std::make_unique<AccessService>(
+      *gate, identity ? &identity->authority() : nullptr,
+      PublicAddresses((*listener)->addresses(), has_names ? options.names : NamesOfThisMachine(), has_names));
+  auto started = CoordinatorServer::Start(std::move(*listener), Security(),
+                                          {work.get(), blob_service.get(), jobs.get(), access.get()});
   if (!started) return started.error();
   server = std::move(*started);
   return {};
@@ -109,6 +169,7 @@ Result<std::unique_ptr<Coordinator>> Coordinator::Start(const CoordinatorOptions
   auto parts = std::make_unique<Parts>(std::move(*directory), std::move(*blobs));
   std::unique_ptr<Coordinator> coordinator(new Coordinator(std::move(parts)));
   if (auto recovered = coordinator->parts_->Recover(options); !recovered) return recovered.error();
+  if (auto opened = coordinator->parts_->OpenIdentity(options); !opened) return opened.error();
   if (auto serving = coordinator->parts_->Serve(options, std::move(policy)); !serving) return serving.error();
   return coordinator;
 }
@@ -121,6 +182,11 @@ Coordinator::~Coordinator() {
 
 const std::vector<Address>& Coordinator::addresses() const {
   return parts_->server->addresses();
+}
+
+std::optional<Digest> Coordinator::authority_fingerprint() const {
+  if (!parts_->identity) return std::nullopt;
+  return parts_->identity->authority().certificate().Fingerprint();
 }
 
 std::optional<Address> Coordinator::http() const {

@@ -9,6 +9,7 @@
 #include "coordinator/access.h"
 #include "coordinator/options.h"
 #include "proto/wire/address.h"
+#include "renderer/util/digest.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -22,13 +23,15 @@ class Coordinator {
   // Opens the data directory, recovers what a former process left and listens. The error states what is
   // wrong with the directory or which address cannot be listened on.
   static Result<std::unique_ptr<Coordinator>> Start(const CoordinatorOptions& options,
-                                                    AccessPolicy policy = AdmitEveryone);
+                                                    AccessPolicy policy = AdmitByRole);
   ~Coordinator();
   Coordinator(const Coordinator&) = delete;
   Coordinator& operator=(const Coordinator&) = delete;
 
   // Where it listens, with the ports that were chosen for port 0.
   const std::vector<Address>& addresses() const;
+  // Of the farm's authority; nullopt if the coordinator only has plain connections.
+  std::optional<Digest> authority_fingerprint() const;
   // Of the status page, if there is one.
   std::optional<Address> http() const;
   const BlobStore& blobs() const;

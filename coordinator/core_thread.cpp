@@ -51,6 +51,7 @@ PendingAnswers::OnDirective PendingAnswers::TakeDirective(CallId call) {
 
 CoreThread::CoreThread(Parts parts) : parts_(std::move(parts)) {
   NoteOpenJobs();
+  members_->Set(parts_.farm->membership());
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -119,6 +120,7 @@ void CoreThread::Deliver(FarmOutput output) {
   for (const Fact& fact : output.facts) {
     parts_.journal->Append(fact);
     NoteOpenJobs(fact);
+    members_->Note(fact);
     // Watchers learn of an end immediately.
     if (std::holds_alternative<JobEnded>(fact)) watchers_due_ = {};
   }

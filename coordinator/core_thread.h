@@ -17,6 +17,7 @@
 #include "coordinator/core/journal.h"
 #include "coordinator/core/schedule/instant.h"
 #include "coordinator/core/spool.h"
+#include "coordinator/membership/member_board.h"
 #include "coordinator/open_jobs.h"
 #include "coordinator/picture_writer.h"
 
@@ -90,6 +91,10 @@ class CoreThread {
   // Thread safe.
   const OpenJobs& open_jobs() const { return open_jobs_; }
   // Thread safe.
+  const MemberBoard& members() const { return *members_; }
+  // For handshakes that may outlast this object.
+  std::shared_ptr<const MemberBoard> shared_members() const { return members_; }
+  // Thread safe.
   size_t watcher_count() const { return watcher_count_; }
   // From now on no call waits: workers and watchers learn that the coordinator is shutting down. Thread safe.
   void Close();
@@ -114,6 +119,7 @@ class CoreThread {
 
   Parts parts_;
   OpenJobs open_jobs_;
+  const std::shared_ptr<MemberBoard> members_ = std::make_shared<MemberBoard>();
   PendingAnswers answers_;
   std::vector<FarmOutput> unsynced_;  // in order; their answers wait for the disk
   bool closing_ = false;              // of the core thread

@@ -147,14 +147,18 @@ grpc::ServerUnaryReactor* JobsService::Status(grpc::CallbackServerContext* conte
 grpc::ServerWriteReactor<proto::JobStatus>* JobsService::Watch(grpc::CallbackServerContext* context,
                                                                const proto::JobRequest* request) {
   using Reactor = grpc::ServerWriteReactor<proto::JobStatus>;
-  return gate_.Serve<Reactor>(context, RuleFor("Jobs.Watch"), [=, this](const Principal&) {
+  return gate_.Serve<Reactor>(context, RuleFor("Jobs.Watch"), [=, this](const Principal& caller) {
     auto* const stream = new WatchStream;
     const auto link = stream->link();
-    gate_.core().Post([=, job = JobId{request->job()}](CoreContext& core) {
+    gate_.core().Post([=, this, job = JobId{request->job()}](CoreContext& core) {
       if (!core.farm.Status(core.now, job)) return link->Finish(NoJob(job));
       core.answers.Watch(
           job, [link](const JobStatus* status, bool last) { return link->Offer(status, last); },
-          [link] { return link->IsOpen(); });
+          [=, this] {
+            const grpc::Status admitted = gate_.Recheck(caller);
+            if (!admitted.ok()) link->Finish(admitted);
+            return admitted.ok() && link->IsOpen();
+          });
     });
     return stream;
   });

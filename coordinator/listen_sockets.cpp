@@ -13,6 +13,7 @@
 namespace tessera {
 namespace {
 
+constexpr mode_t kSocketMode = 0600;
 constexpr int kBacklog = 4096;  // the kernel lowers it to its own limit
 // Unacknowledged data for this long ends a connection.
 constexpr unsigned kUnacknowledgedMax_ms = 20'000;
@@ -32,7 +33,12 @@ int ListenOn(const sockaddr* address, socklen_t size) {
     SetOption(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, kUnacknowledgedMax_ms);
   }
   if (address->sa_family == AF_INET6) SetOption(socket, IPPROTO_IPV6, IPV6_V6ONLY, 0);
-  if (::bind(socket, address, size) == 0 && ::listen(socket, kBacklog) == 0) return socket;
+  const auto make_private = [address] {
+    return address->sa_family != AF_UNIX ||
+           ::chmod(reinterpret_cast<const sockaddr_un*>(address)->sun_path, kSocketMode) == 0;
+  };
+  // Nobody can connect before it listens.
+  if (::bind(socket, address, size) == 0 && make_private() && ::listen(socket, kBacklog) == 0) return socket;
   ::close(socket);
   return -1;
 }

@@ -10,7 +10,8 @@ namespace tessera {
 // means both versions of IP. Returns none if that is not possible.
 std::vector<int> ListenOnHost(const std::string& host, int& port);
 
-// A socket at the path, which replaces a socket that is there. Returns -1 if that is not possible.
+// A socket at the path, with mode 0600, which replaces a socket that is there. Returns -1 if that is not
+// possible.
 int ListenOnPath(const std::string& path);
 
 }  // namespace tessera

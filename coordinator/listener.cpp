@@ -12,6 +12,7 @@
 #include "coordinator/descriptors.h"
 #include "coordinator/listen_sockets.h"
 #include "proto/shell/system.h"
+#include "proto/wire/local_socket.h"
 #include "renderer/text/unicode.h"
 
 namespace tessera {
@@ -32,23 +33,35 @@ Result<std::unique_ptr<Listener>> Listener::Open(const std::vector<Address>& add
   listener->stop_event_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (listener->stop_event_ < 0) return Failed(fmt::format("cannot listen: {}", std::strerror(errno)));
   for (const Address& address : addresses) {
-    if (const auto bound = listener->Bind(address); !bound) return bound.error();
+    Address bound = address;
+    if (const auto done = listener->Bind(bound); !done) return done.error();
+    listener->addresses_.push_back(std::move(bound));
   }
   return listener;
 }
 
-Result<void> Listener::Bind(Address address) {
+Result<void> Listener::OpenLocalSockets(const std::string& folder) {
+  for (const Address& address : addresses_) {
+    auto local = LocalSocketOf(address, folder);
+    if (!local) continue;
+    if (auto prepared = PrepareLocalSocketFolder(folder); !prepared) return prepared;
+    if (auto bound = Bind(*local); !bound) return bound;
+    local_sockets_.push_back(std::move(*local));
+  }
+  return {};
+}
+
+Result<void> Listener::Bind(Address& address) {
   if (address.kind == Address::Kind::kUnix) {
     // Binding would take the name away from another process.
     const int socket = CanConnect(address.path) ? -1 : ListenOnPath(address.path);
     if (socket < 0) return CannotListen(address);
-    sockets_.push_back(socket);
+    sockets_.push_back({socket, address.kind});
   } else {
     const std::vector<int> sockets = ListenOnHost(address.host, address.port);
     if (sockets.empty()) return CannotListen(address);
-    sockets_.insert(sockets_.end(), sockets.begin(), sockets.end());
+    for (const int socket : sockets) sockets_.push_back({socket, address.kind});
   }
-  addresses_.push_back(std::move(address));
   return {};
 }
 
@@ -64,34 +77,37 @@ void Listener::Start(OnConnection on_connection) {
 void Listener::Stop() {
   ::eventfd_write(stop_event_, 1);
   if (thread_.joinable()) thread_.join();
-  for (const int socket : sockets_) ::close(socket);
   if (sockets_.empty()) return;
-  sockets_.clear();
-  for (const Address& address : addresses_) {
-    if (address.kind == Address::Kind::kUnix) ::unlink(address.path.c_str());
+  // Before the ports are free, or the sockets of the next process could be removed.
+  for (const auto* addresses : {&addresses_, &local_sockets_}) {
+    for (const Address& address : *addresses) {
+      if (address.kind == Address::Kind::kUnix) ::unlink(address.path.c_str());
+    }
   }
+  for (const Socket& socket : sockets_) ::close(socket.fd);
+  sockets_.clear();
 }
 
 void Listener::Run(const OnConnection& on_connection) {
   std::vector<pollfd> polled{{stop_event_, POLLIN, 0}};
-  for (const int socket : sockets_) polled.push_back({socket, POLLIN, 0});
+  for (const Socket& socket : sockets_) polled.push_back({socket.fd, POLLIN, 0});
   while (true) {
     if (::poll(polled.data(), polled.size(), -1) < 0 && errno != EINTR) return;
     if (polled.front().revents != 0) return;
-    for (const pollfd& each : polled) {
-      if (each.revents != 0) AcceptAll(each.fd, on_connection);
+    for (size_t i = 0; i < sockets_.size(); ++i) {
+      if (polled[i + 1].revents != 0) AcceptAll(sockets_[i], on_connection);
     }
   }
 }
 
-void Listener::AcceptAll(int socket, const OnConnection& on_connection) {
+void Listener::AcceptAll(const Socket& socket, const OnConnection& on_connection) {
   while (true) {
-    const int connection = ::accept4(socket, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    const int connection = ::accept4(socket.fd, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (connection >= ConnectionDescriptorsMax()) {
       ::close(connection);
       refused_.Warn("connections_refused", "reason=\"the descriptors for connections are used up\"");
     } else if (connection >= 0) {
-      on_connection(connection);
+      on_connection(connection, socket.kind);
     } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
       return;
     } else if (errno != EINTR && errno != ECONNABORTED && errno != EPROTO) {

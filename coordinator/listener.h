@@ -17,8 +17,8 @@ namespace tessera {
 
 class Listener {
  public:
-  // Takes over an open connection. Called on the thread of the listener.
-  using OnConnection = std::function<void(int connection)>;
+  // Takes over an open connection to an address of this kind. Called on the thread of the listener.
+  using OnConnection = std::function<void(int connection, Address::Kind kind)>;
 
   // Binds all addresses. An error that names the address if one cannot be listened on.
   static Result<std::unique_ptr<Listener>> Open(const std::vector<Address>& addresses);
@@ -28,6 +28,9 @@ class Listener {
 
   // Where it listens, with the ports that were chosen for port 0.
   const std::vector<Address>& addresses() const { return addresses_; }
+  // Also listens on a socket for each of these addresses for which there is one (local_socket.h). Returns why
+  // that is not possible; then programs of this user need a login too. Call it before Start.
+  Result<void> OpenLocalSockets(const std::string& folder);
   // Accepts connections until Stop. Call it once.
   void Start(OnConnection on_connection);
   // Accepts no more connections and removes the Unix sockets. The last call of `on_connection` has returned.
@@ -37,12 +40,17 @@ class Listener {
   static constexpr std::chrono::seconds kLogInterval{10};
 
   Listener() = default;
-  Result<void> Bind(Address address);
-  void Run(const OnConnection& on_connection);
-  void AcceptAll(int socket, const OnConnection& on_connection);
+  struct Socket {
+    int fd = -1;
+    Address::Kind kind{};
+  };
 
-  std::vector<Address> addresses_;
-  std::vector<int> sockets_;
+  Result<void> Bind(Address& address);
+  void Run(const OnConnection& on_connection);
+  void AcceptAll(const Socket& socket, const OnConnection& on_connection);
+
+  std::vector<Address> addresses_, local_sockets_;
+  std::vector<Socket> sockets_;
   int stop_event_ = -1;
   RareLog refused_{kLogInterval}, failed_{kLogInterval};
   std::thread thread_;

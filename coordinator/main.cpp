@@ -9,6 +9,7 @@
 #include "coordinator/coordinator.h"
 #include "coordinator/descriptors.h"
 #include "coordinator/options.h"
+#include "coordinator/setup_commands.h"
 #include "proto/shell/console.h"
 #include "proto/shell/log.h"
 #include "proto/shell/pause.h"
@@ -25,6 +26,7 @@ bool FollowParent(pid_t parent) {
 
 Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termination) {
   const pid_t parent = ::getppid();
+  if (const auto command = RunSetupCommand(arguments)) return *command;
   const auto parsed = ParseCoordinatorCommandLine(arguments);
   if (!parsed) return parsed.error();
   if (!parsed->answer.empty()) {

@@ -14,15 +14,30 @@ namespace {
 constexpr int kListenMax = 16;
 constexpr int kAttemptsMax = 100;
 constexpr int kHttpNamesMax = 16;
+constexpr int kNamesForOthersMax = 32;
 
-Result<Address> ParseLocalAddress(const std::string& flag, const std::string& text, bool insecure) {
-  auto address = ParseAddress(text, flag);
+Result<Address> ParseListenAddress(const std::string& text, bool insecure) {
+  auto address = ParseAddress(text, "--listen");
   if (!address) return address.error();
-  if (!address->IsLocal() && !insecure) {
+  if (insecure && !address->IsLocal()) {
     return BadInput(
-        fmt::format("{} {}: other machines could reach this address and there is no login; listen on "
-                    "127.0.0.1{}, or add --insecure if you trust the network",
-                    flag, text, flag == "--listen" ? " or unix:PATH" : ""));
+        fmt::format("--listen {}: other machines could reach this address, and --insecure is for addresses "
+                    "of this machine "
+                    "alone, such as 127.0.0.1; leave it out to encrypt connections",
+                    text));
+  }
+  return address;
+}
+
+Result<Address> ParseHttpAddress(const std::string& text) {
+  auto address = ParseAddress(text, "--http");
+  if (!address) return address.error();
+  if (address->kind != Address::Kind::kTcp)
+    return BadInput(fmt::format("--http {}: must be HOST:PORT, since browsers cannot use a socket", text));
+  if (!address->IsLocal()) {
+    return BadInput(fmt::format(
+        "--http {}: other machines could reach this address, and the page is not encrypted; use 127.0.0.1",
+        text));
   }
   return address;
 }
@@ -44,6 +59,14 @@ void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
       Presence::kRequired);
   AddText(app, "--data-dir", "DIR", "Folder of everything that survives a restart", options.data_dir,
           Presence::kRequired);
+  AddRepeatedWord(app, "--name-or-address", "NAME",
+                  WithDefault("Host name or address under which others reach this coordinator, for its "
+                              "certificate; may be repeated",
+                              "those of this machine"),
+                  kNamesForOthersMax, [&options](const std::string& word) -> Result<void> {
+                    options.names.push_back(word);
+                    return {};
+                  });
   AddText(app, "--http", "HOST:PORT", "Serve a status page at / and Prometheus metrics at /metrics",
           words.http);
   AddRepeatedWord(app, "--http-name", "NAME",
@@ -65,7 +88,8 @@ void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
              WithDefault("Number of workers that may fail a unit before its job fails",
                          fmt::format("{}", options.attempts_max)),
              1, kAttemptsMax, options.attempts_max);
-  AddSwitch(app, "--insecure", "Allow addresses that other machines can reach", options.insecure);
+  AddSwitch(app, "--insecure", "Use neither encryption nor logins, on addresses of this machine alone",
+            options.insecure);
   AddSwitch(app, "--start-afresh",
             "Accept a data directory whose journal is missing: all jobs that it had are forgotten",
             options.start_afresh);
@@ -75,16 +99,13 @@ void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
 
 Result<CoordinatorOptions> Complete(CoordinatorOptions options, const AddressWords& words) {
   for (const std::string& text : words.listen) {
-    auto address = ParseLocalAddress("--listen", text, options.insecure);
+    auto address = ParseListenAddress(text, options.insecure);
     if (!address) return address.error();
     options.listen.push_back(std::move(*address));
   }
   if (!words.http.empty()) {
-    auto address = ParseLocalAddress("--http", words.http, options.insecure);
+    auto address = ParseHttpAddress(words.http);
     if (!address) return address.error();
-    if (address->kind != Address::Kind::kTcp)
-      return BadInput(
-          fmt::format("--http {}: must be HOST:PORT, since browsers cannot use a socket", words.http));
     options.http = std::move(*address);
   }
   if (options.data_dir.empty()) return BadInput("--data-dir: must not be empty");
@@ -99,6 +120,7 @@ std::string CoordinatorOptions::Text() const {
                   LogText(data_dir), blob_bytes, keep_sums_bytes, attempts_max, insecure, exit_with_parent);
   for (const Address& address : listen) text += fmt::format(" listen={}", address.Text());
   if (http) text += fmt::format(" http={}", http->Text());
+  for (const std::string& name : names) text += fmt::format(" name={}", LogText(name));
   for (const std::string& name : http_names) text += fmt::format(" http_name={}", name);
   return text;
 }
@@ -109,6 +131,10 @@ Result<CommandLineOf<CoordinatorOptions>> ParseCoordinatorCommandLine(
   CoordinatorOptions options;
   AddressWords words;
   AddFlags(app, options, words);
+  app.footer(
+      "\"tessera-coordinator init\" makes keys and certificates beforehand; \"tessera-coordinator token\" "
+      "lets others "
+      "join. Both have a --help.");
   auto answer = ParseArguments(app, arguments);
   if (!answer) return answer.error();
   if (!answer->empty()) return CommandLineOf<CoordinatorOptions>{{}, std::move(*answer)};

@@ -23,10 +23,12 @@ struct CoordinatorOptions {
   std::optional<Address> http;          // of the status page and the metrics
   std::vector<std::string> http_names;  // under which browsers may ask for it
   std::string data_dir;
+  // Names and addresses under which others reach the coordinator; default: those of this machine.
+  std::vector<std::string> names;
   uint64_t blob_bytes = kBlobBytesDefault;  // limit of the scene files kept
   // Limit of the sums kept of finished frames, for tessera extend.
   uint64_t keep_sums_bytes = kKeptBytesMaxDefault;
-  bool insecure = false;                   // allow addresses that other machines can reach, without a login
+  bool insecure = false;                   // TCP addresses, all of this machine alone, without TLS and login
   bool start_afresh = false;               // accept a data directory whose journal is gone
   bool exit_with_parent = false;           // end when the parent process ends
   int attempts_max = kAttemptsMaxDefault;  // workers that may fail a unit before its job fails

@@ -4,12 +4,11 @@
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
+#include <spdlog/spdlog.h>
 
-#include "coordinator/blob_service.h"
-#include "coordinator/jobs_service.h"
 #include "coordinator/listener.h"
-#include "coordinator/work_service.h"
 #include "proto/wire/channel.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 namespace {
@@ -21,29 +20,36 @@ constexpr std::chrono::milliseconds kShutdownPatience{1000};
 CoordinatorServer::CoordinatorServer() = default;
 CoordinatorServer::~CoordinatorServer() = default;
 
-Result<std::unique_ptr<CoordinatorServer>> CoordinatorServer::Start(const std::vector<Address>& listen,
-                                                                    WorkService& work, BlobService& blobs,
-                                                                    JobsService& jobs) {
+Result<std::unique_ptr<CoordinatorServer>> CoordinatorServer::Start(
+    std::unique_ptr<Listener> listener, const ServerSecurity& security,
+    const std::vector<grpc::Service*>& services) {
   // Errors are reported by this program, on one line.
   gpr_set_log_function([](gpr_log_func_args*) {});
-  auto listener = Listener::Open(listen);
-  if (!listener) return listener.error();
+  if (!security.socket_folder.empty()) {
+    if (const auto opened = listener->OpenLocalSockets(security.socket_folder); !opened)
+      spdlog::warn("local_socket_unavailable reason={}", LogText(opened.error().message));
+  }
   grpc::ServerBuilder builder;
   ConfigureServer(builder);
+  const auto accept = [&](std::shared_ptr<grpc::ServerCredentials> credentials) {
+    return builder.experimental().AddExternalConnectionAcceptor(
+        grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, std::move(credentials));
+  };
   std::unique_ptr<CoordinatorServer> server(new CoordinatorServer);
-  server->acceptor_ = builder.experimental().AddExternalConnectionAcceptor(
-      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
-      grpc::InsecureServerCredentials());
-  builder.RegisterService(&work);
-  builder.RegisterService(&blobs);
-  builder.RegisterService(&jobs);
+  server->plain_ = accept(grpc::InsecureServerCredentials());
+  if (!security.identity_path.empty()) {
+    server->encrypted_ =
+        accept(TlsServerCredentials(security.identity_path, security.identity_path, security.admit));
+  }
+  for (grpc::Service* const service : services) builder.RegisterService(service);
   server->server_ = builder.BuildAndStart();
   if (server->server_ == nullptr) return Failed("cannot start the gRPC server");
-  server->listener_ = std::move(*listener);
-  server->listener_->Start([acceptor = server->acceptor_.get()](int connection) {
+  server->listener_ = std::move(listener);
+  server->listener_->Start([raw = server.get()](int connection, Address::Kind kind) {
+    const bool is_encrypted = kind == Address::Kind::kTcp && raw->encrypted_ != nullptr;
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
     parameters.fd = connection;
-    acceptor->HandleNewConnection(&parameters);
+    (is_encrypted ? raw->encrypted_ : raw->plain_)->HandleNewConnection(&parameters);
   });
   return server;
 }

@@ -6,10 +6,12 @@
 #include <vector>
 
 #include "proto/wire/address.h"
+#include "proto/wire/tls_credentials.h"
 #include "renderer/util/result.h"
 
 namespace grpc {
 class Server;
+class Service;
 namespace experimental {
 class ExternalConnectionAcceptor;
 }
@@ -17,17 +19,23 @@ class ExternalConnectionAcceptor;
 
 namespace tessera {
 
-class BlobService;
-class JobsService;
 class Listener;
-class WorkService;
+
+// Of TCP connections; those to Unix sockets are plain.
+struct ServerSecurity {
+  // Key and certificates of the coordinator (tls_credentials.h). Empty: TCP connections are plain too.
+  std::string identity_path;
+  AdmitPeer admit;
+  // Where to listen for programs of this user (local_socket.h); empty: nowhere.
+  std::string socket_folder;
+};
 
 class CoordinatorServer {
  public:
-  // An error that names the address if one cannot be listened on. The services must outlive the server.
-  static Result<std::unique_ptr<CoordinatorServer>> Start(const std::vector<Address>& listen,
-                                                          WorkService& work, BlobService& blobs,
-                                                          JobsService& jobs);
+  // Serves the connections of `listener`. The services must outlive the server.
+  static Result<std::unique_ptr<CoordinatorServer>> Start(std::unique_ptr<Listener> listener,
+                                                          const ServerSecurity& security,
+                                                          const std::vector<grpc::Service*>& services);
   ~CoordinatorServer();
   // Where it listens, with the ports that were chosen for port 0.
   const std::vector<Address>& addresses() const;
@@ -36,7 +44,8 @@ class CoordinatorServer {
 
  private:
   CoordinatorServer();
-  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor_;
+  // Of plain connections, and of encrypted ones if there are any.
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> plain_, encrypted_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<Listener> listener_;
 };

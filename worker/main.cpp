@@ -7,6 +7,7 @@
 #include "proto/shell/program.h"
 #include "renderer/formats/loader/module_loader.h"
 #include "worker/cache_folder.h"
+#include "worker/farm_login.h"
 #include "worker/options.h"
 #include "worker/worker.h"
 
@@ -23,14 +24,16 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
     return 0;
   }
   const WorkerOptions& options = parsed->options;
+  StartLog(options.log_level);
+  const auto coordinator = ReachFarm(options);
+  if (!coordinator) return coordinator.error();
   // A worker without it would fail the jobs whose pictures need it.
   if (const auto installed = image_module::CheckInstalled(); !installed) return installed.error();
   auto folder = OpenCacheFolder(options.cache_dir);
   if (!folder) return BadInput("--cache-dir: " + folder.error().message);
   auto cache = BlobStore::Open(std::move(*folder), BlobStoreOptions::Cache(options.cache_bytes));
   if (!cache) return BadInput("--cache-dir: " + cache.error().message);
-  StartLog(options.log_level);
-  const auto worker = Worker::Make(options, std::move(*cache));
+  const auto worker = Worker::Make(options, *coordinator, std::move(*cache));
   if (!worker) return worker.error();
   const auto ended = (*worker)->Run(termination);
   const int code = ended ? 0 : Report(kProgram, ended.error());

@@ -7,6 +7,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "proto/identity/login.h"
 #include "proto/shell/program.h"
 #include "proto/shell/values.h"
 #include "proto/terms.h"
@@ -40,6 +41,21 @@ void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
   AddText(app, "--coordinator", "ADDR",
           WithDefault("Address of the coordinator: HOST:PORT or unix:PATH", "$TESSERA_COORDINATOR"),
           coordinator);
+  AddWord(
+      app, "--join", "TOKEN",
+      "Join the farm of this token, unless this worker has done so before (see tessera-coordinator token)",
+      [&options](const std::string& word) -> Result<void> {
+        auto token = JoinToken::Parse(word);
+        if (!token) return BadInput("--join: " + token.error().message);
+        options.join = std::move(*token);
+        return {};
+      });
+  AddText(app, "--state-dir", "DIR",
+          WithDefault("Folder of the keys and certificates of this worker",
+                      "~/.local/state/tessera/worker/farms"),
+          options.state_dir);
+  AddSwitch(app, "--insecure", "Connect without encryption, to a coordinator on this machine alone",
+            options.insecure);
   AddInteger(app, "--threads", WithDefault("Number of render threads", "all processors"), 1, kSlotsMax,
              options.threads);
   AddText(app, "--cache-dir", "DIR", WithDefault("Folder of cached scene files", "~/.cache/tessera"),
@@ -61,10 +77,14 @@ void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
 }
 
 Result<WorkerOptions> Complete(WorkerOptions options, const std::string& coordinator) {
-  if (coordinator.empty()) return BadInput("--coordinator HOST:PORT or unix:PATH is required");
-  auto address = ParseAddress(coordinator, "--coordinator");
-  if (!address) return address.error();
-  options.coordinator = std::move(*address);
+  // A token names its coordinator, whatever the environment says.
+  const std::string text = options.join ? options.join->address : coordinator;
+  if (!text.empty()) {
+    auto address = ParseAddress(text, "--coordinator");
+    if (!address) return address.error();
+    options.coordinator = std::move(*address);
+  }
+  if (options.state_dir.empty()) options.state_dir = WorkerLoginFolder(Environment);
   if (options.threads == 0) options.threads = UsableCores();
   if (options.cache_dir.empty()) options.cache_dir = DefaultCacheFolder(Environment);
   if (options.name.empty()) options.name = HostName();

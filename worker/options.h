@@ -3,10 +3,12 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "proto/identity/join_token.h"
 #include "proto/shell/flags.h"
 #include "proto/shell/log.h"
 #include "proto/wire/address.h"
@@ -25,7 +27,11 @@ constexpr std::chrono::hours kLoadTimeMax{24 * 7};
 
 // Parsed and checked once, constant from then on.
 struct WorkerOptions {
-  Address coordinator;
+  // Without it: the coordinator of the token, or that of the last login.
+  std::optional<Address> coordinator;
+  std::optional<JoinToken> join;  // to become a member of its farm with
+  std::string state_dir;          // of logins; default: WorkerLoginFolder
+  bool insecure = false;          // plain text to an address of this machine
   int threads = 0;        // render threads, each of them a slot; default: the processors that may be used
   std::string cache_dir;  // of scene files; default: DefaultCacheFolder
   uint64_t cache_bytes = kCacheBytesDefault;

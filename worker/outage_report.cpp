@@ -24,7 +24,7 @@ void OutageReport::Failed(const grpc::Status& status, TimePoint now) {
     check_.reset();
     return Log("coordinator_unreachable", DescribeOutage(*found, status), now);
   }
-  if (now >= next_) check_.emplace(address_);
+  if (now >= next_) check_.emplace(endpoint_);
 }
 
 void OutageReport::Postponed(const grpc::Status& status, TimePoint now) {
@@ -36,7 +36,7 @@ void OutageReport::Postponed(const grpc::Status& status, TimePoint now) {
 void OutageReport::Log(const char* event, const std::string& reason, TimePoint now) {
   interval_ = std::min<std::chrono::seconds>(interval_ * kOutageReportGrowth, kOutageReportIntervalMax);
   next_ = now + interval_;
-  spdlog::warn("{} address={} reason={} outage_s={:.0f} next_report_s={}", event, address_.Text(),
+  spdlog::warn("{} address={} reason={} outage_s={:.0f} next_report_s={}", event, endpoint_.address.Text(),
                LogText(reason), std::chrono::duration<double>(now - *since_).count(), interval_.count());
 }
 

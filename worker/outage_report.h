@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "proto/wire/address.h"
+#include "proto/wire/endpoint.h"
 #include "proto/wire/reachability.h"
 
 namespace tessera {
@@ -21,7 +21,7 @@ constexpr std::chrono::seconds kOutageReportIntervalMax{600};
 class OutageReport {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
-  explicit OutageReport(Address address) : address_(std::move(address)) {}
+  explicit OutageReport(Endpoint endpoint) : endpoint_(std::move(endpoint)) {}
   // A call has failed with `status`.
   void Failed(const grpc::Status& status, TimePoint now);
   // The coordinator has answered that this worker cannot join now, for the reason in `status`.
@@ -33,7 +33,7 @@ class OutageReport {
   void Begin(TimePoint now);
   void Log(const char* event, const std::string& reason, TimePoint now);
 
-  const Address address_;
+  const Endpoint endpoint_;
   std::optional<TimePoint> since_;  // the first failure of this outage
   TimePoint next_;                  // when the next check is due
   std::chrono::seconds interval_{};

@@ -31,7 +31,8 @@ constexpr std::chrono::milliseconds kJoinAgainMax{60'000};
 // full, a proxy without its coordinator.
 bool IsRefusal(const grpc::Status& status) {
   const auto code = status.error_code();
-  return code == grpc::StatusCode::FAILED_PRECONDITION || code == grpc::StatusCode::INVALID_ARGUMENT;
+  return code == grpc::StatusCode::FAILED_PRECONDITION || code == grpc::StatusCode::INVALID_ARGUMENT ||
+         code == grpc::StatusCode::UNAUTHENTICATED || code == grpc::StatusCode::PERMISSION_DENIED;
 }
 
 }  // namespace
@@ -48,7 +49,7 @@ struct Synchronizer::Call {
   grpc::Status status;
 };
 
-Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, const Address& address, WorkerState self,
+Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, const Endpoint& endpoint, WorkerState self,
                            SharedWorkload& workload, ActivityMeter& meter, Prefetcher& prefetcher,
                            std::function<void(Error)> on_refusal)
     : channel_(std::move(channel)),
@@ -61,7 +62,7 @@ Synchronizer::Synchronizer(std::shared_ptr<grpc::Channel> channel, const Address
       join_backoff_(Number(self_.worker), kJoinAgainFirst, kJoinAgainMax),
       next_call_(Clock::now()),
       next_retry_(next_call_),
-      outage_(address) {}
+      outage_(endpoint) {}
 
 // gRPC calls back once for every call, so wait for that.
 Synchronizer::~Synchronizer() {

@@ -29,9 +29,9 @@ namespace tessera {
 // the connection breaks. NotifyNews is thread safe; everything else belongs to the thread that calls Run.
 class Synchronizer {
  public:
-  // `channel` leads to `address`, which messages name. `self` holds what never changes: worker, name, slots,
+  // `channel` leads to `endpoint`, which messages name. `self` holds what never changes: worker, name, slots,
   // versions. `on_refusal` is called if the coordinator will never admit this worker.
-  Synchronizer(std::shared_ptr<grpc::Channel> channel, const Address& address, WorkerState self,
+  Synchronizer(std::shared_ptr<grpc::Channel> channel, const Endpoint& endpoint, WorkerState self,
                SharedWorkload& workload, ActivityMeter& meter, Prefetcher& prefetcher,
                std::function<void(Error)> on_refusal);
   ~Synchronizer();

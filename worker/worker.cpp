@@ -15,6 +15,7 @@
 #include "renderer/text/unicode.h"
 #include "renderer/util/cores.h"
 #include "worker/build_id.h"
+#include "worker/farm_login.h"
 #include "worker/machine_id.h"
 #include "worker/scene_loader.h"
 
@@ -98,17 +99,19 @@ void RenderUnit(const UnitTask& task, SharedWorkload& workload) {
 
 }  // namespace
 
-Result<std::unique_ptr<Worker>> Worker::Make(const WorkerOptions& options, BlobStore cache) {
+Result<std::unique_ptr<Worker>> Worker::Make(const WorkerOptions& options, const Endpoint& coordinator,
+                                             BlobStore cache) {
   if (auto can_start = CheckThreads(options.threads + UsableCores() + kThreadsOfWorker); !can_start)
     return can_start.error();
   auto self = Introduce(options);
   if (!self) return self.error();
-  return std::unique_ptr<Worker>(new Worker(options, std::move(*self), std::move(cache)));
+  return std::unique_ptr<Worker>(new Worker(options, coordinator, std::move(*self), std::move(cache)));
 }
 
-Worker::Worker(const WorkerOptions& options, WorkerState self, BlobStore cache)
-    : states_channel_(OpenChannel(options.coordinator)),
-      bulk_channel_(OpenChannel(options.coordinator)),
+Worker::Worker(const WorkerOptions& options, const Endpoint& coordinator, WorkerState self, BlobStore cache)
+    : login_(coordinator.login),
+      states_channel_(OpenChannel(coordinator)),
+      bulk_channel_(OpenChannel(coordinator)),
       self_(std::move(self)),
       threads_(options.threads),
       load_limits_(options.load_limits),
@@ -119,7 +122,7 @@ Worker::Worker(const WorkerOptions& options, WorkerState self, BlobStore cache)
       assets_(std::make_shared<SharedCache>(kAssetBytesMax)),
       prefetcher_(fetcher_),
       workload_([this] { synchronizer_.NotifyNews(); }),
-      synchronizer_(states_channel_, options.coordinator, self_, workload_, meter_, prefetcher_,
+      synchronizer_(states_channel_, coordinator, self_, workload_, meter_, prefetcher_,
                     [this](Error why) { OnRefusal(std::move(why)); }),
       sender_(bulk_channel_, self_.worker, workload_),
       pool_([this](Error why) { OnRefusal(std::move(why)); }),
@@ -175,7 +178,8 @@ Result<void> Worker::StartThreads() {
            [this] { synchronizer_.Run(closing_.get_token()); }}) {
     if (auto started = pool_.Start(run); !started) return started;
   }
-  return {};
+  if (!login_) return {};
+  return pool_.Start([this] { KeepLoginRenewed(*login_, bulk_channel_, closing_.get_token()); });
 }
 
 bool Worker::IsLoading() {

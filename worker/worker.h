@@ -8,6 +8,7 @@
 #include <stop_token>
 
 #include "proto/blobs/blob_store.h"
+#include "proto/wire/endpoint.h"
 #include "renderer/util/result.h"
 #include "renderer/util/shared_cache.h"
 #include "renderer/util/threads.h"
@@ -26,7 +27,8 @@ namespace tessera {
 class Worker {
  public:
   // `cache` holds scene files. An error if this machine cannot render or cannot start the threads.
-  static Result<std::unique_ptr<Worker>> Make(const WorkerOptions& options, BlobStore cache);
+  static Result<std::unique_ptr<Worker>> Make(const WorkerOptions& options, const Endpoint& coordinator,
+                                              BlobStore cache);
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -38,7 +40,7 @@ class Worker {
   bool IsLoading();
 
  private:
-  Worker(const WorkerOptions& options, WorkerState self, BlobStore cache);
+  Worker(const WorkerOptions& options, const Endpoint& coordinator, WorkerState self, BlobStore cache);
   Result<void> StartThreads();
   void Render();
   void LoadScenes();
@@ -47,7 +49,8 @@ class Worker {
   void OnRefusal(Error why);
   void Drain();
 
-  std::stop_source closing_;  // ends all threads
+  std::stop_source closing_;          // ends all threads
+  const std::optional<Login> login_;  // whose certificate is renewed
   std::shared_ptr<grpc::Channel> states_channel_, bulk_channel_;
   WorkerState self_;
   int threads_;

@@ -6,6 +6,7 @@
 namespace tessera {
 
 // Each is defined in the file of its name.
+Command AccessCommand();
 Command CancelCommand();
 Command CompareCommand();
 Command DrainCommand();
@@ -14,6 +15,7 @@ Command FetchCommand();
 Command InfoCommand();
 Command JobsCommand();
 Command KindsCommand();
+Command LoginCommand();
 Command PauseCommand();
 Command PriorityCommand();
 Command ReleaseCommand();
@@ -33,6 +35,8 @@ inline constexpr MakeCommandFunction kCommands[] = {
     SubmitCommand, JobsCommand, StatusCommand, WatchCommand, FetchCommand, ExtendCommand, PriorityCommand,
     PauseCommand, ResumeCommand, CancelCommand,
     // Workers of a farm.
-    WorkersCommand, DrainCommand, ReleaseCommand};
+    WorkersCommand, DrainCommand, ReleaseCommand,
+    // Who belongs to a farm.
+    LoginCommand, AccessCommand};
 
 }  // namespace tessera

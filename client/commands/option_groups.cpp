@@ -22,7 +22,7 @@ constexpr double kFramesPerSecondMin = 1e-3;  // slower than any time lapse
 constexpr int64_t kPatienceMax_s = 7 * 24 * 3600;
 
 constexpr const char* kCoordinatorVariable = "TESSERA_COORDINATOR";
-constexpr const char* kCoordinatorDefault = "127.0.0.1:7700";
+constexpr const char* kFarmVariable = "TESSERA_FARM";
 
 void AddFrameFlags(CLI::App& app, SceneOptions& options) {
   AddValue(app, "--frames", "A-B[xSTEP]",
@@ -110,16 +110,18 @@ void AddRequiredSamples(CLI::App& app, uint32_t& samples_per_pixel) {
 }
 
 void AddConnectionFlags(CLI::App& app, ConnectionOptions& options) {
-  const std::string set = Environment(kCoordinatorVariable);
-  const std::string fallback = set.empty() ? kCoordinatorDefault : set;
-  options.coordinator = fallback;
+  options.farm.coordinator = Environment(kCoordinatorVariable);
+  options.farm.farm = Environment(kFarmVariable);
   options.patience = kPatienceDefault;
-  AddValue(app, "--coordinator", "ADDR",
-           WithDefault("Address of the coordinator: HOST:PORT or unix:PATH",
-                       fmt::format("${} or {}", kCoordinatorVariable, kCoordinatorDefault)),
-           options.coordinator, [fallback](std::string_view, std::string_view word) -> Result<std::string> {
-             return word.empty() ? fallback : std::string(word);
-           });
+  AddText(app, "--coordinator", "ADDR",
+          WithDefault(
+              "Address of the coordinator: HOST:PORT or unix:PATH",
+              fmt::format("${}, that of the last login, or {}", kCoordinatorVariable, kCoordinatorDefault)),
+          options.farm.coordinator);
+  AddText(app, "--farm", "NAME", WithDefault("Use the login of this name", fmt::format("${}", kFarmVariable)),
+          options.farm.farm);
+  AddSwitch(app, "--insecure", "Connect without encryption, to a coordinator on this machine alone",
+            options.farm.insecure);
   AddValue(app, "--patience", "N",
            WithDefault("Seconds to wait for a coordinator that does not answer",
                        fmt::format("{}", kPatienceDefault.count())),

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 
+#include "client/coordinator/farm_choice.h"
 #include "client/scene_options.h"
 #include "proto/shell/flags.h"
 #include "proto/terms.h"
@@ -20,7 +21,7 @@ void AddRequiredSamples(CLI::App& app, uint32_t& samples_per_pixel);
 
 // Which coordinator a command calls.
 struct ConnectionOptions {
-  std::string coordinator;               // HOST:PORT or unix:PATH
+  FarmChoice farm;
   std::chrono::milliseconds patience{};  // how long to wait for a coordinator that does not answer
 };
 // The defaults come from the environment, or are constants.

@@ -141,7 +141,9 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
   const FarmSize size = ChooseSize(options);
   const auto farm = LocalFarm::Start(size.workers, size.threads, cancellation);
   if (!farm) return farm.error();
-  const auto client = CoordinatorClient::Connect((*farm)->address(), kPatienceDefault, cancellation.token());
+  const auto endpoint = ChooseFarm({(*farm)->address(), "", false});
+  if (!endpoint) return endpoint.error();
+  const auto client = CoordinatorClient::Connect(*endpoint, kPatienceDefault, cancellation.token());
   if (!client) return client.error();
   if (auto sent = (*client)->Upload(job->packed); !sent) return sent.error();
   const auto id =

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include "client/coordinator/coordinator_connection.h"
+#include "proto/shell/console.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
+#include "proto/wire/membership_calls.h"
 #include "proto/wire/reachability.h"
 
 namespace tessera {
@@ -130,7 +132,7 @@ std::string WhyNotConnected(const Reachability& found) {
   return found.speaks_http2 ? "it accepts connections only now and then" : found.reason;
 }
 
-Result<void> WaitForCoordinator(grpc::Channel& channel, const Address& address,
+Result<void> WaitForCoordinator(grpc::Channel& channel, const Endpoint& endpoint,
                                 std::chrono::milliseconds patience, std::stop_token stop,
                                 const CoordinatorClient::OnSlow& on_slow) {
   const auto start = std::chrono::steady_clock::now();
@@ -141,11 +143,11 @@ Result<void> WaitForCoordinator(grpc::Channel& channel, const Address& address,
     const auto waited = std::chrono::steady_clock::now() - start;
     if (waited > patience) {
       // What holds now, and not what a check found out earlier.
-      return Failed(fmt::format("{}: no coordinator answered within {:.0f} s: {}", address.Text(),
+      return Failed(fmt::format("{}: no coordinator answered within {:.0f} s: {}", endpoint.address.Text(),
                                 std::chrono::duration<double>(patience).count(),
-                                WhyNotConnected(CheckReachability(address, stop))));
+                                WhyNotConnected(CheckReachability(endpoint, stop))));
     }
-    if (!reported && waited > kSlowConnection && !check) check.emplace(address);
+    if (!reported && waited > kSlowConnection && !check) check.emplace(endpoint);
     if (const auto found = !reported && check ? check->Await({}) : std::nullopt) {
       on_slow(WhyNotConnected(*found));
       reported = true;
@@ -160,8 +162,8 @@ Error CoordinatorClient::Connection::ErrorOf(const grpc::Status& status, const s
   const bool is_unanswered = status.error_code() == grpc::StatusCode::UNAVAILABLE ||
                              status.error_code() == grpc::StatusCode::UNIMPLEMENTED;
   if (!is_unanswered || stop.stop_requested()) return ToError(status, what);
-  return Failed(fmt::format("{}: cannot {}: {}", address.Text(), what,
-                            DescribeOutage(CheckReachability(address, stop), status)));
+  return Failed(fmt::format("{}: cannot {}: {}", endpoint.address.Text(), what,
+                            DescribeOutage(CheckReachability(endpoint, stop), status)));
 }
 
 CoordinatorClient::CoordinatorClient(std::unique_ptr<Connection> connection)
@@ -172,19 +174,16 @@ Result<void> CoordinatorClient::StartThreads() {
   return StartGrpc();
 }
 
-Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const std::string& address,
+Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const Endpoint& endpoint,
                                                                       std::chrono::milliseconds patience,
                                                                       std::stop_token stop,
                                                                       const OnSlow& on_slow) {
-  const auto parsed = ParseAddress(address, "--coordinator");
-  if (!parsed) return parsed.error();
-  auto connection = std::make_unique<Connection>();
-  connection->address = *parsed;
-  connection->stop = stop;
-  connection->channel = OpenChannel(*parsed);
+  std::unique_ptr<Connection> connection(
+      new Connection{endpoint, stop, {}, {}, OpenChannel(endpoint), {}, {}, {}});
   connection->jobs = proto::Jobs::NewStub(connection->channel);
   connection->blobs = proto::Blobs::NewStub(connection->channel);
-  auto reached = WaitForCoordinator(*connection->channel, *parsed, patience, stop, on_slow);
+  connection->access = proto::Access::NewStub(connection->channel);
+  auto reached = WaitForCoordinator(*connection->channel, endpoint, patience, stop, on_slow);
   if (!reached) return reached.error();
   proto::HealthAnswer health;
   auto asked = Call(*connection, &proto::Jobs::Stub::Health, proto::HealthRequest(), health,
@@ -194,8 +193,12 @@ Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const std:
     return Failed(
         fmt::format("{}: the coordinator has version {} (protocol {}) and this program version {} (protocol "
                     "{}); use the same version of both",
-                    address, CleanName(health.software_version()), health.protocol(), kSoftwareVersion,
-                    kProtocolVersion));
+                    endpoint.address.Text(), CleanName(health.software_version()), health.protocol(),
+                    kSoftwareVersion, kProtocolVersion));
+  }
+  if (endpoint.login) {
+    if (const auto renewed = RenewIfDue(*endpoint.login, connection->channel); !renewed)
+      PrintNote("tessera: warning: {}\n", renewed.error().message);
   }
   const auto farm = ReadFarmId(health.farm());
   if (!farm) return farm.error();

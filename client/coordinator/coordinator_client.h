@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "client/coordinator/packed_scene.h"
+#include "proto/membership.h"
 #include "proto/terms.h"
+#include "proto/wire/endpoint.h"
 #include "renderer/util/result.h"
 
 namespace grpc {
@@ -33,10 +35,9 @@ class CoordinatorClient {
   // call this before other processes of this user are started.
   static Result<void> StartThreads();
   using OnSlow = std::function<void(const std::string& reason)>;
-  // `address` is HOST:PORT or unix:PATH. Fails if no coordinator answers there within `patience` or if its
-  // version differs. If the answer takes longer than a moment, calls `on_slow`, if given, once with the
-  // reason.
-  static Result<std::unique_ptr<CoordinatorClient>> Connect(const std::string& address,
+  // Fails if no coordinator answers there within `patience` or if its version differs. If the answer takes
+  // longer than a moment, calls `on_slow`, if given, once with the reason.
+  static Result<std::unique_ptr<CoordinatorClient>> Connect(const Endpoint& endpoint,
                                                             std::chrono::milliseconds patience,
                                                             std::stop_token stop,
                                                             const OnSlow& on_slow = nullptr);
@@ -77,6 +78,13 @@ class CoordinatorClient {
   // Workers does.
   Result<std::vector<WorkerStatus>> Drain(const std::string& which, uint64_t& left_out);
   Result<std::vector<WorkerStatus>> Release(const std::string& which, uint64_t& left_out);
+  struct Access {
+    std::vector<TokenStatus> tokens;
+    std::vector<MemberStatus> members;
+  };
+  Result<Access> ListAccess();
+  // `which` is the name of some members or tokens, or the id of one. Returns those after the change.
+  Result<Access> Revoke(const std::string& which);
 
  private:
   struct Connection;

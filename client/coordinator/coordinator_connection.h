@@ -11,6 +11,7 @@
 #include <string>
 
 #include "client/coordinator/coordinator_client.h"
+#include "proto/access.grpc.pb.h"
 #include "proto/blobs.grpc.pb.h"
 #include "proto/jobs.grpc.pb.h"
 #include "proto/shell/backoff.h"
@@ -31,13 +32,14 @@ inline Backoff RetryWaits() {
 }
 
 struct CoordinatorClient::Connection {
-  Address address;
+  Endpoint endpoint;
   std::stop_token stop;
   FarmId farm;                            // that answered first; every later call is meant for it
   std::map<JobId, uint64_t> submissions;  // of the jobs that were submitted over this connection
   std::shared_ptr<grpc::Channel> channel;
   std::unique_ptr<proto::Jobs::Stub> jobs;
   std::unique_ptr<proto::Blobs::Stub> blobs;
+  std::unique_ptr<proto::Access::Stub> access;
 
   // The error of a call, `what`, that failed for good. If the coordinator does not answer, finds out why.
   Error ErrorOf(const grpc::Status& status, const std::string& what) const;

@@ -2,6 +2,7 @@
 
 #include "coordinator/core/byte_codec.h"
 #include "coordinator/core/job_codec.h"
+#include "coordinator/core/membership_codec.h"
 
 namespace tessera {
 namespace {
@@ -23,6 +24,11 @@ enum class Kind : uint32_t {
   kCoordinatorStarted = 24,
   kFrameFinished = 25,
   kVoteRecorded = 26,
+  kTokenIssued = 40,
+  kTokenRevoked = 41,
+  kMemberJoined = 42,
+  kMemberRenewed = 43,
+  kMemberRevoked = 44,
 };
 
 void Add(ByteWriter& out, const JobSubmitted& fact) {
@@ -110,6 +116,56 @@ void Add(ByteWriter& out, const UnitsCounted& fact) {
   out.Add64(fact.verified);
   out.Add64(fact.disputed);
   out.Add64(fact.suspect);
+}
+
+void Add(ByteWriter& out, const TokenIssued& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kTokenIssued));
+  AddToken(out, fact.token);
+}
+
+void Add(ByteWriter& out, const TokenRevoked& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kTokenRevoked));
+  AddDigest(out, fact.key);
+}
+
+void Add(ByteWriter& out, const MemberJoined& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kMemberJoined));
+  AddMember(out, fact.member);
+}
+
+void Add(ByteWriter& out, const MemberRenewed& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kMemberRenewed));
+  out.Add64(Number(fact.id));
+  out.Add64(static_cast<uint64_t>(fact.expires));
+}
+
+void Add(ByteWriter& out, const MemberRevoked& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kMemberRevoked));
+  out.Add64(Number(fact.id));
+}
+
+// Returns nullopt for facts that are not about members.
+std::optional<Fact> ReadMembershipFact(Kind kind, ByteReader& in) {
+  switch (kind) {
+    case Kind::kTokenIssued: {
+      TokenIssued fact;
+      return ReadToken(in, fact.token) ? std::optional<Fact>(std::move(fact)) : std::nullopt;
+    }
+    case Kind::kTokenRevoked: {
+      TokenRevoked fact;
+      return ReadDigest(in, fact.key) ? std::optional<Fact>(fact) : std::nullopt;
+    }
+    case Kind::kMemberJoined: {
+      MemberJoined fact;
+      return ReadMember(in, fact.member) ? std::optional<Fact>(std::move(fact)) : std::nullopt;
+    }
+    case Kind::kMemberRenewed: {
+      const MemberId id{in.Read64()};
+      return MemberRenewed{id, static_cast<UnixTime>(in.Read64())};
+    }
+    case Kind::kMemberRevoked: return MemberRevoked{MemberId{in.Read64()}};
+    default: return std::nullopt;
+  }
 }
 
 CoordinatorStarted ReadCoordinatorStarted(ByteReader& in) {
@@ -215,8 +271,8 @@ std::optional<Fact> ReadFact(ByteReader& in) {
       fact.suspect = in.Read64();
       return fact;
     }
+    default: return ReadMembershipFact(kind, in);
   }
-  return std::nullopt;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "coordinator/core/schedule/picture_file.h"
+#include "proto/membership.h"
 #include "proto/terms.h"
 #include "renderer/util/result.h"
 
@@ -90,9 +91,34 @@ struct UnitsCounted {
   uint64_t verified = 0, disputed = 0, suspect = 0;  // as in JobStatus
 };
 
+// An operator let somebody in, who has not joined yet. `revoked` is not part of this fact.
+struct TokenIssued {
+  TokenStatus token;
+};
+
+struct TokenRevoked {
+  Digest key{};
+};
+
+// Uses the token once. `revoked` is not part of this fact.
+struct MemberJoined {
+  MemberStatus member;
+};
+
+// The member has a new certificate.
+struct MemberRenewed {
+  MemberId id{};
+  UnixTime expires = 0;
+};
+
+struct MemberRevoked {
+  MemberId id{};
+};
+
 using Fact =
     std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended, JobsForgotten,
-                 FrameResumed, JobPaused, JobPriorityChanged, WorkerQuarantined, VoteRecorded, UnitsCounted>;
+                 FrameResumed, JobPaused, JobPriorityChanged, WorkerQuarantined, VoteRecorded, UnitsCounted,
+                 TokenIssued, TokenRevoked, MemberJoined, MemberRenewed, MemberRevoked>;
 
 // A 32-bit number of the kind, then its members in order (byte_codec.h), texts and lists preceded by a 64-bit
 // length. The meaning of a number never changes: a kind whose members change gets another number, and those

@@ -94,6 +94,10 @@ class Farm {
     return frames_.Preview(job, frame);
   }
 
+  // ---- Members (proto/access.proto) ----
+  MembershipLedger& membership() { return state_.membership; }
+  const MembershipLedger& membership() const { return state_.membership; }
+
   // ---- Files ----
   // Each picture of an output was either written or could not be; then it comes again in a later output.
   void PictureWritten(Instant now, FrameId frame, const PictureFile& file) {

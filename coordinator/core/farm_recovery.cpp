@@ -76,6 +76,11 @@ void FarmRecovery::Restore(const Fact& fact) {
               job.results.units_suspect = each.suspect;
             });
           },
+          [&](const TokenIssued& each) { state_.membership.Restore(each); },
+          [&](const TokenRevoked& each) { state_.membership.Restore(each); },
+          [&](const MemberJoined& each) { state_.membership.Restore(each); },
+          [&](const MemberRenewed& each) { state_.membership.Restore(each); },
+          [&](const MemberRevoked& each) { state_.membership.Restore(each); },
       },
       fact);
 }
@@ -241,6 +246,7 @@ std::vector<Fact> FarmRecovery::Snapshot() const {
     if (HasEnded(job.state)) facts.emplace_back(JobEnded{id, job.state, job.reason});
   }
   for (const WorkerBlock& block : state_.scheduler.Blocks()) facts.emplace_back(FactOf(block));
+  state_.membership.AppendSnapshot(facts);
   return facts;
 }
 

@@ -6,13 +6,18 @@
 #include "coordinator/core/farm_output.h"
 #include "coordinator/core/job_table.h"
 #include "coordinator/core/kept_sums.h"
+#include "coordinator/core/membership_ledger.h"
 #include "coordinator/core/schedule/scheduler.h"
 
 namespace tessera {
 
 struct FarmState {
   FarmState(SchedulerOptions options, uint64_t kept_bytes_max, FarmId farm)
-      : id(farm), epoch(options.epoch), scheduler(options), kept_sums(kept_bytes_max) {}
+      : id(farm),
+        epoch(options.epoch),
+        scheduler(options),
+        kept_sums(kept_bytes_max),
+        membership(output.facts) {}
 
   const FarmId id;
   uint32_t epoch;
@@ -21,6 +26,7 @@ struct FarmState {
   KeptSums kept_sums;
   std::string storage_reason;  // why the journal or the spool cannot be written now, or empty
   FarmOutput output;
+  MembershipLedger membership;
 };
 
 }  // namespace tessera

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "proto/membership.h"
 #include "renderer/util/digest.h"
 #include "renderer/util/result.h"
 
@@ -14,8 +15,6 @@ struct x509_st;  // OpenSSL's X509
 
 namespace tessera {
 
-// Seconds since 1970, UTC. Certificates are the only thing that depends on the time of day.
-using UnixTime = int64_t;
 UnixTime UnixNow();
 // As in "2026-11-29 04:56 UTC".
 std::string UnixTimeText(UnixTime time);

@@ -38,6 +38,14 @@ bool IsFarmName(const std::string& name) {
          name.find_first_not_of(kAllowed) == std::string::npos;
 }
 
+std::string FarmNameFor(std::string address) {
+  for (char& each : address) {
+    if (each != '.' && !IsFarmName(std::string(1, each))) each = '-';
+  }
+  address.erase(0, address.find_first_not_of("-."));
+  return IsFarmName(address) ? address : "farm";
+}
+
 Result<Login> LoginStore::Save(const std::string& farm, const std::string& address,
                                const IssuedIdentity& identity) const {
   if (!IsFarmName(farm)) {

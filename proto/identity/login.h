@@ -57,6 +57,8 @@ Result<Certificate> ReadIdentity(const Login& login);
 
 // Whether a farm may have this name here: letters, digits and ". _ -", at most 64, not beginning with a dot.
 bool IsFarmName(const std::string& name);
+// A name after an address: "10.0.0.5-7700".
+std::string FarmNameFor(std::string address);
 
 using ReadVariable = std::function<std::string(const char* variable)>;
 // Where people keep logins: $XDG_CONFIG_HOME/tessera/farms or ~/.config/tessera/farms.

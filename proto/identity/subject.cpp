@@ -17,6 +17,10 @@ std::string MemberIdText(MemberId id) {
   return fmt::format("{:016x}", Number(id));
 }
 
+std::string TokenIdText(const Digest& key) {
+  return key.Hex().substr(0, kIdDigits);
+}
+
 std::optional<MemberId> ParseMemberId(std::string_view text) {
   uint64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, 16);

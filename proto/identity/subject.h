@@ -1,5 +1,5 @@
 // Who a certificate stands for, as the URI in it.
-//   tessera:ROLE/ID     a member of the farm; the id is the serial number of the certificate
+//   tessera:ROLE/ID     a member of the farm (MemberId)
 //   tessera:token/KEY   the holder of a join token; KEY is the digest of the token's key
 // The farm is not named: its authority signs for this farm alone.
 #pragma once
@@ -9,16 +9,11 @@
 #include <string>
 #include <string_view>
 
+#include "proto/membership.h"
 #include "proto/roles.h"
 #include "renderer/util/digest.h"
 
 namespace tessera {
-
-// Names the certificate of a member; random, never 0.
-enum class MemberId : uint64_t {};
-constexpr uint64_t Number(MemberId id) {
-  return static_cast<uint64_t>(id);
-}
 
 struct Subject {
   std::optional<Role> role;  // of a member
@@ -32,8 +27,9 @@ struct Subject {
   static std::optional<Subject> Parse(std::string_view uri);
 };
 
-// 16 hexadecimal digits.
+// 16 hexadecimal digits. Those of a token are the first of its key's digest.
 std::string MemberIdText(MemberId id);
+std::string TokenIdText(const Digest& key);
 std::optional<MemberId> ParseMemberId(std::string_view text);
 
 // A name in the certificate of every coordinator. Clients of a farm trust its own authority alone, so they

@@ -10,7 +10,10 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/channel_arguments.h>
 
+#include "proto/identity/subject.h"
 #include "proto/terms.h"
+#include "proto/wire/endpoint.h"
+#include "proto/wire/tls_credentials.h"
 #include "renderer/text/unicode.h"
 #include "renderer/util/cores.h"
 #include "renderer/util/threads.h"
@@ -77,7 +80,20 @@ Result<void> StartGrpc() {
   return {};
 }
 
+std::shared_ptr<grpc::Channel> OpenChannel(const Endpoint& endpoint) {
+  if (!endpoint.login) return OpenChannel(endpoint.target);
+  KeepGrpcRunning();
+  return OpenChannel(endpoint.target,
+                     TlsClientCredentials(endpoint.login->AuthorityPath(), endpoint.login->IdentityPath()));
+}
+
 std::shared_ptr<grpc::Channel> OpenChannel(const Address& address) {
+  KeepGrpcRunning();
+  return OpenChannel(address, grpc::InsecureChannelCredentials());
+}
+
+std::shared_ptr<grpc::Channel> OpenChannel(const Address& address,
+                                           const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
   KeepGrpcRunning();
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(static_cast<int>(kMessageBytesMax));
@@ -91,7 +107,8 @@ std::shared_ptr<grpc::Channel> OpenChannel(const Address& address) {
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   // Two channels of one process are two connections: the bulk data of a worker does not delay its state.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  return grpc::CreateCustomChannel(address.Target(), grpc::InsecureChannelCredentials(), arguments);
+  arguments.SetSslTargetNameOverride(kCoordinatorName);
+  return grpc::CreateCustomChannel(address.Target(), credentials, arguments);
 }
 
 void ConfigureServer(grpc::ServerBuilder& builder) {

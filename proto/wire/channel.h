@@ -11,6 +11,7 @@
 
 namespace grpc {
 class Channel;
+class ChannelCredentials;
 class ClientContext;
 class ServerBuilder;
 class ServerContextBase;
@@ -19,6 +20,8 @@ class Status;
 
 namespace tessera {
 
+struct Endpoint;
+
 // Starts gRPC and the threads that it always has, or fails if the system grants too few. Once started, gRPC
 // runs until the process ends. OpenChannel and ConfigureServer start it too, but cannot fail: call this first
 // where other processes may take the threads that the system grants.
@@ -26,7 +29,12 @@ Result<void> StartGrpc();
 
 // A connection that is made when it is first used and, with back-off, made again whenever it breaks. Never
 // fails: calls on it return UNAVAILABLE while there is no coordinator. Thread safe.
+std::shared_ptr<grpc::Channel> OpenChannel(const Endpoint& endpoint);
+// The same in plain text.
 std::shared_ptr<grpc::Channel> OpenChannel(const Address& address);
+// The same with these credentials.
+std::shared_ptr<grpc::Channel> OpenChannel(const Address& address,
+                                           const std::shared_ptr<grpc::ChannelCredentials>& credentials);
 
 // Message limits and keepalive of a server whose clients use OpenChannel.
 void ConfigureServer(grpc::ServerBuilder& builder);

@@ -9,12 +9,20 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <condition_variable>
 #include <cstring>
+#include <functional>
 #include <mutex>
 #include <system_error>
 #include <thread>
+
+#include "proto/identity/private_file.h"
+#include "proto/identity/private_key.h"
+#include "proto/identity/subject.h"
+#include "proto/identity/tls_probe.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {
@@ -26,6 +34,8 @@ constexpr std::chrono::milliseconds kConnectPatience{3000};
 constexpr std::chrono::milliseconds kGreetingPatience{2000};
 // For name servers in addition, before the check is given up.
 constexpr std::chrono::milliseconds kResolvePatience{5000};
+// A local socket, its address in plain text and with TLS.
+constexpr int kConnectionsMax = 3;
 
 // What a client sends first (RFC 9113, 3.4): the preface and a SETTINGS frame without settings.
 constexpr char kGreeting[] = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0";
@@ -136,7 +146,8 @@ std::string ResolveError(int error, const std::string& host) {
   }
 }
 
-Reachability CheckTcp(const Address& address) {
+// Connects and calls `greet` with the connection.
+Reachability CheckTcp(const Address& address, const std::function<Reachability(const Socket&)>& greet) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
@@ -149,12 +160,107 @@ Reachability CheckTcp(const Address& address) {
   for (const addrinfo* each = found; each != nullptr && Clock::now() < deadline; each = each->ai_next) {
     const Socket socket(each->ai_family);
     error = Connect(socket, each->ai_addr, each->ai_addrlen, deadline);
-    if (error == 0) return Greet(socket);
+    if (error == 0) return greet(socket);
   }
   return {false, ConnectError(error, address)};
 }
 
+// Whether the certificate is one of a coordinator, of whatever farm.
+bool IsCoordinator(const std::vector<Certificate>& chain) {
+  if (chain.empty()) return false;
+  const std::vector<std::string> names = chain.front().HostNames();
+  return std::ranges::find(names, kCoordinatorName) != names.end();
+}
+
+std::string WhyNotTrusted(const std::vector<Certificate>& chain, const Login& login) {
+  if (!IsCoordinator(chain)) return kNotCoordinator;
+  const auto pem = ReadFile(login.AuthorityPath(), kPemBytesMax);
+  if (!pem) return pem.error().message;
+  const auto authorities = Certificate::ChainFromPem(*pem, login.AuthorityPath());
+  if (!authorities) return authorities.error().message;
+  switch (CheckCertificate(chain, *authorities, CertificatePurpose::kServer, UnixNow())) {
+    case CertificateVerdict::kGood: return {};
+    case CertificateVerdict::kExpired:
+    case CertificateVerdict::kNotYetValid:
+      return fmt::format(
+          "the certificate of the coordinator is valid from {} to {}: restart the coordinator, or correct "
+          "the clock of "
+          "this machine",
+          UnixTimeText(chain.front().NotBefore()), UnixTimeText(chain.front().NotAfter()));
+    default:
+      return fmt::format(
+          "the coordinator there is not one of the farm that the login \"{}\" is for (its authority has the "
+          "fingerprint "
+          "{}); join again with a token of it if it has replaced that farm",
+          login.farm, chain.back().Fingerprint().Hex());
+  }
+}
+
+// What a login lacks, as far as this machine can tell.
+std::string WhyNotUsable(const Login& login) {
+  const auto own = ReadIdentity(login);
+  if (!own) return own.error().message;
+  if (own->NotAfter() > UnixNow()) return {};
+  return fmt::format("the certificate of the login \"{}\" expired on {}; join again with a new token",
+                     login.farm, UnixTimeText(own->NotAfter()));
+}
+
+Reachability GreetTls(const Socket& socket, const Login& login) {
+  const auto deadline = Clock::now() + kGreetingPatience;
+  const auto identity = ReadPrivateFile(login.IdentityPath());
+  if (!identity) return {false, identity.error().message};
+  TlsProbe probe(socket.fd(), *identity);
+  if (const auto done = probe.Handshake(deadline); !done)
+    return {false,
+            fmt::format("the TLS handshake failed ({}); is it a Tessera coordinator?", done.error().message)};
+  if (std::string why = WhyNotTrusted(probe.PeerChain(), login); !why.empty()) return {false, std::move(why)};
+  const auto answer = probe.Exchange({kGreeting, kGreetingBytes}, kFrameHeaderBytes, deadline);
+  if (answer) return {true, {}};
+  if (std::string why = WhyNotUsable(login); !why.empty()) return {false, std::move(why)};
+  return {false,
+          fmt::format("the coordinator does not accept the certificate of the login \"{}\" ({}); join again "
+                      "with a new token",
+                      login.farm, answer.error().message)};
+}
+
+// Nobody listens on the local socket of the address: finds out who listens on the address itself.
+Reachability CheckForeign(const Address& address) {
+  const Reachability found = CheckTcp(address, Greet);
+  if (found.speaks_http2) {
+    return {false,
+            "the coordinator there was started with --insecure; add --insecure here too if that is wanted"};
+  }
+  const auto chain = FetchCertificates(address);
+  if (!chain || !IsCoordinator(*chain)) return found;
+  return {false,
+          "the coordinator there belongs to another user or machine, and there is no login for it; ask its "
+          "operator "
+          "for a token and join with it"};
+}
+
+Reachability CheckEndpoint(const Endpoint& endpoint) {
+  if (endpoint.login)
+    return CheckTcp(endpoint.address,
+                    [&](const Socket& socket) { return GreetTls(socket, *endpoint.login); });
+  if (endpoint.target.kind == Address::Kind::kTcp) return CheckTcp(endpoint.target, Greet);
+  const Reachability found = CheckUnix(endpoint.target);
+  return found.speaks_http2 || !endpoint.IsLocalSocket() ? found : CheckForeign(endpoint.address);
+}
+
 }  // namespace
+
+Result<std::vector<Certificate>> FetchCertificates(const Address& address) {
+  std::vector<Certificate> chain;
+  const Reachability found = CheckTcp(address, [&](const Socket& socket) -> Reachability {
+    TlsProbe probe(socket.fd(), "");
+    const auto done = probe.Handshake(Clock::now() + kGreetingPatience);
+    if (!done) return {false, fmt::format("the TLS handshake failed ({})", done.error().message)};
+    chain = probe.PeerChain();
+    return {true, {}};
+  });
+  if (chain.empty()) return Failed(found.reason);
+  return chain;
+}
 
 struct ReachabilityCheck::Shared {
   std::mutex mutex;
@@ -162,10 +268,10 @@ struct ReachabilityCheck::Shared {
   std::optional<Reachability> result;
 };
 
-ReachabilityCheck::ReachabilityCheck(const Address& address) : shared_(std::make_shared<Shared>()) {
+ReachabilityCheck::ReachabilityCheck(const Endpoint& endpoint) : shared_(std::make_shared<Shared>()) {
   try {
-    std::thread([address, shared = shared_] {
-      Reachability result = address.kind == Address::Kind::kUnix ? CheckUnix(address) : CheckTcp(address);
+    std::thread([endpoint, shared = shared_] {
+      Reachability result = CheckEndpoint(endpoint);
       const std::lock_guard lock(shared->mutex);
       shared->result = std::move(result);
       shared->ended.notify_all();
@@ -182,9 +288,9 @@ std::optional<Reachability> ReachabilityCheck::Await(std::chrono::milliseconds p
   return shared_->result;
 }
 
-Reachability CheckReachability(const Address& address, std::stop_token stop) {
-  constexpr auto kPatience = kResolvePatience + kConnectPatience + kGreetingPatience;
-  const auto result = ReachabilityCheck(address).Await(kPatience, std::move(stop));
+Reachability CheckReachability(const Endpoint& endpoint, std::stop_token stop) {
+  constexpr auto kPatience = kResolvePatience + kConnectionsMax * (kConnectPatience + kGreetingPatience);
+  const auto result = ReachabilityCheck(endpoint).Await(kPatience, std::move(stop));
   return result.value_or(Reachability{false, "timed out: no name server answers"});
 }
 

@@ -7,8 +7,11 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <vector>
 
-#include "proto/wire/address.h"
+#include "proto/identity/certificate.h"
+#include "proto/wire/endpoint.h"
+#include "renderer/util/result.h"
 
 namespace grpc {
 class Status;
@@ -16,7 +19,7 @@ class Status;
 
 namespace tessera {
 
-// What was found out about an address.
+// What was found out about an endpoint.
 struct Reachability {
   // Whether a server there speaks the protocol below gRPC: then the reason is in the answer to a call.
   bool speaks_http2 = false;
@@ -25,11 +28,12 @@ struct Reachability {
   std::string reason;
 };
 
-// Resolves, connects and exchanges the first bytes of HTTP/2, on a thread of its own, which may outlive this
-// object: a name server that does not answer cannot be interrupted. Not thread safe.
+// Resolves, connects, shows the certificate of a login and exchanges the first bytes of HTTP/2, on a thread
+// of its own, which may outlive this object: a name server that does not answer cannot be interrupted. Not
+// thread safe.
 class ReachabilityCheck {
  public:
-  explicit ReachabilityCheck(const Address& address);
+  explicit ReachabilityCheck(const Endpoint& endpoint);
   // Waits for the result, at most for `patience` or until a stop is requested.
   std::optional<Reachability> Await(std::chrono::milliseconds patience, std::stop_token stop = {});
 
@@ -39,7 +43,11 @@ class ReachabilityCheck {
 };
 
 // The result of a check that is given enough time to end.
-Reachability CheckReachability(const Address& address, std::stop_token stop = {});
+Reachability CheckReachability(const Endpoint& endpoint, std::stop_token stop = {});
+
+// The certificates that the coordinator at a TCP address shows, its own first. Nothing about them is
+// verified.
+Result<std::vector<Certificate>> FetchCertificates(const Address& address);
 
 // Why a call failed with `status`, according to what was found out about the address.
 std::string DescribeOutage(const Reachability& found, const grpc::Status& status);

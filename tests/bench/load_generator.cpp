@@ -100,7 +100,7 @@ LoadCounts Since(const LoadCounts& then, const LoadCounts& now) {
 void Measure(const Plan& plan, int connections) {
   const Folder folder;
   Process coordinator(folder.path(), "tessera-coordinator",
-                      {"--listen", "127.0.0.1:0", "--data-dir", folder.path() + "/data"});
+                      {"--listen", "127.0.0.1:0", "--insecure", "--data-dir", folder.path() + "/data"});
   const std::string address = AwaitAddress(coordinator);
   const double idle_megabytes = UsageOf(coordinator.pid()).megabytes;
   Submit(plan, folder.path(), address);

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <set>
 
+#include "proto/access.pb.h"
 #include "tests/coordinator/services_fixture.h"
 
 namespace tessera {
@@ -17,8 +18,9 @@ namespace {
 // "SERVICE.METHOD" of everything that the .proto files define.
 std::vector<const google::protobuf::MethodDescriptor*> AllMethods() {
   std::vector<const google::protobuf::MethodDescriptor*> methods;
-  for (const auto* file : {proto::JobSpec::descriptor()->file(), proto::WorkerState::descriptor()->file(),
-                           proto::UploadChunk::descriptor()->file()}) {
+  for (const auto* file :
+       {proto::JobSpec::descriptor()->file(), proto::WorkerState::descriptor()->file(),
+        proto::UploadChunk::descriptor()->file(), proto::JoinRequest::descriptor()->file()}) {
     for (int i = 0; i < file->service_count(); ++i) {
       for (int j = 0; j < file->service(i)->method_count(); ++j)
         methods.push_back(file->service(i)->method(j));

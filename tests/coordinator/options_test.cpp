@@ -24,15 +24,23 @@ TEST(CoordinatorOptions, ListensOnEveryAddressGiven) {
   EXPECT_EQ(options->attempts_max, 3);
 }
 
-TEST(CoordinatorOptions, OpenAddressesNeedInsecure) {
-  const auto refused = Parse({"--listen", "0.0.0.0:80", "--data-dir", "/d"});
+TEST(CoordinatorOptions, PlainTextIsForAddressesOfThisMachineAlone) {
+  EXPECT_TRUE(Parse({"--listen", "0.0.0.0:80", "--data-dir", "/d"}));
+  EXPECT_TRUE(Parse({"--listen", "127.0.0.1:80", "--data-dir", "/d", "--insecure"}));
+  const auto refused = Parse({"--listen", "0.0.0.0:80", "--data-dir", "/d", "--insecure"});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kBadInput);
-  EXPECT_THAT(refused.error().message, HasSubstr("--insecure"));
-  EXPECT_TRUE(Parse({"--listen", "0.0.0.0:80", "--data-dir", "/d", "--insecure"}));
+  EXPECT_THAT(refused.error().message, HasSubstr("--insecure is for addresses of this machine"));
 }
 
-TEST(CoordinatorOptions, TheStatusPageIsLocalUnlessInsecure) {
+TEST(CoordinatorOptions, NamesForOthersMayBeRepeated) {
+  const auto options = Parse({"--listen", "0.0.0.0:80", "--data-dir", "/d", "--name-or-address",
+                              "farm.example", "--name-or-address", "10.0.0.5"});
+  ASSERT_TRUE(options) << options.error().message;
+  EXPECT_EQ(options->names, (std::vector<std::string>{"farm.example", "10.0.0.5"}));
+}
+
+TEST(CoordinatorOptions, TheStatusPageIsLocal) {
   const auto options = Parse(
       {"--listen", "unix:/s", "--data-dir", "/d", "--http", "127.0.0.1:8080", "--http-name", "farm.example"});
   ASSERT_TRUE(options) << options.error().message;

@@ -28,7 +28,7 @@ constexpr milliseconds kPatience{20'000};
 class Services : public testing::Test {
  protected:
   // The coordinator has run before, so results of leases that are not known to it may be its own.
-  explicit Services(AccessPolicy policy = AdmitEveryone) {
+  explicit Services(AccessPolicy policy = AdmitByRole) {
     Start(policy);
     coordinator.reset();
     Start(std::move(policy));
@@ -41,7 +41,7 @@ class Services : public testing::Test {
     return options;
   }
   // Starts the coordinator and connects to it.
-  void Start(AccessPolicy policy = AdmitEveryone) {
+  void Start(AccessPolicy policy = AdmitByRole) {
     coordinator = std::move(*Coordinator::Start(OptionsOf(current_dir), std::move(policy)));
     channel = OpenChannel(coordinator->addresses().front());
     jobs = proto::Jobs::NewStub(channel);

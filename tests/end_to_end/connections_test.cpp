@@ -93,7 +93,7 @@ TEST_F(ManyConnections, TheCoordinatorRaisesItsDescriptorLimitAndServesThemAll) 
   constexpr int kAll = kWorkers * kConnectionsPerWorker + kSilent;
   if (limit_.rlim_max < 2 * kAll) GTEST_SKIP() << "the hard limit of descriptors is too low";
   SetOwnLimit(kDescriptors);
-  StartCoordinator();
+  StartCoordinator({"--insecure"});
   SetOwnLimit(limit_.rlim_max);
   Connections connections(address());
   OpenMany(connections);
@@ -104,7 +104,7 @@ TEST_F(ManyConnections, TheCoordinatorRaisesItsDescriptorLimitAndServesThemAll) 
 }
 
 TEST_F(ManyConnections, BeyondTheLimitAreRefusedAndWorkersJoinAgainWhenTheyAreClosed) {
-  StartCoordinator();
+  StartCoordinator({"--insecure"});
   const rlimit limit{kDescriptors, kDescriptors};
   ASSERT_EQ(::prlimit(coordinator().pid(), RLIMIT_NOFILE, &limit, nullptr), 0);
   StartWorker("early");
@@ -122,7 +122,7 @@ TEST_F(ManyConnections, BeyondTheLimitAreRefusedAndWorkersJoinAgainWhenTheyAreCl
 
 // Without any descriptor left, accepting starts again as soon as there are some.
 TEST_F(ManyConnections, AfterDescriptorsRanOutConnectionsAreAcceptedAgain) {
-  StartCoordinator();
+  StartCoordinator({"--insecure"});
   StartWorker("early");
   ASSERT_TRUE(Joins("early", kProcessPatience));
   rlimit before{};

@@ -99,9 +99,9 @@ TEST_F(Errors, AnUnreachableCoordinatorIsAFailureNotBadInput) {
   EXPECT_THAT(outcome.errors, HasSubstr(address() + ": no coordinator answered within 2 s"));
 }
 
-TEST_F(Errors, ACoordinatorRefusesPublicAddressesWithoutInsecure) {
-  const Outcome outcome =
-      RunProgram(folder(), "tessera-coordinator", {"--listen", "0.0.0.0:0", "--data-dir", Path("data")});
+TEST_F(Errors, ACoordinatorRefusesPlainTextOnPublicAddresses) {
+  const Outcome outcome = RunProgram(folder(), "tessera-coordinator",
+                                     {"--listen", "0.0.0.0:0", "--insecure", "--data-dir", Path("data")});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.errors, HasSubstr("--insecure"));
 }

@@ -56,10 +56,11 @@ std::string EndToEnd::Oracle(const std::string& scene, std::vector<std::string> 
   return Bytes("oracle.exr");
 }
 
-void EndToEnd::StartCoordinator() {
+void EndToEnd::StartCoordinator(const std::vector<std::string>& options) {
   coordinator_.reset();
-  coordinator_.emplace(folder_, "tessera-coordinator",
-                       std::vector<std::string>{"--listen", address_, "--data-dir", Path("data")});
+  std::vector<std::string> arguments{"--listen", address_, "--data-dir", Path("data")};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  coordinator_.emplace(folder_, "tessera-coordinator", arguments);
   const std::string words = "listening on ";
   Require(coordinator_->AwaitErrors(words), "the coordinator does not listen: " + coordinator_->Errors());
   const std::string log = coordinator_->Errors();
@@ -68,8 +69,12 @@ void EndToEnd::StartCoordinator() {
 }
 
 Process& EndToEnd::StartWorker(const std::string& name, int threads, std::vector<std::string> options) {
-  options.insert(options.end(), {"--coordinator", address_, "--threads", std::to_string(threads),
-                                 "--cache-dir", Path("cache-" + name), "--name", name});
+  options.insert(options.end(), {"--coordinator", address_, "--threads", std::to_string(threads)});
+  return StartUnaddressedWorker(name, std::move(options));
+}
+
+Process& EndToEnd::StartUnaddressedWorker(const std::string& name, std::vector<std::string> options) {
+  options.insert(options.end(), {"--cache-dir", Path("cache-" + name), "--name", name});
   workers_.emplace_back(folder_, "tessera-worker", std::move(options));
   return workers_.back();
 }

@@ -31,11 +31,14 @@ class EndToEnd : public testing::Test {
   // Renders in one process, as the reference. Returns the bytes of the EXR.
   std::string Oracle(const std::string& scene, std::vector<std::string> options);
 
-  // Starts a coordinator on a free port of this machine, or restarts it on the port that it had.
-  void StartCoordinator();
+  // Starts a coordinator on a free port of this machine, or restarts it on the port that it had. Programs of
+  // the test reach it through its local socket.
+  void StartCoordinator(const std::vector<std::string>& options = {});
   Process& coordinator() { return *coordinator_; }
   const std::string& address() const { return address_; }
   Process& StartWorker(const std::string& name, int threads = 1, std::vector<std::string> options = {});
+  // A worker that is not given the address of the coordinator.
+  Process& StartUnaddressedWorker(const std::string& name, std::vector<std::string> options);
   // `tessera COMMAND ... --coordinator ADDRESS`
   Outcome Ask(std::vector<std::string> arguments) const;
   // Submits a scene and returns the job id as printed.

@@ -20,7 +20,7 @@ namespace {
 
 class HostileMessages : public EndToEnd {
  protected:
-  HostileMessages() { StartCoordinator(); }
+  HostileMessages() { StartCoordinator({"--insecure"}); }
   ~HostileMessages() override {
     EXPECT_LT(PeakBytes(coordinator().pid()), kPeakBytesMax);
     std::cout << "peak: " << (PeakBytes(coordinator().pid()) >> 20) << " MB\n";

@@ -5,6 +5,8 @@
 
 #include <thread>
 
+#include "proto/identity/authority.h"
+#include "proto/identity/login.h"
 #include "tests/end_to_end/farm_fixture.h"
 #include "tests/listening_socket.h"
 
@@ -46,7 +48,8 @@ class WebServer {
 
 class Unreachable : public EndToEnd {
  protected:
-  // A worker and a command at this address both give this reason within some seconds.
+  // A worker and a command at this address both give this reason within some seconds. A login that was made
+  // up lets them try other machines.
   void ExpectReason(const std::string& where, const std::string& reason) {
     Process worker(folder(), "tessera-worker",
                    {"--coordinator", where, "--threads", "1", "--cache-dir", Path("cache")});
@@ -62,6 +65,18 @@ class Unreachable : public EndToEnd {
 };
 
 TEST_F(Unreachable, AnUnknownHostIsNamed) {
+  // A login lets both try another machine.
+  const Authority authority = Authority::Make("farm", UnixNow());
+  CertificateTerms terms;
+  terms.lifetime = std::chrono::hours(1);
+  terms.serial = 7;
+  const PrivateKey key = PrivateKey::Generate();
+  const IssuedIdentity identity{key, authority.Issue(key, terms, UnixNow()).Pem(),
+                                authority.certificate().Pem()};
+  for (const char* store : {"state/tessera/worker/farms", "config/tessera/farms"}) {
+    const auto saved = LoginStore(Path(store)).Save("studio", "no-such-host.invalid:7700", identity);
+    ASSERT_TRUE(saved) << saved.error().message;
+  }
   ExpectReason("no-such-host.invalid:7700", "the host name");
 }
 

@@ -86,16 +86,20 @@ TEST(SceneFlags, LeaveTheDefaultsOfWhatIsNotGiven) {
   EXPECT_EQ(options.fps, kFramesPerSecondDefault);
 }
 
-TEST(ConnectionFlags, HaveDefaultsThatTheFlagsReplace) {
+TEST(ConnectionFlags, ComeFromTheEnvironmentUnlessTheyAreGiven) {
   ::unsetenv("TESSERA_COORDINATOR");
-  EXPECT_EQ(Parsed(AddConnectionFlags, "").coordinator, "127.0.0.1:7700");
+  EXPECT_EQ(Parsed(AddConnectionFlags, "").farm.coordinator, "");
   EXPECT_EQ(Parsed(AddConnectionFlags, "").patience, kPatienceDefault);
   ::setenv("TESSERA_COORDINATOR", "unix:/farm", 1);
-  EXPECT_EQ(Parsed(AddConnectionFlags, "").coordinator, "unix:/farm");
-  EXPECT_EQ(Parsed(AddConnectionFlags, {"--coordinator", ""}).coordinator, "unix:/farm");
-  EXPECT_EQ(Parsed(AddConnectionFlags, "--coordinator farm:99").coordinator, "farm:99");
+  EXPECT_EQ(Parsed(AddConnectionFlags, "").farm.coordinator, "unix:/farm");
+  EXPECT_EQ(Parsed(AddConnectionFlags, "--coordinator farm:99").farm.coordinator, "farm:99");
   ::unsetenv("TESSERA_COORDINATOR");
+  ::setenv("TESSERA_FARM", "studio", 1);
+  EXPECT_EQ(Parsed(AddConnectionFlags, "").farm.farm, "studio");
+  EXPECT_EQ(Parsed(AddConnectionFlags, "--farm home").farm.farm, "home");
+  ::unsetenv("TESSERA_FARM");
   EXPECT_EQ(Parsed(AddConnectionFlags, "--patience 3").patience, std::chrono::seconds(3));
+  EXPECT_TRUE(Parsed(AddConnectionFlags, "--insecure").farm.insecure);
 }
 
 TEST(VerifyFlag, IsAPercentageWithOrWithoutItsSign) {

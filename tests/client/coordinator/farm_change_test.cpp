@@ -24,7 +24,8 @@ class FarmChange : public Services {
  protected:
   FarmChange() { client_ = NewClient(); }
   std::unique_ptr<CoordinatorClient> NewClient() {
-    auto client = CoordinatorClient::Connect("unix:" + (folder / "socket"), kPatience, {});
+    auto client =
+        CoordinatorClient::Connect(*ParseAddress("unix:" + (folder / "socket"), "test"), kPatience, {});
     EXPECT_TRUE(client) << client.error().message;
     return std::move(*client);
   }

@@ -103,6 +103,12 @@ TEST_F(Logins, NamesOfFarmsCannotLeaveTheFolder) {
   EXPECT_TRUE(IsFarmName("studio-2.example"));
 }
 
+TEST_F(Logins, AnAddressCanNameAFarm) {
+  EXPECT_EQ(FarmNameFor("10.0.0.5:7700"), "10.0.0.5-7700");
+  EXPECT_EQ(FarmNameFor("[fe80::1]:7700"), "fe80--1--7700");
+  EXPECT_EQ(FarmNameFor(std::string(300, 'a') + ":1"), "farm");
+}
+
 TEST_F(Logins, AFolderThatIsALinkIsRefused) {
   std::filesystem::create_directory(folder_ + "/target");
   std::filesystem::create_symlink(folder_ + "/target", folder_ + "/link");

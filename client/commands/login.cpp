@@ -1,0 +1,53 @@
+// tessera login
+#include <fmt/format.h>
+
+#include "client/commands/commands.h"
+#include "client/coordinator/farm_choice.h"
+#include "proto/shell/console.h"
+#include "proto/shell/flags.h"
+
+namespace tessera {
+namespace {
+
+struct LoginOptions {
+  std::string token;
+  std::string farm;  // its name here; empty: its address
+  std::string name;  // of this person; empty: the name of the account
+};
+
+void AddLoginFlags(CLI::App& app, LoginOptions& options) {
+  AddText(app, "TOKEN", "", "The word that tessera-coordinator token printed", options.token,
+          Presence::kRequired);
+  AddText(app, "--farm", "NAME",
+          WithDefault("Name of this login, for --farm of other commands", "the address"), options.farm);
+  AddText(app, "--name", "NAME",
+          WithDefault("How the farm should call you, unless the token names you", "the name of your account"),
+          options.name);
+}
+
+Result<void> CheckLogin(const LoginOptions& options) {
+  if (options.farm.empty() || IsFarmName(options.farm)) return {};
+  return BadInput(fmt::format("--farm {}: use letters, digits and \". _ -\"", options.farm));
+}
+
+Result<int> RunLogin(const LoginOptions& options, Cancellation&) {
+  const auto done = LogIn(options.token, options.farm, options.name);
+  if (!done) return done.error();
+  PrintNote("logged in to {} as {}; kept as \"{}\" in {}\n", done->login.address, done->member,
+            done->login.farm, done->login.folder);
+  return 0;
+}
+
+}  // namespace
+
+Command LoginCommand() {
+  return MakeCommand<LoginOptions>({
+      .name = "login",
+      .summary = "Join a farm with a token of its operator",
+      .add_flags = AddLoginFlags,
+      .check = CheckLogin,
+      .run = RunLogin,
+  });
+}
+
+}  // namespace tessera

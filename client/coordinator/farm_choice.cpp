@@ -1,0 +1,62 @@
+#include "client/coordinator/farm_choice.h"
+
+#include <fmt/format.h>
+#include <pwd.h>
+#include <unistd.h>
+
+#include "proto/identity/join_token.h"
+#include "proto/shell/program.h"
+#include "proto/wire/local_socket.h"
+#include "proto/wire/membership_calls.h"
+
+namespace tessera {
+namespace {
+
+LoginStore PersonalLogins() {
+  return LoginStore(PersonalLoginFolder(Environment));
+}
+
+Error NoSuchLogin(const std::string& farm, const LoginStore& store) {
+  std::string known;
+  for (const Login& each : store.List()) known += fmt::format("{}{}", known.empty() ? "" : ", ", each.farm);
+  return BadInput(
+      fmt::format("--farm {}: there is no login of this name ({}); run: tessera login TOKEN --farm {}", farm,
+                  known.empty() ? "there is none at all" : "there are: " + known, farm));
+}
+
+std::string AccountName() {
+  const passwd* const account = ::getpwuid(::geteuid());
+  return account != nullptr ? account->pw_name : "";
+}
+
+}  // namespace
+
+Result<Endpoint> ChooseFarm(const FarmChoice& choice) {
+  const LoginStore store = PersonalLogins();
+  if (!choice.farm.empty()) {
+    const auto login = store.Find(choice.farm);
+    if (!login) return NoSuchLogin(choice.farm, store);
+    return EndpointOf(*login);
+  }
+  if (choice.coordinator.empty() && !choice.insecure) {
+    if (const auto last = store.Default()) return EndpointOf(*last);
+  }
+  const auto address =
+      ParseAddress(choice.coordinator.empty() ? kCoordinatorDefault : choice.coordinator, "--coordinator");
+  if (!address) return address.error();
+  return ChooseEndpoint(*address,
+                        {choice.insecure, store, LocalSocketFolder(Environment), "run: tessera login TOKEN"});
+}
+
+Result<NewLogin> LogIn(const std::string& token, const std::string& farm, const std::string& name) {
+  const auto parsed = JoinToken::Parse(token);
+  if (!parsed) return parsed.error();
+  const auto joined = JoinFarm(*parsed, name.empty() ? AccountName() : name);
+  if (!joined) return joined.error();
+  auto login = PersonalLogins().Save(farm.empty() ? FarmNameFor(parsed->address) : farm, parsed->address,
+                                     joined->identity);
+  if (!login) return login.error();
+  return NewLogin{std::move(*login), fmt::format("{} \"{}\"", RoleName(joined->role), joined->name)};
+}
+
+}  // namespace tessera

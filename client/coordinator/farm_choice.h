@@ -1,0 +1,33 @@
+// Which farm a command works with, and how this user becomes a member of one.
+#pragma once
+
+#include <string>
+
+#include "proto/identity/login.h"
+#include "proto/wire/endpoint.h"
+#include "renderer/util/result.h"
+
+namespace tessera {
+
+// If neither an address nor a login is known.
+constexpr const char* kCoordinatorDefault = "127.0.0.1:7700";
+
+// What the user said of it. Everything may be empty.
+struct FarmChoice {
+  std::string coordinator;  // HOST:PORT or unix:PATH
+  std::string farm;         // name of a login
+  bool insecure = false;    // plain text to an address of this machine
+};
+
+// The login that is named, the address that is named, the last login or the default address, in this order.
+Result<Endpoint> ChooseFarm(const FarmChoice& choice);
+
+struct NewLogin {
+  Login login;
+  std::string member;  // "user "ada""
+};
+// Joins the farm of a token and keeps the login as `farm`. Empty: named after the address. `name` is how the
+// farm should call this user, unless the token says it. Empty: the name of the account.
+Result<NewLogin> LogIn(const std::string& token, const std::string& farm, const std::string& name);
+
+}  // namespace tessera

@@ -1,0 +1,192 @@
+#include "coordinator/access_service.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "coordinator/message_guard.h"
+#include "proto/identity/subject.h"
+#include "proto/shell/system.h"
+#include "proto/wire/convert.h"
+#include "proto/wire/convert_access.h"
+#include "renderer/text/unicode.h"
+
+namespace tessera {
+namespace {
+
+UnixTime MemberExpiry(UnixTime now) {
+  return now + std::chrono::seconds(kMemberLifetime).count();
+}
+
+grpc::Status NoAuthority() {
+  return {grpc::StatusCode::FAILED_PRECONDITION,
+          "nobody can join this coordinator: it listens on no TCP address, or was started with --insecure"};
+}
+
+// What changes the membership, for the audit: who did what, from where.
+void LogChange(const char* event, const Principal& caller, const std::string& details) {
+  spdlog::info("{} by={} peer={} {}", event, LogText(caller.Text()), LogText(caller.peer), details);
+}
+
+std::string MemberLog(const MemberStatus& member) {
+  return fmt::format("member={} role={} name={}", MemberIdText(member.id), RoleName(member.role),
+                     LogText(member.name));
+}
+
+std::string TokenLog(const TokenStatus& token) {
+  return fmt::format("token={} role={} name={}", TokenIdText(token.key), RoleName(token.role),
+                     LogText(token.name));
+}
+
+bool IsMeant(const std::string& which, const std::string& id, const std::string& name) {
+  return !which.empty() && (which == id || which == name);
+}
+
+// Revokes what `which` means and lists it.
+void RevokeAll(MembershipLedger& ledger, const std::string& which, const Principal& caller,
+               proto::AccessAnswer& answer) {
+  std::vector<MemberId> members;
+  std::vector<Digest> tokens;
+  for (const auto& [id, member] : ledger.members()) {
+    if (IsMeant(which, MemberIdText(id), member.name)) members.push_back(id);
+  }
+  for (const auto& [key, token] : ledger.tokens()) {
+    if (IsMeant(which, TokenIdText(key), token.name)) tokens.push_back(key);
+  }
+  for (const MemberId id : members) {
+    if (ledger.RevokeMember(id)) LogChange("member_revoked", caller, MemberLog(ledger.members().at(id)));
+    Write(ledger.members().at(id), *answer.add_members());
+  }
+  for (const Digest& key : tokens) {
+    if (ledger.RevokeToken(key)) LogChange("token_revoked", caller, TokenLog(ledger.tokens().at(key)));
+    Write(ledger.tokens().at(key), *answer.add_tokens());
+  }
+}
+
+}  // namespace
+
+AccessService::AccessService(const CallGate& gate, const Authority* authority,
+                             std::vector<std::string> addresses)
+    : gate_(gate), authority_(authority), addresses_(std::move(addresses)) {
+  const auto serve = [this](auto method, const CallRule& rule) {
+    MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
+  };
+  serve(&AccessService::Join, RuleFor("Access.Join"));
+  serve(&AccessService::Renew, RuleFor("Access.Renew"));
+  serve(&AccessService::IssueToken, RuleFor("Access.IssueToken"));
+  serve(&AccessService::ListAccess, RuleFor("Access.ListAccess"));
+  serve(&AccessService::Revoke, RuleFor("Access.Revoke"));
+}
+
+Result<std::string> AccessService::Sign(const std::string& request, const MemberStatus& member) const {
+  CertificateTerms terms;
+  terms.common_name = member.name;
+  terms.uri = Subject{member.role, member.id, {}}.Uri();
+  terms.lifetime = kMemberLifetime;
+  terms.serial = RandomId() >> 1;  // positive as a signed number too
+  const auto certificate = authority_->Sign(request, terms, UnixNow());
+  if (!certificate) return certificate.error();
+  return certificate->Pem();
+}
+
+// The certificate is made before the token is used, so that a bad request does not use it up.
+grpc::ServerUnaryReactor* AccessService::Join(grpc::CallbackServerContext* context,
+                                              const proto::JoinRequest* request, proto::JoinAnswer* answer) {
+  return gate_.Unary(context, RuleFor("Access.Join"), [=, this](const UnaryCall& call) {
+    const auto token = gate_.core().members().FindToken(call.caller().token_key);
+    if (authority_ == nullptr || !token) return call.Finish(NoAuthority());
+    const UnixTime now = UnixNow();
+    MemberStatus member{MemberId{RandomId()}, token->role, token->name, now, MemberExpiry(now), token->key};
+    if (member.name.empty()) member.name = CleanName(request->name());
+    if (member.name.empty()) member.name = RoleName(member.role);
+    const auto certificate = Sign(request->signing_request(), member);
+    if (!certificate) return call.Finish(ToStatus(certificate.error()));
+    answer->set_certificate(*certificate);
+    answer->set_name(member.name);
+    answer->set_role(WriteRole(member.role));
+    answer->set_member(Number(member.id));
+    call.Apply([=, caller = call.caller()](CoreContext& core) {
+      const auto joined = core.farm.membership().Join(now, member);
+      if (!joined) return ToStatus(joined.error());
+      LogChange("member_joined", caller,
+                MemberLog(member) + fmt::format(" token={}", TokenIdText(member.token)));
+      return grpc::Status::OK;
+    });
+  });
+}
+
+grpc::ServerUnaryReactor* AccessService::Renew(grpc::CallbackServerContext* context,
+                                               const proto::RenewRequest* request,
+                                               proto::RenewAnswer* answer) {
+  return gate_.Unary(context, RuleFor("Access.Renew"), [=, this](const UnaryCall& call) {
+    const auto member = gate_.core().members().FindMember(call.caller().member);
+    if (authority_ == nullptr || !member) return call.Finish(NoAuthority());
+    const auto certificate = Sign(request->signing_request(), *member);
+    if (!certificate) return call.Finish(ToStatus(certificate.error()));
+    answer->set_certificate(*certificate);
+    call.Apply([=, id = member->id, caller = call.caller()](CoreContext& core) {
+      const UnixTime now = UnixNow();
+      const auto renewed = core.farm.membership().Renew(now, id, MemberExpiry(now));
+      if (!renewed) return ToStatus(renewed.error());
+      LogChange("member_renewed", caller, MemberLog(core.farm.membership().members().at(id)));
+      return grpc::Status::OK;
+    });
+  });
+}
+
+grpc::ServerUnaryReactor* AccessService::IssueToken(grpc::CallbackServerContext* context,
+                                                    const proto::TokenRequest* request,
+                                                    proto::TokenAnswer* answer) {
+  return gate_.Unary(context, RuleFor("Access.IssueToken"), [=, this](const UnaryCall& call) {
+    if (authority_ == nullptr) return call.Finish(NoAuthority());
+    const auto key = ReadDigest(request->key(), "key");
+    if (!key) return call.Finish(ToStatus(key.error()));
+    const auto role = ReadRole(request->role());
+    if (!role) return call.Finish(ToStatus(role.error()));
+    const uint64_t lifetime = request->lifetime_s();
+    if (lifetime > static_cast<uint64_t>(std::chrono::seconds(kTokenLifetimeMax).count()))
+      return call.Finish(ToStatus(BadInput("message refused: the time to live is out of range")));
+    const UnixTime now = UnixNow();
+    const TokenStatus token{
+        *key, *role, CleanName(request->name()), now, now + static_cast<UnixTime>(lifetime), request->uses()};
+    const Digest authority = authority_->certificate().Fingerprint();
+    answer->set_authority(WriteDigest(authority));
+    for (const std::string& each : addresses_) answer->add_addresses(each);
+    answer->set_expires(token.expires);
+    call.Apply([=, caller = call.caller()](CoreContext& core) {
+      const auto issued = core.farm.membership().IssueToken(token);
+      if (!issued) return ToStatus(issued.error());
+      LogChange("token_issued", caller,
+                TokenLog(token) + fmt::format(" uses={} lifetime_s={}", token.uses_left, lifetime));
+      return grpc::Status::OK;
+    });
+  });
+}
+
+grpc::ServerUnaryReactor* AccessService::ListAccess(grpc::CallbackServerContext* context,
+                                                    const proto::AccessRequest*,
+                                                    proto::AccessAnswer* answer) {
+  return gate_.Unary(context, RuleFor("Access.ListAccess"), [=](const UnaryCall& call) {
+    call.Ask([=](CoreContext& core) {
+      const MembershipLedger& ledger = core.farm.membership();
+      for (const auto& [key, token] : ledger.tokens()) Write(token, *answer->add_tokens());
+      for (const auto& [id, member] : ledger.members()) Write(member, *answer->add_members());
+      return grpc::Status::OK;
+    });
+  });
+}
+
+grpc::ServerUnaryReactor* AccessService::Revoke(grpc::CallbackServerContext* context,
+                                                const proto::RevokeRequest* request,
+                                                proto::AccessAnswer* answer) {
+  return gate_.Unary(context, RuleFor("Access.Revoke"), [=](const UnaryCall& call) {
+    call.Apply([=, which = CleanName(request->which()), caller = call.caller()](CoreContext& core) {
+      RevokeAll(core.farm.membership(), which, caller, *answer);
+      if (answer->members_size() + answer->tokens_size() > 0) return grpc::Status::OK;
+      return grpc::Status(
+          grpc::StatusCode::NOT_FOUND,
+          fmt::format("there is no member or token \"{}\"; run `tessera access` to list them", which));
+    });
+  });
+}
+
+}  // namespace tessera

@@ -1,0 +1,126 @@
+#include "coordinator/core/membership_ledger.h"
+
+#include <fmt/format.h>
+
+namespace tessera {
+namespace {
+
+bool IsDead(const TokenStatus& token) {
+  return token.revoked || token.uses_left == 0;
+}
+
+}  // namespace
+
+void MembershipLedger::Restore(const TokenIssued& fact) {
+  tokens_[fact.token.key] = fact.token;
+}
+
+void MembershipLedger::Restore(const TokenRevoked& fact) {
+  const auto found = tokens_.find(fact.key);
+  if (found != tokens_.end()) found->second.revoked = true;
+}
+
+void MembershipLedger::Restore(const MemberJoined& fact) {
+  members_[fact.member.id] = fact.member;
+  const auto token = tokens_.find(fact.member.token);
+  if (token != tokens_.end() && token->second.uses_left > 0) --token->second.uses_left;
+}
+
+void MembershipLedger::Restore(const MemberRenewed& fact) {
+  const auto found = members_.find(fact.id);
+  if (found != members_.end()) found->second.expires = fact.expires;
+}
+
+void MembershipLedger::Restore(const MemberRevoked& fact) {
+  const auto found = members_.find(fact.id);
+  if (found != members_.end()) found->second.revoked = true;
+}
+
+// Members come first: a token holds the uses that were left after they joined.
+void MembershipLedger::AppendSnapshot(std::vector<Fact>& facts) const {
+  for (const auto& [id, member] : members_) {
+    MemberStatus joined = member;
+    joined.revoked = false;
+    facts.emplace_back(MemberJoined{std::move(joined)});
+    if (member.revoked) facts.emplace_back(MemberRevoked{id});
+  }
+  for (const auto& [key, token] : tokens_) {
+    TokenStatus issued = token;
+    issued.revoked = false;
+    facts.emplace_back(TokenIssued{std::move(issued)});
+    if (token.revoked) facts.emplace_back(TokenRevoked{key});
+  }
+}
+
+Result<void> MembershipLedger::IssueToken(const TokenStatus& token) {
+  Forget(token.issued);
+  if (tokens_.size() >= kTokensMax)
+    return Failed(fmt::format("there are {} tokens, which is the limit; revoke some", kTokensMax));
+  if (token.uses_left < 1 || token.uses_left > kTokenUsesMax || token.expires <= token.issued)
+    return BadInput("message refused: uses or time to live are out of range");
+  if (tokens_.contains(token.key)) return Failed("there is a token with this key already");
+  facts_.emplace_back(TokenIssued{token});
+  tokens_.emplace(token.key, token);
+  return {};
+}
+
+std::string MembershipLedger::WhyUnusable(UnixTime now, const Digest& key) const {
+  const auto found = tokens_.find(key);
+  if (found == tokens_.end()) return "this farm does not know the token";
+  const TokenStatus& token = found->second;
+  if (token.revoked) return "the token was revoked";
+  if (token.uses_left == 0) return "the token has been used up";
+  if (token.expires <= now) return "the token has expired";
+  return {};
+}
+
+Result<void> MembershipLedger::Join(UnixTime now, const MemberStatus& member) {
+  if (const std::string why = WhyUnusable(now, member.token); !why.empty())
+    return Failed(why + "; ask an operator of the farm for another");
+  Forget(now);
+  if (members_.size() >= kMembersMax)
+    return Failed(fmt::format("the farm has {} members, which is its limit", kMembersMax));
+  if (members_.contains(member.id)) return Failed("the number of the new member is taken; try again");
+  facts_.emplace_back(MemberJoined{member});
+  Restore(MemberJoined{member});
+  return {};
+}
+
+Result<void> MembershipLedger::Renew(UnixTime now, MemberId id, UnixTime expires) {
+  const auto found = members_.find(id);
+  if (found == members_.end() || found->second.revoked)
+    return Failed("the certificate was revoked; ask an operator of the farm for a token");
+  if (found->second.expires <= now)
+    return Failed("the certificate has expired; ask an operator of the farm for a token");
+  facts_.emplace_back(MemberRenewed{id, expires});
+  found->second.expires = expires;
+  return {};
+}
+
+bool MembershipLedger::RevokeToken(const Digest& key) {
+  const auto found = tokens_.find(key);
+  if (found == tokens_.end() || found->second.revoked) return false;
+  facts_.emplace_back(TokenRevoked{key});
+  found->second.revoked = true;
+  return true;
+}
+
+bool MembershipLedger::RevokeMember(MemberId id) {
+  const auto found = members_.find(id);
+  if (found == members_.end() || found->second.revoked) return false;
+  facts_.emplace_back(MemberRevoked{id});
+  found->second.revoked = true;
+  return true;
+}
+
+// Needs no facts: what a later process restores of them it forgets again. A member whose last certificate has
+// expired long ago cannot come back with it, revoked or not.
+void MembershipLedger::Forget(UnixTime now) {
+  std::erase_if(members_, [&](const auto& each) { return each.second.expires + kForgetAfter_s < now; });
+  std::erase_if(tokens_, [&](const auto& each) {
+    const TokenStatus& token = each.second;
+    return token.expires + kForgetAfter_s < now || (IsDead(token) && tokens_.size() >= kTokensMax);
+  });
+}
+
+}  // namespace tessera

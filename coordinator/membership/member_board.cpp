@@ -1,0 +1,50 @@
+#include "coordinator/membership/member_board.h"
+
+#include <mutex>
+#include <variant>
+
+namespace tessera {
+
+void MemberBoard::Set(const MembershipLedger& ledger) {
+  const std::unique_lock lock(mutex_);
+  members_ = ledger.members();
+  tokens_ = ledger.tokens();
+}
+
+void MemberBoard::Note(const Fact& fact) {
+  const auto change_member = [this](MemberId id, const auto& change) {
+    const std::unique_lock lock(mutex_);
+    const auto found = members_.find(id);
+    if (found != members_.end()) change(found->second);
+  };
+  if (const auto* joined = std::get_if<MemberJoined>(&fact)) {
+    const std::unique_lock lock(mutex_);
+    members_[joined->member.id] = joined->member;
+  } else if (const auto* renewed = std::get_if<MemberRenewed>(&fact)) {
+    change_member(renewed->id, [&](MemberStatus& member) { member.expires = renewed->expires; });
+  } else if (const auto* revoked = std::get_if<MemberRevoked>(&fact)) {
+    change_member(revoked->id, [](MemberStatus& member) { member.revoked = true; });
+  } else if (const auto* issued = std::get_if<TokenIssued>(&fact)) {
+    const std::unique_lock lock(mutex_);
+    tokens_[issued->token.key] = issued->token;
+  }
+}
+
+bool MemberBoard::HasMembers() const {
+  const std::shared_lock lock(mutex_);
+  return !members_.empty();
+}
+
+std::optional<MemberStatus> MemberBoard::FindMember(MemberId id) const {
+  const std::shared_lock lock(mutex_);
+  const auto found = members_.find(id);
+  return found != members_.end() ? std::optional(found->second) : std::nullopt;
+}
+
+std::optional<TokenStatus> MemberBoard::FindToken(const Digest& key) const {
+  const std::shared_lock lock(mutex_);
+  const auto found = tokens_.find(key);
+  return found != tokens_.end() ? std::optional(found->second) : std::nullopt;
+}
+
+}  // namespace tessera

@@ -1,0 +1,16 @@
+// The commands of `tessera-coordinator` that do not run a farm: `init` and `token`.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderer/util/result.h"
+
+namespace tessera {
+
+// Runs the command that `arguments` begin with and returns its exit code. Returns nullopt if they begin with
+// none.
+std::optional<Result<int>> RunSetupCommand(const std::vector<std::string>& arguments);
+
+}  // namespace tessera

@@ -1,0 +1,140 @@
+#include "proto/identity/tls_probe.h"
+
+#include <openssl/err.h>
+#include <openssl/ssl.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <cstdint>
+
+#include "proto/identity/openssl_handles.h"
+#include "proto/identity/private_key.h"
+
+namespace tessera {
+namespace {
+
+using MethodOwner = OpensslOwner<BIO_METHOD, BIO_meth_free>;
+
+int SocketOf(BIO* bio) {
+  return static_cast<int>(reinterpret_cast<intptr_t>(BIO_get_data(bio)));
+}
+
+bool IsTemporary(ssize_t result) {
+  return result < 0 && (errno == EAGAIN || errno == EINTR);
+}
+
+int Send(BIO* bio, const char* bytes, int size) {
+  BIO_clear_retry_flags(bio);
+  const ssize_t sent = ::send(SocketOf(bio), bytes, static_cast<size_t>(size), MSG_NOSIGNAL);
+  if (IsTemporary(sent)) BIO_set_retry_write(bio);
+  return static_cast<int>(sent);
+}
+
+int Receive(BIO* bio, char* bytes, int size) {
+  BIO_clear_retry_flags(bio);
+  const ssize_t received = ::recv(SocketOf(bio), bytes, static_cast<size_t>(size), 0);
+  if (IsTemporary(received)) BIO_set_retry_read(bio);
+  return static_cast<int>(received);
+}
+
+long Control(BIO*, int command, long, void*) {
+  return command == BIO_CTRL_FLUSH ? 1 : 0;
+}
+
+// OpenSSL's own way to write to a socket ends the process with SIGPIPE if the other end has closed it.
+MethodOwner SocketMethod() {
+  MethodOwner method(BIO_meth_new(BIO_TYPE_SOURCE_SINK, "socket without signals"));
+  TESSERA_CHECK(method != nullptr && BIO_meth_set_write(method.get(), Send) == 1 &&
+                BIO_meth_set_read(method.get(), Receive) == 1 &&
+                BIO_meth_set_ctrl(method.get(), Control) == 1);
+  return method;
+}
+
+}  // namespace
+
+struct TlsProbe::State {
+  int socket = -1;
+  MethodOwner method = SocketMethod();
+  OpensslOwner<SSL_CTX, SSL_CTX_free> context{SSL_CTX_new(TLS_client_method())};
+  OpensslOwner<SSL, SSL_free> ssl;
+};
+
+TlsProbe::TlsProbe(int socket, const std::string& identity_pem) : state_(std::make_unique<State>()) {
+  state_->socket = socket;
+  SSL_CTX* const context = state_->context.get();
+  TESSERA_CHECK(context != nullptr);
+  SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION);
+  SSL_CTX_set_verify(context, SSL_VERIFY_NONE, nullptr);
+  const auto key = PrivateKey::FromPem(identity_pem, "identity");
+  const auto certificate = Certificate::FromPem(identity_pem, "identity");
+  if (key && certificate) {
+    SSL_CTX_use_certificate(context, certificate->get());
+    SSL_CTX_use_PrivateKey(context, key->get());
+  }
+  state_->ssl.reset(SSL_new(context));
+  TESSERA_CHECK(state_->ssl != nullptr);
+  static constexpr unsigned char kProtocols[] = "\2h2";
+  SSL_set_alpn_protos(state_->ssl.get(), kProtocols, sizeof kProtocols - 1);
+  BIO* const bio = BIO_new(state_->method.get());
+  TESSERA_CHECK(bio != nullptr);
+  BIO_set_data(bio, reinterpret_cast<void*>(static_cast<intptr_t>(socket)));
+  BIO_set_init(bio, 1);
+  SSL_set_bio(state_->ssl.get(), bio, bio);
+}
+
+TlsProbe::~TlsProbe() = default;
+
+Result<void> TlsProbe::AwaitAfter(int result, TimePoint deadline) {
+  const int error = SSL_get_error(state_->ssl.get(), result);
+  if (error != SSL_ERROR_WANT_READ && error != SSL_ERROR_WANT_WRITE) {
+    const char* const reason = ERR_reason_error_string(ERR_peek_last_error());
+    return Failed(reason != nullptr ? reason : "the connection was closed");
+  }
+  pollfd event{state_->socket, static_cast<short>(error == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT), 0};
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+  if (left.count() <= 0 || ::poll(&event, 1, static_cast<int>(left.count())) == 0) return Failed("timed out");
+  return {};
+}
+
+Result<void> TlsProbe::Handshake(TimePoint deadline) {
+  while (true) {
+    ERR_clear_error();
+    const int result = SSL_connect(state_->ssl.get());
+    if (result == 1) return {};
+    if (auto waited = AwaitAfter(result, deadline); !waited) return waited;
+  }
+}
+
+std::vector<Certificate> TlsProbe::PeerChain() const {
+  std::vector<Certificate> chain;
+  STACK_OF(X509)* const shown = SSL_get_peer_cert_chain(state_->ssl.get());
+  for (int i = 0; i < sk_X509_num(shown) && chain.size() < kChainMax; ++i) {
+    X509* const each = sk_X509_value(shown, i);
+    X509_up_ref(each);
+    chain.emplace_back(each);
+  }
+  return chain;
+}
+
+Result<std::string> TlsProbe::Exchange(std::string_view bytes, size_t size_max, TimePoint deadline) {
+  // A few bytes fit into one record and into the buffer of the socket.
+  while (true) {
+    ERR_clear_error();
+    const int result = SSL_write(state_->ssl.get(), bytes.data(), static_cast<int>(bytes.size()));
+    if (result > 0) break;
+    if (auto waited = AwaitAfter(result, deadline); !waited) return waited.error();
+  }
+  std::string answer(size_max, '\0');
+  while (true) {
+    ERR_clear_error();
+    const int result = SSL_read(state_->ssl.get(), answer.data(), static_cast<int>(answer.size()));
+    if (result > 0) {
+      answer.resize(static_cast<size_t>(result));
+      return answer;
+    }
+    if (auto waited = AwaitAfter(result, deadline); !waited) return waited.error();
+  }
+}
+
+}  // namespace tessera

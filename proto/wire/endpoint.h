@@ -1,0 +1,43 @@
+// How a program reaches a coordinator: the address that the user named, and what is used to connect to it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "proto/identity/login.h"
+#include "proto/wire/address.h"
+#include "renderer/util/result.h"
+
+namespace tessera {
+
+struct Endpoint {
+  Address address;             // as the user named it, for messages
+  Address target;              // to connect to: the same, or the local socket of the address
+  std::optional<Login> login;  // for TLS; without it the connection is plain
+
+  // An address to which connections are plain.
+  Endpoint(const Address& plain) : address(plain), target(plain) {}
+  Endpoint(Address named, Address connected, std::optional<Login> of)
+      : address(std::move(named)), target(std::move(connected)), login(std::move(of)) {}
+  bool IsLocalSocket() const { return target.kind == Address::Kind::kUnix && target != address; }
+};
+
+// With a login. Fails if its files are damaged, can be read by others or have expired.
+Result<Endpoint> EndpointOf(const Login& login);
+
+struct EndpointRules {
+  // Whether plain text on a TCP address of this machine is wanted.
+  bool insecure = false;
+  LoginStore logins;
+  std::string socket_folder;  // LocalSocketFolder
+  // What to do if there is no login for an address: "run: tessera login TOKEN".
+  std::string advice;
+};
+
+// Chooses, in this order: a Unix socket as it is; plain text if `insecure`, for addresses of this machine
+// alone; the login for this address; the local socket of an address of this machine. An error that says how
+// to get a login if there is none of them.
+Result<Endpoint> ChooseEndpoint(const Address& address, const EndpointRules& rules);
+
+}  // namespace tessera

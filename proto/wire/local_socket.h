@@ -1,0 +1,27 @@
+// Where a coordinator that listens on a TCP address also listens for programs of the same user on the same
+// machine: a Unix socket in a folder of the user, named after the address. Such programs need no certificate,
+// because the kernel lets nobody else in.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "proto/wire/address.h"
+#include "renderer/util/result.h"
+
+namespace tessera {
+
+using ReadVariable = std::function<std::string(const char* variable)>;
+
+// tessera in $XDG_RUNTIME_DIR, tessera in /run/user/UID, or tessera-UID in $TMPDIR or /tmp: the first that
+// the system provides.
+std::string LocalSocketFolder(const ReadVariable& environment);
+// Creates the folder with mode 0700, or checks that it belongs to this user alone.
+Result<void> PrepareLocalSocketFolder(const std::string& folder);
+
+// The socket of a TCP address that this machine alone can reach, or that stands for all addresses of this
+// machine. Returns nullopt for others, and if the path would be too long for a socket.
+std::optional<Address> LocalSocketOf(const Address& address, const std::string& folder);
+
+}  // namespace tessera

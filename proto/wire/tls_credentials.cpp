@@ -1,0 +1,100 @@
+#include "proto/wire/tls_credentials.h"
+
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/security/tls_certificate_provider.h>
+#include <grpcpp/security/tls_certificate_verifier.h>
+#include <grpcpp/security/tls_credentials_options.h>
+
+#include <cstdlib>
+#include <exception>
+#include <mutex>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+using grpc::experimental::FileWatcherCertificateProvider;
+using grpc::experimental::StaticDataCertificateProvider;
+
+constexpr unsigned kReloadInterval_s = 30;
+
+// gRPC has no setting for the oldest version of TLS. It takes the cipher suites of TLS 1.2 from this
+// variable, and the only one named here needs a shared key that neither end has. TLS 1.3 has its own suites.
+void AllowOnlyTls13() {
+  static std::once_flag once;
+  std::call_once(once, [] { ::setenv("GRPC_SSL_CIPHER_SUITES", "PSK-AES256-GCM-SHA384", 1); });
+}
+
+class PeerVerifier final : public grpc::experimental::ExternalCertificateVerifier {
+ public:
+  explicit PeerVerifier(AdmitPeer admit) : admit_(std::move(admit)) {}
+
+  bool Verify(grpc::experimental::TlsCustomVerificationCheckRequest* request,
+              std::function<void(grpc::Status)>, grpc::Status* status) override {
+    // What a peer sends besides its own certificate may come without that one, so its own always goes first.
+    const grpc::string_ref own = request->peer_cert(), sent = request->peer_cert_full_chain();
+    *status = Decide(std::string(own.data(), own.size()) + std::string(sent.data(), sent.size()));
+    return true;
+  }
+  void Cancel(grpc::experimental::TlsCustomVerificationCheckRequest*) override {}
+
+ private:
+  grpc::Status Decide(std::string_view pem) const {
+    try {
+      const auto chain = Certificate::ChainFromPem(pem, "the certificate of the peer");
+      const Result<void> admitted = chain ? admit_(*chain) : chain.error();
+      if (admitted) return grpc::Status::OK;
+      return {grpc::StatusCode::UNAUTHENTICATED, admitted.error().message};
+    } catch (const std::exception& e) {  // such as std::bad_alloc
+      return {grpc::StatusCode::UNAVAILABLE, e.what()};
+    }
+  }
+
+  const AdmitPeer admit_;
+};
+
+std::shared_ptr<grpc::ChannelCredentials> ClientCredentials(
+    std::shared_ptr<grpc::experimental::CertificateProviderInterface> provider) {
+  AllowOnlyTls13();
+  grpc::experimental::TlsChannelCredentialsOptions options;
+  options.set_certificate_provider(std::move(provider));
+  options.watch_root_certs();
+  options.watch_identity_key_cert_pairs();
+  options.set_verify_server_certs(true);
+  options.set_check_call_host(false);
+  options.set_certificate_verifier(std::make_shared<grpc::experimental::HostNameCertificateVerifier>());
+  return grpc::experimental::TlsCredentials(options);
+}
+
+}  // namespace
+
+std::shared_ptr<grpc::ServerCredentials> TlsServerCredentials(const std::string& key_path,
+                                                              const std::string& certificate_path,
+                                                              AdmitPeer admit) {
+  AllowOnlyTls13();
+  grpc::experimental::TlsServerCredentialsOptions options(
+      std::make_shared<FileWatcherCertificateProvider>(key_path, certificate_path, kReloadInterval_s));
+  options.watch_identity_key_cert_pairs();
+  // The verifier checks the chain: it knows who may be told why a certificate is not accepted.
+  options.set_cert_request_type(GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_BUT_DONT_VERIFY);
+  options.set_check_call_host(false);
+  options.set_certificate_verifier(
+      grpc::experimental::ExternalCertificateVerifier::Create<PeerVerifier>(std::move(admit)));
+  return grpc::experimental::TlsServerCredentials(options);
+}
+
+std::shared_ptr<grpc::ChannelCredentials> TlsClientCredentials(const std::string& authority_path,
+                                                               const std::string& identity_path) {
+  return ClientCredentials(std::make_shared<FileWatcherCertificateProvider>(
+      identity_path, identity_path, authority_path, kReloadInterval_s));
+}
+
+std::shared_ptr<grpc::ChannelCredentials> TlsClientCredentials(const std::string& authority_pem,
+                                                               const std::string& key_pem,
+                                                               const std::string& certificate_pem) {
+  return ClientCredentials(std::make_shared<StaticDataCertificateProvider>(
+      authority_pem, std::vector<grpc::experimental::IdentityKeyCertPair>{{key_pem, certificate_pem}}));
+}
+
+}  // namespace tessera

@@ -1,0 +1,166 @@
+// Members join over TLS with tokens; everybody else stays out.
+#include <gmock/gmock.h>
+
+#include "tests/end_to_end/farm_fixture.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+class MembershipOfAFarm : public EndToEnd {
+ protected:
+  MembershipOfAFarm() { StartCoordinator(); }
+
+  // A token as printed for this user.
+  std::string Token(std::vector<std::string> options) const {
+    options.insert(options.begin(), "token");
+    options.insert(options.end(), {"--coordinator", address()});
+    const Outcome outcome = RunProgram(folder(), "tessera-coordinator", options);
+    EXPECT_EQ(outcome.code, 0) << outcome.errors;
+    return outcome.output.substr(0, outcome.output.find('\n'));
+  }
+  // The client of a person whose logins are in a folder of this name.
+  Outcome As(const std::string& person, const std::string& command) const {
+    return RunShell(folder(), "XDG_CONFIG_HOME=" + Path(person) + " $tessera " + command);
+  }
+  void LogIn(const std::string& person, const std::string& role) const {
+    const Outcome outcome = As(person, "login " + Token({"--role", role, "--name", person}));
+    EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  }
+  Process& JoinWorker(const std::string& name, const std::string& token) {
+    return StartUnaddressedWorker(name, {"--join", token, "--state-dir", Path("state-" + name)});
+  }
+};
+
+TEST_F(MembershipOfAFarm, AJobIsRenderedByAWorkerThatJoinedForAUserWhoLoggedIn) {
+  const std::string oracle = Oracle(BoxScene(), {"--spp", "8"});
+  Process& worker = JoinWorker("blade", Token({"--role", "worker"}));
+  ASSERT_TRUE(worker.AwaitErrors("connected worker=")) << worker.Errors();
+  LogIn("ada", "user");
+  const Outcome outcome = As("ada", "submit " + BoxScene() + " --spp 8 --watch");
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_EQ(As("ada", "fetch 1 -o farm.exr").code, 0);
+  EXPECT_EQ(Bytes("farm.exr"), oracle);
+  EXPECT_THAT(coordinator().Errors(), HasSubstr("member_joined"));
+}
+
+TEST_F(MembershipOfAFarm, AWorkerRestartsWithTheSameTokenAndWithoutOne) {
+  const std::string token = Token({"--role", "worker"});
+  Process& first = JoinWorker("blade", token);
+  ASSERT_TRUE(first.AwaitErrors("connected worker=")) << first.Errors();
+  first.Signal(SIGTERM);
+  EXPECT_EQ(first.Wait(), 0);
+  EXPECT_TRUE(JoinWorker("blade", token).AwaitErrors("connected worker="));
+  EXPECT_TRUE(
+      StartUnaddressedWorker("again", {"--state-dir", Path("state-blade")}).AwaitErrors("connected worker="));
+}
+
+TEST_F(MembershipOfAFarm, ATokenThatWasUsedExpiredOrRevokedIsRefusedWithTheReason) {
+  const std::string used = Token({"--role", "viewer"});
+  EXPECT_EQ(As("ada", "login " + used).code, 0);
+  const auto expect_refused = [&](const std::string& token, const std::string& reason) {
+    const Outcome refused = As("eve", "login " + token);
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_THAT(refused.errors, HasSubstr(reason));
+  };
+  expect_refused(used, "the token has been used up; ask an operator of the farm for another");
+  const std::string short_lived = Token({"--role", "viewer", "--ttl", "1s", "--uses", "1000"});
+  EXPECT_TRUE(Eventually([&] { return As("eve", "login " + short_lived).code == 1; }));
+  expect_refused(short_lived, "the token has expired");
+  const std::string revoked = Token({"--role", "viewer", "--name", "eve"});
+  EXPECT_EQ(Ask({"access", "--revoke", "eve"}).code, 0);
+  expect_refused(revoked, "the token was revoked");
+}
+
+TEST_F(MembershipOfAFarm, ATokenOfAnotherFarmIsRefusedBeforeAnythingIsSent) {
+  const std::string token = Token({"--role", "worker"});
+  coordinator().Signal(SIGTERM);
+  EXPECT_EQ(coordinator().Wait(), 0);
+  RunShell(folder(), "mv data other");
+  StartCoordinator();
+  const Outcome refused = As("ada", "login " + token);
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.errors, HasSubstr("is not the one that made the token"));
+}
+
+TEST_F(MembershipOfAFarm, RolesLimitWhatMembersMayDo) {
+  LogIn("vera", "viewer");
+  LogIn("wanda", "worker");
+  EXPECT_EQ(As("vera", "jobs").code, 0);
+  const Outcome submit = As("vera", "submit " + BoxScene());
+  EXPECT_EQ(submit.code, 1);
+  EXPECT_THAT(submit.errors, HasSubstr("viewer \"vera\" may not call Blobs.FindMissing"));
+  EXPECT_THAT(submit.errors, HasSubstr("needs the role user or operator"));
+  EXPECT_THAT(As("wanda", "jobs").errors, HasSubstr("may not call Jobs.List"));
+  EXPECT_THAT(As("vera", "access").errors, HasSubstr("needs the role operator"));
+  EXPECT_THAT(coordinator().Errors(), HasSubstr("call_denied"));
+}
+
+TEST_F(MembershipOfAFarm, WhoeverIsRevokedIsOutFromTheNextCallOnAndAfterARestart) {
+  LogIn("ada", "user");
+  EXPECT_EQ(As("ada", "jobs").code, 0);
+  const Outcome revoked = Ask({"access", "--revoke", "ada"});
+  EXPECT_EQ(revoked.code, 0) << revoked.errors;
+  EXPECT_THAT(revoked.output, HasSubstr("revoked"));
+  for (int round = 0; round < 2; ++round) {
+    const Outcome outcome = As("ada", "jobs");
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.errors, HasSubstr("the certificate of user \"ada\" was revoked"));
+    StartCoordinator();
+  }
+}
+
+TEST_F(MembershipOfAFarm, AnOpenWatchEndsWhenItsMemberIsRevoked) {
+  LogIn("ada", "user");
+  StartWorker("only");
+  const std::string job = Submit(BoxScene(), kLongRender);
+  Process watch(folder(), "/usr/bin/env",
+                {"XDG_CONFIG_HOME=" + Path("ada"), BinaryDir() + "/bin/tessera", "watch", job});
+  EXPECT_TRUE(Eventually([&] { return !watch.Errors().empty(); }, std::chrono::seconds(30)));
+  EXPECT_EQ(Ask({"access", "--revoke", "ada"}).code, 0);
+  EXPECT_EQ(watch.Wait(), 1);
+  EXPECT_THAT(watch.Errors(), HasSubstr("was revoked"));
+}
+
+TEST_F(MembershipOfAFarm, AWorkerThatIsRevokedEndsWithTheReason) {
+  Process& worker = JoinWorker("blade", Token({"--role", "worker", "--name", "blade"}));
+  ASSERT_TRUE(worker.AwaitErrors("connected worker=")) << worker.Errors();
+  EXPECT_EQ(Ask({"access", "--revoke", "blade"}).code, 0);
+  EXPECT_EQ(worker.Wait(), 1);
+  EXPECT_THAT(worker.Errors(), HasSubstr("was revoked"));
+}
+
+TEST_F(MembershipOfAFarm, ATokenLetsInAsManyAsItWasMadeFor) {
+  const std::string token = Token({"--role", "worker", "--uses", "2"});
+  EXPECT_TRUE(JoinWorker("a", token).AwaitErrors("connected worker="));
+  EXPECT_TRUE(JoinWorker("b", token).AwaitErrors("connected worker="));
+  EXPECT_EQ(JoinWorker("c", token).Wait(), 1);
+}
+
+TEST_F(MembershipOfAFarm, WithoutALoginTheAddressOfAnotherMachineIsRefusedWithTheRemedy) {
+  for (const char* program : {"tessera", "tessera-worker"}) {
+    std::vector<std::string> words{"--coordinator", "10.255.255.1:7700"};
+    if (program == std::string("tessera")) words.insert(words.begin(), "jobs");
+    const Outcome outcome = RunProgram(folder(), program, words);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.errors, HasSubstr("ask its operator for a token"));
+  }
+}
+
+TEST_F(MembershipOfAFarm, AMissingAuthorityIsNamedInsteadOfShuttingMembersOut) {
+  LogIn("ada", "user");
+  coordinator().Signal(SIGTERM);
+  EXPECT_EQ(coordinator().Wait(), 0);
+  RunShell(folder(), "mv data/identity identity");
+  const Outcome outcome =
+      RunProgram(folder(), "tessera-coordinator", {"--listen", address(), "--data-dir", Path("data")});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.errors, HasSubstr("the key of the farm's authority is missing"));
+  RunShell(folder(), "mv identity data/identity");
+  StartCoordinator();
+  EXPECT_EQ(As("ada", "jobs").code, 0);
+}
+
+}  // namespace
+}  // namespace tessera
