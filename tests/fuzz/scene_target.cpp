@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include "renderer/bxdf/measured_bxdf.h"
+#include "renderer/material/measured_brdf_file.h"
 #include "renderer/pbrt/parser.h"
 #include "renderer/shape/ply_reader.h"
 #include "renderer/util/check.h"
@@ -36,6 +38,19 @@ bool FuzzPly(std::string_view bytes) {
   TESSERA_CHECK(mesh->triangles.size() % 3 == 0 && mesh->quads.size() % 4 == 0);
   TESSERA_CHECK(mesh->N.empty() || mesh->N.size() == mesh->P.size());
   TESSERA_CHECK(mesh->uv.empty() || mesh->uv.size() == mesh->P.size());
+  return true;
+}
+
+bool FuzzMeasuredBrdf(std::string_view bytes) {
+  const Result<MeasuredBrdf> brdf = ReadMeasuredBrdf(bytes);
+  if (!brdf) {
+    TESSERA_CHECK(!brdf.error().message.empty());
+    return false;
+  }
+  const MeasuredBxdf bxdf(*brdf, {400, 500, 600, 700});
+  for (const Vec3 wo : {Vec3{0, 0, 1}, Vec3{0.6f, 0, 0.8f}, Vec3{-0.48f, 0.6f, -0.64f}}) {
+    if (const auto sample = bxdf.Sample(wo, 0.5f, {0.25f, 0.75f})) bxdf.Evaluate(wo, sample->wi);
+  }
   return true;
 }
 

@@ -2,6 +2,8 @@
 #include <cctype>
 
 #include "coordinator/http_request.h"
+#include "proto/identity/join_token.h"
+#include "proto/identity/subject.h"
 #include "proto/package_names.h"
 #include "proto/scene_package.h"
 #include "renderer/scene/scene.h"
@@ -36,6 +38,22 @@ void CheckPackagePath(const std::string& name) {
   if (path.empty()) return;
   TESSERA_CHECK(IsPackagePath(path) && IsUtf8(path));
   TESSERA_CHECK(NameOfPackagePath(path) == name);
+}
+
+// A join token of these bytes, with the checksum that no fuzzer guesses.
+std::string TokenOf(std::string_view body) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+  std::string bytes(body), text = "tessera-";
+  const Digest digest = Sha256(body);
+  bytes.append(digest.bytes.begin(), digest.bytes.begin() + 4);
+  uint32_t bits = 0;
+  int count = 0;
+  for (const char byte : bytes) {
+    bits = bits << 8 | static_cast<uint8_t>(byte);
+    for (count += 8; count >= 6; count -= 6) text += kDigits[bits >> (count - 6) & 63];
+  }
+  if (count > 0) text += kDigits[bits << (6 - count) & 63];
+  return text;
 }
 
 }  // namespace
@@ -77,6 +95,20 @@ bool FuzzHttpRequest(std::string_view bytes) {
   for (const std::string& text : {request->method, request->path, request->host})
     TESSERA_CHECK(text.find("\r\n") == std::string::npos);
   IsOwnHost(request->host, {"Farm.example", "[::1]"});
+  return true;
+}
+
+// The bytes in a token.
+bool FuzzJoinToken(std::string_view bytes) {
+  static_cast<void>(JoinToken::Parse(bytes));
+  ParseMemberId(bytes);
+  if (const auto subject = Subject::Parse(bytes)) TESSERA_CHECK(Subject::Parse(subject->Uri()) == *subject);
+  const Result<JoinToken> token = JoinToken::Parse(TokenOf(bytes));
+  if (!token) {
+    TESSERA_CHECK(!token.error().message.empty());
+    return false;
+  }
+  TESSERA_CHECK(token->Text() == TokenOf(bytes));
   return true;
 }
 
