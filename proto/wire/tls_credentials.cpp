@@ -19,13 +19,6 @@ using grpc::experimental::StaticDataCertificateProvider;
 
 constexpr unsigned kReloadInterval_s = 30;
 
-// gRPC has no setting for the oldest version of TLS. It takes the cipher suites of TLS 1.2 from this
-// variable, and the only one named here needs a shared key that neither end has. TLS 1.3 has its own suites.
-void AllowOnlyTls13() {
-  static std::once_flag once;
-  std::call_once(once, [] { ::setenv("GRPC_SSL_CIPHER_SUITES", "PSK-AES256-GCM-SHA384", 1); });
-}
-
 class PeerVerifier final : public grpc::experimental::ExternalCertificateVerifier {
  public:
   explicit PeerVerifier(AdmitPeer admit) : admit_(std::move(admit)) {}
@@ -68,6 +61,13 @@ std::shared_ptr<grpc::ChannelCredentials> ClientCredentials(
 }
 
 }  // namespace
+
+// gRPC has no setting for the oldest version of TLS. It takes the cipher suites of TLS 1.2 from this
+// variable, and the only one named here needs a shared key that neither end has. TLS 1.3 has its own suites.
+void AllowOnlyTls13() {
+  static std::once_flag once;
+  std::call_once(once, [] { ::setenv("GRPC_SSL_CIPHER_SUITES", "PSK-AES256-GCM-SHA384", 1); });
+}
 
 std::shared_ptr<grpc::ServerCredentials> TlsServerCredentials(const std::string& key_path,
                                                               const std::string& certificate_path,

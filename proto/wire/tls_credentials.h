@@ -20,11 +20,14 @@ class ServerCredentials;
 
 namespace tessera {
 
+// Lets this process speak TLS 1.3 and nothing older. Changes its environment, so it is called before other
+// threads start; later calls do nothing.
+void AllowOnlyTls13();
+
 // Decides on the certificate of a peer, whose chain begins with its own. The peer has proved that it has the
 // key, nothing else. The error is for the log. Called from any thread.
 using AdmitPeer = std::function<Result<void>(const std::vector<Certificate>& chain)>;
 
-// The first call decides on TLS versions for the whole process: make it before other threads start.
 // `certificate_path` holds the certificate of the server and those that issued it, `key_path` its key; both
 // may be one file.
 std::shared_ptr<grpc::ServerCredentials> TlsServerCredentials(const std::string& key_path,

@@ -42,7 +42,7 @@ void BecomeProgram(const std::string& folder, const std::vector<char*>& words, c
   const int err = ::open(errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   if (out < 0 || err < 0 || ::chdir(folder.c_str()) != 0) return;
   ::setenv("TMPDIR", (folder + "/tmp").c_str(), 1);
-  ::setenv("XDG_RUNTIME_DIR", (folder + "/tmp").c_str(), 1);
+  ::setenv("XDG_RUNTIME_DIR", (folder + "/run").c_str(), 1);
   ::setenv("XDG_STATE_HOME", (folder + "/state").c_str(), 1);
   ::setenv("XDG_CONFIG_HOME", (folder + "/config").c_str(), 1);
   ::dup2(out, STDOUT_FILENO);

@@ -17,7 +17,7 @@ constexpr std::chrono::seconds kProcessPatience{120};
 class Process {
  public:
   // `program` is one of build/PRESET/bin, or an absolute path. It runs in `folder`, writes its output to
-  // files there, creates its temporary folders and local sockets in `folder`/tmp, and has its logins in
+  // files there, creates its temporary folders in `folder`/tmp, and has its local sockets and logins in
   // `folder`.
   Process(const std::string& folder, const std::string& program, const std::vector<std::string>& arguments);
   ~Process();
