@@ -69,6 +69,18 @@ TEST(DamagedImage, FilesCutInTheMiddleAreRefused) {
   }
 }
 
+TEST(DamagedImage, ATiffFileWithoutMostOfItsRowsIsRefused) {
+  std::string tiff = Encode("tiff", 9, 7, 3, Pattern8(9, 7, 3));
+  // The entry of the height: tag 257, type 16-bit, one value.
+  const std::string entry("\x01\x01\x03\x00\x01\x00\x00\x00\x07", 9);
+  const size_t at = tiff.find(entry);
+  ASSERT_NE(at, std::string::npos);
+  for (const size_t byte : {8, 9}) tiff[at + byte] = '\xff';
+  const Result<Image> image = DecodeImage(tiff, "a.tif", {});
+  ASSERT_FALSE(image);
+  EXPECT_THAT(image.error().message, testing::HasSubstr("a.tif: damaged TIFF picture"));
+}
+
 TEST(DamagedImage, CompressedBmpFilesAreRefused) {
   for (const char compression : {1, 2}) {  // runs of 8 and of 4 bits, here without the palette that they need
     std::string bmp = Encode("bmp", 24, 10, 3, Pattern8(24, 10, 3));

@@ -82,6 +82,17 @@ TEST(DecodeImage, ChannelsHaveTheNamesOfTheirMeaning) {
   EXPECT_THAT(names(4), ElementsAre("R", "G", "B", "A"));
 }
 
+TEST(DecodeImage, PicturesOfManyRowsAreReadWhole) {
+  const int height = 6001;
+  const std::vector<uint8_t> pixels = Pattern8(3, height, 3);
+  for (const char* plugin : {"png", "tiff", "targa", "bmp"}) {
+    const std::string name = std::string("a.") + (plugin == std::string("targa")  ? "tga"
+                                                  : plugin == std::string("tiff") ? "tif"
+                                                                                  : plugin);
+    EXPECT_EQ(Decoded(Encode(plugin, 3, height, 3, pixels), name).bytes, pixels) << name;
+  }
+}
+
 TEST(DecodeImage, TransparentTargaAndBmpLoseTheirAlphaButNotTheirColor) {
   const std::vector<uint8_t> rgba{200, 100, 50, 128, 10, 20, 30, 0};
   const std::vector<uint8_t> rgb{200, 100, 50, 10, 20, 30};
