@@ -12,8 +12,10 @@ constexpr bool kHasSanitizer = true;
 constexpr bool kHasSanitizer = false;
 #endif
 
-// The bound in bytes for a program of the same build that may take `bytes` without a sanitizer, which shadows memory
-// and keeps what is freed for a while.
-constexpr size_t MemoryBound(size_t bytes) { return kHasSanitizer ? 4 * bytes : bytes; }
+// The bound in bytes for a program of the same build that may take `bytes` without a sanitizer, which shadows
+// memory and keeps what is freed for a while.
+constexpr size_t MemoryBound(size_t bytes) {
+  return kHasSanitizer ? 4 * bytes : bytes;
+}
 
 }  // namespace tessera

@@ -133,7 +133,8 @@ Workload::Batch Workload::NextBatch(size_t bytes_max) const {
 
 void Workload::Postpone(const Batch& batch) {
   results_first_ = std::holds_alternative<FailureReport>(batch);
-  if (results_first_ && failures_.size() > 1) std::rotate(failures_.begin(), failures_.begin() + 1, failures_.end());
+  if (results_first_ && failures_.size() > 1)
+    std::rotate(failures_.begin(), failures_.begin() + 1, failures_.end());
   const auto* const results = std::get_if<std::vector<FinishedUnit>>(&batch);
   if (results == nullptr) return;
   for (const FinishedUnit& result : *results) {

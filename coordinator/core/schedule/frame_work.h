@@ -24,8 +24,8 @@ struct TileSamples {
   auto operator<=>(const TileSamples&) const = default;
 };
 
-// Of an adaptive frame only those samples are open that the present goals of its tiles ask for, of some pixels
-// only. Costs are in seconds that a worker of speed 1 takes on one slot.
+// Of an adaptive frame only those samples are open that the present goals of its tiles ask for, of some
+// pixels only. Costs are in seconds that a worker of speed 1 takes on one slot.
 class FrameWork {
  public:
   // The first `samples_done` samples of every tile are done already.

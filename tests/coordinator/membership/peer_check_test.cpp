@@ -56,7 +56,8 @@ TEST_F(PeerCheck, StrangersAreRefused) {
 TEST_F(PeerCheck, TheHolderOfATokenIsAdmittedOnceTheFarmHasIssuedIt) {
   const JoinToken token = JoinToken::Make("farm:1", authority_.certificate().Fingerprint());
   EXPECT_FALSE(Check(token.MakeCertificate(kTestNow)));
-  board_.Note(TokenIssued{{token.Key().PublicDigest(), Role::kWorker, "", kTestNow, kTestNow + 60, 1, false}});
+  board_.Note(
+      TokenIssued{{token.Key().PublicDigest(), Role::kWorker, "", kTestNow, kTestNow + 60, 1, false}});
   EXPECT_TRUE(Check(token.MakeCertificate(kTestNow)));
   EXPECT_FALSE(Check(JoinToken::Make("farm:1", {}).MakeCertificate(kTestNow)));
 }
@@ -65,7 +66,8 @@ TEST_F(PeerCheck, TheHolderOfATokenIsAdmittedOnceTheFarmHasIssuedIt) {
 TEST_F(PeerCheck, ATokenCannotBeMadeIntoAMember) {
   const JoinToken token = JoinToken::Make("farm:1", {}), other = JoinToken::Make("farm:1", {});
   for (const JoinToken& each : {token, other})
-    board_.Note(TokenIssued{{each.Key().PublicDigest(), Role::kWorker, "", kTestNow, kTestNow + 60, 1, false}});
+    board_.Note(
+        TokenIssued{{each.Key().PublicDigest(), Role::kWorker, "", kTestNow, kTestNow + 60, 1, false}});
   CertificateTerms terms;
   terms.lifetime = hours(1);
   terms.serial = 3;
