@@ -57,7 +57,8 @@ void WorkerSync::ReconcileLeases(Instant now, WorkerRecord& worker, const Worker
     LeaseRecord* const known = state_.leases.Find(held.id);
     if (known != nullptr && known->worker == worker.id && known->lease.unit == held.unit) {
       LeaseTable::Renew(now, *known, held);
-    } else if (held.stage != LeaseStage::kReturning && !TakeOver(now, worker, held)) {
+    } else if (!TakeOver(now, worker, held) && held.stage != LeaseStage::kReturning) {
+      // A result that is on its way is let come: it may be accepted yet.
       state_.workers.Drop(worker, held.id);
     }
   }

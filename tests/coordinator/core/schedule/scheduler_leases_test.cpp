@@ -1,6 +1,7 @@
 // What happens to leases when workers are silent, late, lost, or send something unexpected.
 #include <gtest/gtest.h>
 
+#include "tests/coordinator/core/schedule/former_lease.h"
 #include "tests/coordinator/core/schedule/scheduler_stage.h"
 
 namespace tessera {
@@ -173,6 +174,25 @@ TEST(SchedulerLeases, WorkOfAFormerCoordinatorIsTakenOver) {
   EXPECT_TRUE(after.dropped[1].empty());
   const Lease lease = after.Held(1)[0];
   EXPECT_TRUE(after.Finish(1, lease, 0.1));
+}
+
+TEST(SchedulerLeases, AResultForAFormerCoordinatorThatIsOnItsWayIsNotLeasedAgain) {
+  SchedulerStage stage;
+  const JobId job = stage.AddJob(64);
+  stage.Worker(1);
+  stage.HaveScene(1, job);
+  WorkerState state = stage.states[1];
+  const WorkUnit unit{job, 0, 0, {0, 16}, stage.SceneOf(job)};
+  state.leases = {{FormerLease(5), unit, LeaseStage::kReturning, milliseconds(0)}};
+  state.sequence = 1;
+  stage.scheduler.Synchronize(stage.now, state);
+  stage.Join(2, 32);
+  stage.Advance();
+  ASSERT_FALSE(stage.Held(2).empty());
+  for (const Lease& lease : stage.Held(2))
+    EXPECT_TRUE(lease.unit.tile != unit.tile || lease.unit.range.begin >= unit.range.end())
+        << lease.unit.Text();
+  EXPECT_TRUE(stage.scheduler.Finish(stage.now, WorkerId{1}, FormerLease(5), unit, 0.1));
 }
 
 TEST(SchedulerLeases, UnitsThatOthersHoldOrThatAreDoneAreNotTakenOver) {
