@@ -65,7 +65,11 @@ std::string JoinToken::Text() const {
   bytes.append(secret.begin(), secret.end());
   bytes.append(authority.bytes.begin(), authority.bytes.end());
   bytes += address;
-  return std::string(kPrefix) + Base64Url(bytes + CheckOf(bytes));
+  return TextOf(bytes);
+}
+
+std::string JoinToken::TextOf(std::string_view bytes) {
+  return std::string(kPrefix) + Base64Url(std::string(bytes) + CheckOf(bytes));
 }
 
 Result<JoinToken> JoinToken::Parse(std::string_view text) {

@@ -27,6 +27,8 @@ struct JoinToken {
   // A token with a new secret.
   static JoinToken Make(std::string address, const Digest& authority);
   std::string Text() const;
+  // The text of these bytes with their checksum, whether or not they are those of a token.
+  static std::string TextOf(std::string_view bytes);
   static Result<JoinToken> Parse(std::string_view text);
   PrivateKey Key() const;
   // The certificate that is shown in the handshake.

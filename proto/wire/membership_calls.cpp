@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::chrono::seconds kJoinPatience{10};
 constexpr std::chrono::seconds kAnswerPatience{30};
-// A worker that is told to stop waits for this.
+// A worker that stops waits for this call.
 constexpr std::chrono::seconds kRenewalPatience{5};
 // A certificate is renewed when this part of its life is over, so that there is time for many attempts.
 constexpr int kRenewAfterPart = 3;

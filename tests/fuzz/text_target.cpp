@@ -40,22 +40,6 @@ void CheckPackagePath(const std::string& name) {
   TESSERA_CHECK(NameOfPackagePath(path) == name);
 }
 
-// A join token of these bytes, with the checksum that no fuzzer guesses.
-std::string TokenOf(std::string_view body) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
-  std::string bytes(body), text = "tessera-";
-  const Digest digest = Sha256(body);
-  bytes.append(digest.bytes.begin(), digest.bytes.begin() + 4);
-  uint32_t bits = 0;
-  int count = 0;
-  for (const char byte : bytes) {
-    bits = bits << 8 | static_cast<uint8_t>(byte);
-    for (count += 8; count >= 6; count -= 6) text += kDigits[bits >> (count - 6) & 63];
-  }
-  if (count > 0) text += kDigits[bits << (6 - count) & 63];
-  return text;
-}
-
 }  // namespace
 
 // The first byte is a limit for the text in the others.
@@ -103,12 +87,12 @@ bool FuzzJoinToken(std::string_view bytes) {
   static_cast<void>(JoinToken::Parse(bytes));
   ParseMemberId(bytes);
   if (const auto subject = Subject::Parse(bytes)) TESSERA_CHECK(Subject::Parse(subject->Uri()) == *subject);
-  const Result<JoinToken> token = JoinToken::Parse(TokenOf(bytes));
+  const Result<JoinToken> token = JoinToken::Parse(JoinToken::TextOf(bytes));
   if (!token) {
     TESSERA_CHECK(!token.error().message.empty());
     return false;
   }
-  TESSERA_CHECK(token->Text() == TokenOf(bytes));
+  TESSERA_CHECK(token->Text() == JoinToken::TextOf(bytes));
   return true;
 }
 

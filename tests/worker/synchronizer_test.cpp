@@ -7,7 +7,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
 #include <thread>
+#include <vector>
 
 #include "proto/wire/address.h"
 #include "proto/wire/channel.h"
@@ -62,7 +67,7 @@ class SilentCoordinator final : public proto::Work::CallbackService {
   std::unique_ptr<grpc::Server> server_;
 };
 
-// A farm that is full until it is told otherwise.
+// A farm that is full as long as `is_full`.
 class FullFarm final : public proto::Work::Service {
  public:
   explicit FullFarm(const Address& address) {
@@ -74,19 +79,69 @@ class FullFarm final : public proto::Work::Service {
   ~FullFarm() override { server_->Shutdown(std::chrono::system_clock::now()); }
   grpc::Status Synchronize(grpc::ServerContext*, const proto::WorkerState*,
                            proto::WorkerDirective* answer) override {
-    ++calls_;
+    {
+      const std::lock_guard lock(mutex_);
+      calls_.push_back(std::chrono::steady_clock::now());
+    }
+    changed_.notify_all();
     if (is_full) return {grpc::StatusCode::RESOURCE_EXHAUSTED, "the farm is full"};
     answer->set_farm(WriteFarmId({1, 2}));
     answer->set_call_again_ms(10'000);
-    has_joined = true;
+    {
+      const std::lock_guard lock(mutex_);
+      has_joined_ = true;
+    }
+    changed_.notify_all();
     return grpc::Status::OK;
   }
-  int calls() const { return calls_; }
-  std::atomic<bool> is_full = true, has_joined = false;
+  // Waits for `count` calls. Returns when each has arrived.
+  std::vector<std::chrono::steady_clock::time_point> AwaitCalls(size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, kPatience, [&] { return calls_.size() >= count; });
+    return calls_;
+  }
+  bool AwaitJoin() {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, kPatience, [&] { return has_joined_; });
+  }
+  std::atomic<bool> is_full = true;
 
  private:
-  std::atomic<int> calls_ = 0;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::chrono::steady_clock::time_point> calls_;
+  bool has_joined_ = false;
   std::unique_ptr<grpc::Server> server_;
+};
+
+// A synchronizer and what it needs, running as long as it lives.
+class RunningSynchronizer {
+ public:
+  RunningSynchronizer(const std::shared_ptr<grpc::Channel>& channel, const Address& address, uint64_t worker,
+                      const BlobStore& cache)
+      : fetcher_(channel, cache, {}, 1, [](uint64_t) {}),
+        prefetcher_(fetcher_),
+        self_(StateOf(worker)),
+        synchronizer_(channel, address, self_, workload_, meter_, prefetcher_,
+                      [this](const Error&) { is_refused = true; }),
+        exchange_([this](std::stop_token stop) { synchronizer_.Run(std::move(stop)); }) {}
+
+  std::atomic<bool> is_refused = false;
+
+ private:
+  static WorkerState StateOf(uint64_t worker) {
+    WorkerState state;
+    state.worker = WorkerId{worker};
+    return state;
+  }
+
+  BlobFetcher fetcher_;
+  Prefetcher prefetcher_;
+  ActivityMeter meter_{1, std::chrono::steady_clock::now()};
+  SharedWorkload workload_{[] {}};
+  WorkerState self_;
+  Synchronizer synchronizer_;
+  std::jthread exchange_;
 };
 
 TEST(Synchronizer, TriesSeldomToJoinAFarmThatIsFullAndJoinsItWhenThereIsPlace) {
@@ -94,26 +149,14 @@ TEST(Synchronizer, TriesSeldomToJoinAFarmThatIsFullAndJoinsItWhenThereIsPlace) {
   const Address address = *ParseAddress("unix:" + (folder / "socket"), "test");
   FullFarm farm(address);
   const auto cache = BlobStore::Open(folder / "cache", BlobStoreOptions::Cache(1 << 20));
-  const std::shared_ptr<grpc::Channel> channel = OpenChannel(address);
-  BlobFetcher fetcher(channel, *cache, {}, 1, [](uint64_t) {});
-  Prefetcher prefetcher(fetcher);
-  ActivityMeter meter(1, std::chrono::steady_clock::now());
-  SharedWorkload workload([] {});
-  WorkerState self;
-  self.worker = WorkerId{1};
-  std::atomic<bool> is_refused = false;
-  Synchronizer synchronizer(channel, address, self, workload, meter, prefetcher,
-                            [&](const Error&) { is_refused = true; });
-  std::jthread exchange([&](std::stop_token stop) { synchronizer.Run(std::move(stop)); });
-  std::this_thread::sleep_for(std::chrono::seconds(4));
-  EXPECT_GE(farm.calls(), 2);
-  EXPECT_LE(farm.calls(), 4) << "after half a second to a second, then twice as long each time";
+  const RunningSynchronizer synchronizer(OpenChannel(address), address, 1, *cache);
+  const auto calls = farm.AwaitCalls(3);
+  ASSERT_GE(calls.size(), 3u);
+  EXPECT_GE(calls[1] - calls[0], std::chrono::milliseconds(500)) << "after half a second to a second";
+  EXPECT_GE(calls[2] - calls[1], std::chrono::seconds(1)) << "then twice as long each time";
   farm.is_full = false;
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  while (!farm.has_joined && std::chrono::steady_clock::now() < end)
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  EXPECT_TRUE(farm.has_joined);
-  EXPECT_FALSE(is_refused);
+  EXPECT_TRUE(farm.AwaitJoin());
+  EXPECT_FALSE(synchronizer.is_refused);
 }
 
 TEST(Synchronizer, AsksForAnImmediateAnswerUntilItIsConnected) {
@@ -121,15 +164,7 @@ TEST(Synchronizer, AsksForAnImmediateAnswerUntilItIsConnected) {
   const Address address = *ParseAddress("unix:" + (folder / "socket"), "test");
   SilentCoordinator coordinator(address);
   const auto cache = BlobStore::Open(folder / "cache", BlobStoreOptions::Cache(1 << 20));
-  const std::shared_ptr<grpc::Channel> channel = OpenChannel(address);
-  BlobFetcher fetcher(channel, *cache, {}, 1, [](uint64_t) {});
-  Prefetcher prefetcher(fetcher);
-  ActivityMeter meter(1, std::chrono::steady_clock::now());
-  SharedWorkload workload([] {});
-  WorkerState self;
-  self.worker = WorkerId{1};
-  Synchronizer synchronizer(channel, address, self, workload, meter, prefetcher, [](const Error&) {});
-  std::jthread exchange([&](std::stop_token stop) { synchronizer.Run(std::move(stop)); });
+  const RunningSynchronizer synchronizer(OpenChannel(address), address, 1, *cache);
   ASSERT_TRUE(coordinator.AwaitCalls(1));
   EXPECT_EQ(coordinator.wait_ms(), 0);
 }
@@ -143,14 +178,7 @@ TEST(Synchronizer, NeverLeavesItsChannelToAThreadOfGrpc) {
   for (int round = 1; round <= 50; ++round) {
     const std::shared_ptr<grpc::Channel> channel = OpenChannel(address);
     {
-      BlobFetcher fetcher(channel, *cache, {}, 1, [](uint64_t) {});
-      Prefetcher prefetcher(fetcher);
-      ActivityMeter meter(1, std::chrono::steady_clock::now());
-      SharedWorkload workload([] {});
-      WorkerState self;
-      self.worker = WorkerId{static_cast<uint64_t>(round)};
-      Synchronizer synchronizer(channel, address, self, workload, meter, prefetcher, [](const Error&) {});
-      std::jthread exchange([&](std::stop_token stop) { synchronizer.Run(std::move(stop)); });
+      const RunningSynchronizer synchronizer(channel, address, static_cast<uint64_t>(round), *cache);
       ASSERT_TRUE(coordinator.AwaitCalls(round));
     }
     ASSERT_EQ(channel.use_count(), 1) << "round " << round;

@@ -259,7 +259,7 @@ void WorkerRoster::Announce(WorkerRecord& worker, LeaseId lease) {
 }
 
 void WorkerRoster::Drop(WorkerRecord& worker, LeaseId lease) {
-  // A worker that lists the lease again is told again.
+  // If the worker lists the lease again, the drop is sent again.
   if (worker.pending.drops.size() < size_t{kLeasesPerWorkerMax}) worker.pending.drops.push_back(lease);
   news_.insert(worker.id);
 }

@@ -76,12 +76,12 @@ TEST(Fact, WhatIsSaidOfWorkersSurvivesItsBytes) {
   EXPECT_TRUE(std::get<WorkerQuarantined>(barred).drained);
   EXPECT_EQ(std::get<WorkerQuarantined>(barred).quarantine, "why");
   const WorkUnit unit{JobId{3}, 1, 2, {4, 4}};
-  const Fact heard = *DecodeFact(EncodeFact(VoteRecorded{unit, WorkerId{7}, "w", Sha256("r"), 99}));
-  EXPECT_EQ(std::get<VoteRecorded>(heard).unit, unit);
-  EXPECT_EQ(std::get<VoteRecorded>(heard).worker, WorkerId{7});
-  EXPECT_EQ(std::get<VoteRecorded>(heard).name, "w");
-  EXPECT_EQ(std::get<VoteRecorded>(heard).result, Sha256("r"));
-  EXPECT_EQ(std::get<VoteRecorded>(heard).machine, 99u);
+  const Fact decoded = *DecodeFact(EncodeFact(VoteRecorded{unit, WorkerId{7}, "w", Sha256("r"), 99}));
+  EXPECT_EQ(std::get<VoteRecorded>(decoded).unit, unit);
+  EXPECT_EQ(std::get<VoteRecorded>(decoded).worker, WorkerId{7});
+  EXPECT_EQ(std::get<VoteRecorded>(decoded).name, "w");
+  EXPECT_EQ(std::get<VoteRecorded>(decoded).result, Sha256("r"));
+  EXPECT_EQ(std::get<VoteRecorded>(decoded).machine, 99u);
   const Fact counted = *DecodeFact(EncodeFact(UnitsCounted{JobId{3}, 10, 11, 12}));
   EXPECT_EQ(std::get<UnitsCounted>(counted).job, JobId{3});
   EXPECT_EQ(std::get<UnitsCounted>(counted).verified, 10u);

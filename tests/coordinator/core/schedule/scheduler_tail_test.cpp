@@ -84,7 +84,7 @@ TEST(SchedulerTail, AStragglersRangeIsSplitAmongManyIdleSlots) {
   EXPECT_TRUE(covered.Contains({32, 32})) << "all pieces are handed out";
   for (const Lease& lease : stage.Held(2)) stage.Finish(2, lease, 0.8);
   stage.Advance();
-  EXPECT_EQ(stage.dropped[1], std::vector{FormerLease(5)}) << "the straggler is told to stop";
+  EXPECT_EQ(stage.dropped[1], std::vector{FormerLease(5)}) << "the straggler stops";
   EXPECT_TRUE(stage.IsComplete(job, 0));
 }
 
