@@ -60,6 +60,7 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   }
   void GoOn(const std::optional<grpc::Status>& answer) {
     if (answer) {
+      watched_->BeginWait();
       Finish(*answer);
     } else {
       ReadNext();
@@ -134,10 +135,7 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
  private:
   void Begin(const proto::DownloadRequest& request) {
     const grpc::Status status = Open(request);
-    if (!status.ok()) {
-      Finish(status);
-      return;
-    }
+    if (!status.ok()) return Refuse(status);
     chunk_.set_size(size_);
     SendNext();
   }
@@ -164,13 +162,16 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
     std::string& data = *chunk_.mutable_data();
     data.resize(std::min(left_, static_cast<uint64_t>(kChunkBytesMax)));
     if (!file_.read(data.data(), static_cast<std::streamsize>(data.size()))) {
-      Finish({grpc::StatusCode::UNAVAILABLE, "the blob cannot be read"});
-      return;
+      return Refuse({grpc::StatusCode::UNAVAILABLE, "the blob cannot be read"});
     }
     left_ -= data.size();
     load_.bytes_out += data.size();
     watched_->BeginWait();
     StartWrite(&chunk_);
+  }
+  void Refuse(const grpc::Status& status) {
+    watched_->BeginWait();
+    Finish(status);
   }
   void OnWriteDone(bool ok) override {
     watched_->EndWait();

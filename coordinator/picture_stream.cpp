@@ -66,6 +66,7 @@ void PictureStream::OnDone() {
 }
 
 void PictureStream::Refuse(const grpc::Status& status) {
+  watched_->BeginWait();
   Finish(Shortened(status));
 }
 

@@ -41,6 +41,8 @@ constexpr size_t kServerMemoryBytes = size_t{192} << 20;
 // seconds.
 constexpr int kReconnectFirst_ms = 100;
 constexpr int kReconnectMax_ms = 3'000;
+// Of an attempt to connect with its handshake. A link that delays and loses packets needs a second or two.
+constexpr int kConnectPatience_ms = 5'000;
 // Of an error that travels as a status: a path and a reason. Fits into kStatusBytesMax whatever it holds.
 constexpr size_t kErrorBytesMax = 2000;
 
@@ -102,7 +104,7 @@ std::shared_ptr<grpc::Channel> OpenChannel(const Address& address,
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeout_ms);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kReconnectFirst_ms);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kReconnectFirst_ms);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kConnectPatience_ms);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kReconnectMax_ms);
   // The machines of a farm connect directly; a web proxy is not meant for them.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
