@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "renderer/util/text.h"
+
 namespace tessera {
 
 void Diagnostics::Warn(const SourceLocation& where, const std::string& message) {

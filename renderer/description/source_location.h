@@ -24,7 +24,4 @@ Error ErrorAt(const SourceLocation& where, const std::string& message);
 // Text from a file between quotes, for messages: shortened if long.
 std::string Quoted(std::string_view text);
 
-// `text` with control characters and bytes that are not UTF-8 replaced by '?'.
-std::string OneLine(std::string_view text);
-
 }  // namespace tessera

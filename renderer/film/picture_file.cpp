@@ -15,12 +15,21 @@
 #include <exception>
 #include <stdexcept>
 
+#include "renderer/exr/exr_header.h"
+#include "renderer/util/file.h"
+#include "renderer/util/text.h"
+
 namespace tessera {
 namespace {
 
 constexpr float kHalfMax = 65504.0f;  // the largest finite half
 // 4 GB of floats: a 16k x 16k picture of four channels.
 constexpr int64_t kLoadedValuesMax = int64_t{1} << 30;
+// Values per byte of the file, and values that any file may have. ZIP packs up to 516 halves into a byte.
+constexpr int64_t kValuesPerByteMax = 5000;
+constexpr int64_t kValuesFloor = int64_t{1} << 22;
+// Floats that are not compressed, headers and tables.
+constexpr uint64_t kExrFileSizeMax = sizeof(float) * uint64_t{kLoadedValuesMax} + (uint64_t{64} << 20);
 
 // Collects what OpenEXR writes.
 class MemoryOutput : public Imf::OStream {
@@ -120,29 +129,42 @@ std::string EncodeChecked(const FrameSpec& spec, const FramePicture& picture) {
   return output.Take();
 }
 
-Result<void> CheckLoadable(const Imf::Header& header, const std::string& path) {
-  const auto check_window = [&](const Imath::Box2i& box, const char* name) -> Result<void> {
-    const int64_t width = int64_t{box.max.x} - box.min.x + 1;
-    const int64_t height = int64_t{box.max.y} - box.min.y + 1;
-    if (width < 1 || height < 1 || width > kResolutionMax || height > kResolutionMax) {
-      return BadInput(
-          fmt::format("{}: its {} of {}x{} pixels is beyond the limits", path, name, width, height));
-    }
-    return {};
-  };
-  if (auto ok = check_window(header.dataWindow(), "data window"); !ok) return ok;
-  if (auto ok = check_window(header.displayWindow(), "display window"); !ok) return ok;
-  int64_t channels = 0;
-  for (auto it = header.channels().begin(); it != header.channels().end(); ++it, ++channels) {
-    if (it.channel().xSampling != 1 || it.channel().ySampling != 1) {
-      return BadInput(fmt::format("{}: channel {} is subsampled, which is not supported", path, it.name()));
-    }
-  }
-  const Imath::Box2i& box = header.dataWindow();
-  const int64_t pixels = (int64_t{box.max.x} - box.min.x + 1) * (int64_t{box.max.y} - box.min.y + 1);
-  if (channels < 1 || channels > kChannelsMax || pixels * channels > kLoadedValuesMax) {
+// Whether a file of `file_size` bytes may hold a picture, or a tile of one, of this size.
+Result<void> CheckLoadedSize(const std::string& name, int64_t width, int64_t height, int64_t channels,
+                             size_t file_size) {
+  if (width < 1 || height < 1 || channels < 1 || width > kResolutionMax || height > kResolutionMax ||
+      channels > kChannelsMax) {
     return BadInput(
-        fmt::format("{}: {} channels of {} pixels are beyond the limits", path, channels, pixels));
+        fmt::format("{}: {} channels of {}x{} pixels are beyond the limits", name, channels, width, height));
+  }
+  const int64_t values = width * height * channels;
+  const auto plausible = std::max(kValuesFloor, static_cast<int64_t>(file_size) * kValuesPerByteMax);
+  if (values > kLoadedValuesMax) {
+    return BadInput(fmt::format("{}: {} channels of {}x{} pixels are {} values, more than the limit of {}",
+                                name, channels, width, height, values, kLoadedValuesMax));
+  }
+  if (values > plausible) {
+    return BadInput(
+        fmt::format("{}: damaged OpenEXR picture: {} bytes cannot hold {} channels of {}x{} pixels", name,
+                    file_size, channels, width, height));
+  }
+  return {};
+}
+
+// What CheckExr leaves to the library to read.
+Result<void> CheckLoadable(const Imf::Header& header, const std::string& path) {
+  const Imath::Box2i& display = header.displayWindow();
+  const int64_t width = int64_t{display.max.x} - display.min.x + 1;
+  const int64_t height = int64_t{display.max.y} - display.min.y + 1;
+  if (width < 1 || height < 1 || width > kResolutionMax || height > kResolutionMax) {
+    return BadInput(
+        fmt::format("{}: its display window of {}x{} pixels is beyond the limits", path, width, height));
+  }
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    if (it.channel().xSampling != 1 || it.channel().ySampling != 1) {
+      return BadInput(
+          fmt::format("{}: channel {} is subsampled, which is not supported", path, OneLine(it.name())));
+    }
   }
   return {};
 }
@@ -179,7 +201,7 @@ Result<LoadedPicture> LoadChecked(Imf::InputFile& file, const std::string& path)
 Error CannotBeRead(const std::string& name, const std::exception& e) {
   std::string reason = e.what();
   std::ranges::replace(reason, '\n', ' ');
-  return BadInput(fmt::format("{}: cannot be read as OpenEXR: {}", name, reason));
+  return BadInput(fmt::format("{}: cannot be read as OpenEXR: {}", name, OneLine(reason)));
 }
 
 }  // namespace
@@ -194,15 +216,16 @@ Result<std::string> EncodeExr(const FrameSpec& spec, const FramePicture& picture
 }
 
 Result<LoadedPicture> LoadExr(const std::string& path) {
-  try {
-    Imf::InputFile file(path.c_str());
-    return LoadChecked(file, path);
-  } catch (const std::exception& e) {
-    return CannotBeRead(path, e);
-  }
+  const Result<std::string> bytes = ReadFile(path, kExrFileSizeMax);
+  if (!bytes) return bytes.error();
+  return DecodeExr(*bytes, path);
 }
 
 Result<LoadedPicture> DecodeExr(std::string_view bytes, const std::string& name) {
+  const Result<void> checked = CheckExr(bytes, name, [&](int64_t width, int64_t height, int64_t channels) {
+    return CheckLoadedSize(name, width, height, channels, bytes.size());
+  });
+  if (!checked) return checked.error();
   try {
     MemoryInput input(bytes);
     Imf::InputFile file(input);

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include "renderer/image/header_reader.h"
+#include "renderer/util/header_reader.h"
 
 namespace tessera {
 namespace {

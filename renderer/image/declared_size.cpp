@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "renderer/description/number.h"
-#include "renderer/image/header_reader.h"
+#include "renderer/util/header_reader.h"
 #include "renderer/image/image_limits.h"
 
 namespace tessera {

@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 #include <immintrin.h>
 
-#include "renderer/description/source_location.h"
+#include "renderer/exr/exr_header.h"
 #include "renderer/formats/loader/module_loader.h"
 #include "renderer/image/container_check.h"
 #include "renderer/image/declared_size.h"
-#include "renderer/image/exr_header.h"
 #include "renderer/image/image_limits.h"
 #include "renderer/image/orientation.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
@@ -156,13 +156,21 @@ Result<Image> Decode(ImageFormat format, const std::string& bytes, const std::st
   return image;
 }
 
+// Whether the structure of an OpenEXR file is intact and the picture has an allowed size.
+Result<void> CheckTexture(const std::string& bytes, const std::string& name) {
+  constexpr int64_t kHalfSize = 2;  // the smallest value
+  return CheckExr(bytes, name, [&](int64_t width, int64_t height, int64_t channels) {
+    return CheckImageSize(name, width, height, channels, kHalfSize, bytes.size());
+  });
+}
+
 }  // namespace
 
 Result<Image> DecodeWithLibrary(ImageFormat format, const std::string& bytes, const std::string& name,
                                 std::optional<ColorEncoding> encoding) {
   Result<void> checked = CheckDeclaredSize(format, bytes, name);
   if (!checked) return checked.error();
-  if (format == ImageFormat::kExr) checked = CheckExr(bytes, name);
+  if (format == ImageFormat::kExr) checked = CheckTexture(bytes, name);
   if (format == ImageFormat::kPng) checked = CheckPng(bytes, name);
   if (format == ImageFormat::kJpeg) checked = CheckJpeg(bytes, name);
   if (format == ImageFormat::kBmp) checked = CheckBmp(bytes, name);

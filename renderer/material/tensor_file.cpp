@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "renderer/description/source_location.h"
-#include "renderer/image/header_reader.h"
+#include "renderer/util/header_reader.h"
 
 namespace tessera {
 namespace {

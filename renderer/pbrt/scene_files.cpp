@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "renderer/util/file.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 

@@ -14,4 +14,7 @@ std::string NearestWord(std::string_view word, std::span<const std::string_view>
 // " (did you mean \"x\"?)" for the nearest candidate, or "".
 std::string DidYouMean(std::string_view word, std::span<const std::string_view> candidates);
 
+// `text` with control characters and bytes that are not UTF-8 replaced by '?'.
+std::string OneLine(std::string_view text);
+
 }  // namespace tessera

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "tests/end_to_end/farm_fixture.h"
+#include "tests/renderer/exr_bytes.h"
 
 namespace tessera {
 namespace {
@@ -118,6 +119,18 @@ TEST_F(Errors, AWorkerNamesItsBadOptions) {
   expect({"--coordinator", "127.0.0.1:1", "--cache-size", "3X"}, "--cache-size: \"3X\"");
   expect({"--coordinator", "127.0.0.1:1", "--thread", "2"}, "did you mean \"--threads\"?");
   expect({"--coordinator", "127.0.0.1:1", "--cache-dir", "/proc/nothing"}, "--cache-dir");
+}
+
+// OpenEXR would allocate 1.8 GB for the attribute.
+TEST_F(Errors, ComparingAPictureWhoseHeaderAnnouncesMoreThanTheFileHoldsIsRefused) {
+  const std::string claim =
+      std::string("claim") + '\0' + "string" + '\0' + LittleEndian32(0x70000000) + "abc";
+  const std::string path = Write("hostile.exr", ExrHeader(2, 2, "BGR", claim) + std::string(64, '\0'));
+  const Outcome outcome = Tessera({"compare", path, path});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.errors, HasSubstr("hostile.exr: damaged OpenEXR picture: the attribute \"claim\" has"));
+  EXPECT_EQ(std::ranges::count(outcome.errors, '\n'), 1) << outcome.errors;
+  EXPECT_EQ(outcome.output, "");
 }
 
 }  // namespace

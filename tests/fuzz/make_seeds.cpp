@@ -15,6 +15,7 @@
 #include "proto/terms.pb.h"
 #include "proto/wire/convert.h"
 #include "proto/work.pb.h"
+#include "renderer/film/picture_file.h"
 #include "renderer/film/radiance_tile.h"
 #include "tests/fuzz/small_frame.h"
 
@@ -78,6 +79,20 @@ void SaveTiles() {
   tile.bounds = {0, 0, 3, 1};
   tile.sums = {1, 1, 1, 1, 7, 1, 0, 0, 0, 0, 0, 0, 2, 2, 2, 2, 8, 1, 3.5f, 1, 4.5f, 2};
   Save("radiance_tile", "masked_ids_and_depth", EncodeRadianceTile(tile));
+}
+
+void SavePictures() {
+  for (const auto& [name, frame] : {std::pair("half", SmallFrame()), std::pair("float", RichFrame())}) {
+    FramePicture picture;
+    picture.bounds = frame.crop;
+    for (const PictureChannel& channel : PictureChannels(frame.channels))
+      picture.channels.push_back(channel.name);
+    picture.values.resize(static_cast<size_t>(frame.crop.area()) * picture.channels.size());
+    for (size_t i = 0; i < picture.values.size(); ++i) picture.values[i] = static_cast<float>(i) * 0.25f;
+    const auto bytes = EncodeExr(frame, picture);
+    TESSERA_CHECK(bytes.has_value());
+    Save("picture", name, *bytes);
+  }
 }
 
 void SaveFacts() {
@@ -265,6 +280,7 @@ int main(int argc, char** argv) {
   }
   folder = argv[1];
   SaveTiles();
+  SavePictures();
   SaveFacts();
   SaveSpool();
   SaveRequestsAboutJobs();

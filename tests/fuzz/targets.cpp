@@ -17,6 +17,7 @@ constexpr FuzzTarget kTargets[] = {
     {"manifest", FuzzManifest},
     {"measured_brdf", FuzzMeasuredBrdf},
     {"pfm", FuzzPfm},
+    {"picture", FuzzPicture},
     {"ply", FuzzPly},
     {"png", FuzzPng, PrepareImages},
     {"qoi", FuzzQoi},

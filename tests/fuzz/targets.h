@@ -33,6 +33,7 @@ bool FuzzJpeg(std::string_view bytes);
 bool FuzzManifest(std::string_view bytes);
 bool FuzzMeasuredBrdf(std::string_view bytes);
 bool FuzzPfm(std::string_view bytes);
+bool FuzzPicture(std::string_view bytes);
 bool FuzzPly(std::string_view bytes);
 bool FuzzPng(std::string_view bytes);
 bool FuzzQoi(std::string_view bytes);

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "renderer/exr/exr_header.h"
 #include "renderer/image/declared_size.h"
-#include "renderer/image/exr_header.h"
 #include "renderer/image/image.h"
 #include "tests/renderer/exr_bytes.h"
 #include "tests/renderer/image/encoded_images.h"
@@ -22,7 +22,6 @@ TEST(ExrBomb, WholeFilesPass) {
   const std::vector<float> values = PatternFloat(24, 10, 3);
   for (const std::string& file :
        {ExrOf(2, 2, std::vector<float>(12, 1)), Encode("openexr", 24, 10, 3, values)}) {
-    EXPECT_TRUE(CheckExr(file, "a.exr").has_value());
     EXPECT_EQ(ErrorOf(file, "a.exr"), "no error");
   }
 }

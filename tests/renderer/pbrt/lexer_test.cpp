@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#include "renderer/util/text.h"
+
 namespace tessera {
 namespace {
 

@@ -1,4 +1,4 @@
-#include "renderer/image/exr_header.h"
+#include "renderer/exr/exr_header.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 #include <fmt/format.h>
 
-#include "renderer/description/source_location.h"
-#include "renderer/image/header_reader.h"
-#include "renderer/image/image_limits.h"
+#include "renderer/util/header_reader.h"
+#include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
 
+constexpr std::string_view kMagic = "\x76\x2f\x31\x01";
 constexpr uint32_t kTiled = 0x200, kDeep = 0x800, kMultiPart = 0x1000;  // flags of the version
 constexpr uint64_t kOffsetSize = 8;                                     // bytes of each entry of a table
 
@@ -23,6 +23,8 @@ constexpr uint64_t kOffsetSize = 8;                                     // bytes
 struct Part {
   int64_t width = 0, height = 0, channels = 0;
   int64_t tile_width = 0, tile_height = 0;  // 0: scan lines
+  int64_t block_lines = 1;                  // scan lines that are compressed together
+  uint64_t chunks = 0;                      // entries of the table of offsets, if the header gives them
   bool has_known_types = true;              // of its channels; OpenImageIO aborts the process on others
 };
 
@@ -56,6 +58,10 @@ constexpr std::pair<std::string_view, size_t> kFixedSizes[] = {
 };
 constexpr size_t kChannelSize = 16;  // after its name: the type and other numbers
 
+// Scan lines that are compressed together, by the number of the compression: none, RLE, ZIPS, ZIP, PIZ,
+// PXR24, B44, B44A, DWAA, DWAB.
+constexpr int64_t kBlockLines[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+
 // Whether OpenEXR reads as many bytes of the value as the file says that it has. If not, it would take other
 // bytes for the sizes of the next attributes than those that are checked here.
 bool HasSizeOfItsType(std::string_view type, std::string_view value) {
@@ -85,10 +91,12 @@ bool HasSizeOfItsType(std::string_view type, std::string_view value) {
 // Reads the headers from the front to the back.
 class HeaderCheck {
  public:
-  HeaderCheck(const std::string& bytes, const std::string& name) : bytes_(bytes), in_(bytes), name_(name) {}
+  HeaderCheck(std::string_view bytes, const std::string& name, const ExrSizeCheck& check_size)
+      : bytes_(bytes), in_(bytes), name_(name), check_size_(check_size) {}
 
   Result<void> Check() {
-    const std::optional<uint32_t> version = in_.SkipBytes(4) ? in_.Little32() : std::nullopt;
+    if (in_.Take(4) != kMagic) return BadInput(name_ + ": is not an OpenEXR file");
+    const std::optional<uint32_t> version = in_.Little32();
     if (!version) return Damaged("unexpected end of file");
     if ((*version & kDeep) != 0) return Deep();
     is_tiled_ = (*version & kTiled) != 0;
@@ -124,6 +132,7 @@ class HeaderCheck {
       if (*attribute == "type" && value->starts_with("deep")) return Deep();
       Read(*attribute, *value, part);
       if (!part.has_known_types) return Damaged("a channel has an unknown type");
+      if (part.block_lines == 0) return Damaged("the compression is unknown");
     }
     return CheckSizes(part);
   }
@@ -138,6 +147,11 @@ class HeaderCheck {
     } else if (attribute == "tiles" && value.size() == 9) {
       part.tile_width = *in.Little32();
       part.tile_height = *in.Little32();
+    } else if (attribute == "compression" && value.size() == 1) {
+      const auto number = static_cast<uint8_t>(value[0]);
+      part.block_lines = number < std::size(kBlockLines) ? kBlockLines[number] : 0;
+    } else if (attribute == "chunkCount" && value.size() == 4) {
+      part.chunks = *in.Little32();
     } else if (attribute == "channels") {
       constexpr uint32_t kTypesEnd = 3;  // integers, halves and floats
       for (auto name = in.ZeroEnded(); name && !name->empty(); name = in.ZeroEnded()) {
@@ -150,25 +164,25 @@ class HeaderCheck {
   }
 
   Result<void> CheckSizes(const Part& part) {
-    constexpr int64_t kHalfSize = 2;
-    const Result<void> size =
-        CheckImageSize(name_, part.width, part.height, part.channels, kHalfSize, bytes_.size());
-    if (!size) return size;
-    // A block of scan lines has at most 256 of them (DWAB). The levels of a tiled picture have more tiles
-    // yet.
-    constexpr int64_t kBlockLinesMax = 256;
-    int64_t blocks = part.height / kBlockLinesMax;
+    constexpr int64_t kValueSizeMax = 4;
+    if (Result<void> size = check_size_(part.width, part.height, part.channels); !size) return size;
+    int64_t block_bytes = part.block_lines * part.channels * kValueSizeMax;
+    int64_t blocks = part.height / part.block_lines;
     const bool is_tiled = is_tiled_ || part.tile_width != 0 || part.tile_height != 0;
     if (is_tiled) {
       // A tile is decoded whole, even where it reaches beyond the picture.
-      const Result<void> tile =
-          CheckImageSize(name_, part.tile_width, part.tile_height, part.channels, kHalfSize, bytes_.size());
+      const Result<void> tile = check_size_(part.tile_width, part.tile_height, part.channels);
       if (!tile) return tile;
+      block_bytes = part.tile_height * part.channels * kValueSizeMax;
+      // The levels of a tiled picture have more tiles yet.
       blocks = ((part.width + part.tile_width - 1) / part.tile_width) *
                ((part.height + part.tile_height - 1) / part.tile_height);
     }
-    if (static_cast<uint64_t>(blocks) > bytes_.size() / kOffsetSize)
-      return Damaged(fmt::format("{} bytes cannot hold {} blocks of pixels", bytes_.size(), blocks));
+    if ((is_tiled ? part.tile_width : part.width) > kExrBlockBytesMax / block_bytes)
+      return Damaged("its pixels are compressed in blocks that are too large");
+    blocks_ += std::max(static_cast<uint64_t>(blocks), part.chunks);
+    if (blocks_ > bytes_.size() / kOffsetSize)
+      return Damaged(fmt::format("{} bytes cannot hold {} blocks of pixels", bytes_.size(), blocks_));
     return {};
   }
 
@@ -178,16 +192,18 @@ class HeaderCheck {
   }
 
   static constexpr size_t kNameShown = 40;
-  const std::string& bytes_;
+  std::string_view bytes_;
   HeaderReader in_;
   const std::string& name_;
+  const ExrSizeCheck& check_size_;
   bool is_tiled_ = false;
+  uint64_t blocks_ = 0;  // of all parts
 };
 
 }  // namespace
 
-Result<void> CheckExr(const std::string& bytes, const std::string& name) {
-  return HeaderCheck(bytes, name).Check();
+Result<void> CheckExr(std::string_view bytes, const std::string& name, const ExrSizeCheck& check_size) {
+  return HeaderCheck(bytes, name, check_size).Check();
 }
 
 }  // namespace tessera
