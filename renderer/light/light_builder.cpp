@@ -1,4 +1,6 @@
 // From the directives of a scene to a LightTable.
+#include <fmt/format.h>
+
 #include "renderer/light/light_data.h"
 #include "renderer/util/dispatch.h"
 
@@ -94,6 +96,11 @@ Result<void> LightBuilder::AddAreas(std::vector<int>* area_lights) {
   TESSERA_CHECK(inputs_.shape_sources.size() == geometry_.shapes.size());
   for (size_t i = 0; i < geometry_.shapes.size(); ++i) {
     const std::shared_ptr<const Entity>& entity = inputs_.shape_sources[i]->area_light;
+    if (entity && std::holds_alternative<CurveSet>(geometry_.shapes[i].form)) {
+      return ErrorAt(
+          inputs_.shape_sources[i]->entity.location,
+          fmt::format("a curve cannot be an area light (it has that of {})", entity->location.Text()));
+    }
     const Result<int> first = entity ? AddArea(geometry_.shapes[i], *entity) : Result<int>(-1);
     if (!first) return first.error();
     area_lights->push_back(*first);

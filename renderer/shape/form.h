@@ -10,6 +10,7 @@
 
 #include "renderer/math/bounds.h"
 #include "renderer/shape/bilinear_mesh.h"
+#include "renderer/shape/curve_set.h"
 #include "renderer/shape/interaction.h"
 #include "renderer/shape/quadric.h"
 #include "renderer/shape/shape_queries.h"
@@ -57,6 +58,6 @@ concept ShapeForm = requires(const T& form, uint32_t primitive, const DoubleRay&
 template <ShapeForm... Forms>
 using FormOf = std::variant<Forms...>;
 
-using Form = FormOf<TriangleMesh, BilinearMesh, Quadric>;
+using Form = FormOf<TriangleMesh, BilinearMesh, Quadric, CurveSet>;
 
 }  // namespace tessera

@@ -11,10 +11,12 @@ namespace tessera {
 // What an accelerator finds: a primitive and a place on it.
 struct Hit {
   static constexpr uint32_t kNoInstance = 0xffffffffu;
-  float t = 0;             // in units of the ray's direction
-  float u = 0, v = 0;      // triangle: barycentrics of vertices 1 and 2; patch: its (u, v); quadric: unused
+  float t = 0;  // in units of the ray's direction
+  // Triangle: barycentrics of vertices 1 and 2; patch: its (u, v); curve: u along the segment, v across;
+  // quadric: unused.
+  float u = 0, v = 0;
   uint32_t shape = 0;      // index in Geometry::shapes, or in the group's shapes when instanced
-  uint32_t primitive = 0;  // triangle or patch of the mesh; 0 for quadrics
+  uint32_t primitive = 0;  // triangle, patch or curve piece of the shape; 0 for quadrics
   uint32_t instance = kNoInstance;
 };
 

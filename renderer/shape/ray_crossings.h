@@ -28,7 +28,7 @@ inline bool NextCrossing(const Shape& shape, uint32_t primitive, const DoubleRay
   return true;
 }
 
-// No primitive has more: a line meets a quadric or a bilinear patch at most twice.
+// A line meets a quadric or a bilinear patch at most twice. Of a piece of a curve only two crossings count.
 constexpr int kCrossingsMax = 2;
 
 // All crossings, as a density over directions needs them: the hits of primitive `primitive` of `shape` (not

@@ -16,9 +16,11 @@ bool IsFinite(const Shape& shape) {
   return tessera::IsFinite(bounds.min) && tessera::IsFinite(bounds.max);
 }
 
-// Quadrics are intersected in their own space. Returns whether there were any.
-bool RemoveQuadrics(std::vector<Form>& forms) {
-  return std::erase_if(forms, [](const Form& form) { return std::holds_alternative<Quadric>(form); }) > 0;
+// Quadrics and curves are intersected in their own space. Returns whether there were any.
+bool RemoveFormsInOwnSpace(std::vector<Form>& forms) {
+  return std::erase_if(forms, [](const Form& form) {
+           return std::holds_alternative<Quadric>(form) || std::holds_alternative<CurveSet>(form);
+         }) > 0;
 }
 
 }  // namespace
@@ -42,7 +44,7 @@ Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, Surfa
                                           description.mesh.get()});
   if (Result<void> done = reader.Finish(); !done) return done.error();
   std::vector<Shape> shapes;
-  if (IsFlat(render_from_object) && RemoveQuadrics(forms))
+  if (IsFlat(render_from_object) && RemoveFormsInOwnSpace(forms))
     diagnostics.Warn(entity.location, "the shape is not shown: its transformation has no inverse");
   for (Form& form : forms) {
     Shape shape{surface, std::move(form)};

@@ -10,7 +10,7 @@ constexpr Kind<ShapeReader> kShapes[] = {
     {"trianglemesh", Support::kSupported, ReadTriangleMesh},
     {"plymesh", Support::kSupported, ReadPlyMesh},
     {"bilinearmesh", Support::kSupported, ReadBilinearMesh},
-    {"curve", Support::kNotSupported},
+    {"curve", Support::kSupported, ReadCurve},
     {"loopsubdiv", Support::kNotSupported},
 };
 

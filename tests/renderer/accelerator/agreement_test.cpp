@@ -6,7 +6,7 @@
 
 #include "renderer/accelerator/accelerator.h"
 #include "renderer/accelerator/bvh_builder.h"
-#include "tests/renderer/shape/example_shapes.h"
+#include "tests/renderer/shape/curve_examples.h"
 
 namespace tessera {
 namespace {
@@ -55,6 +55,18 @@ std::vector<Shape> Patches(TestRandom& random) {
   return shapes;
 }
 
+// Curves of all kinds, some in a space of their own.
+std::vector<Shape> Curves(TestRandom& random) {
+  std::vector<Shape> shapes;
+  for (int i = 0; i < 72; ++i) {
+    const Point3 center = RandomPoint(random, 4);
+    CurveSet curves = RandomCurve(random, i, center, 2.5f, 1);
+    if (i % 5 == 4) curves.render_from_object = std::make_shared<const Transform>(RandomTransform(random, 2));
+    shapes.push_back({{}, std::move(curves)});
+  }
+  return shapes;
+}
+
 Geometry SoupScene() {
   TestRandom random(1);
   return {Soup(random), {}, {}};
@@ -67,12 +79,17 @@ Geometry PatchScene() {
   TestRandom random(3);
   return {Patches(random), {}, {}};
 }
+Geometry CurveScene() {
+  TestRandom random(6);
+  return {Curves(random), {}, {}};
+}
 
 // Shapes of every kind.
 std::vector<Shape> Mixture(TestRandom& random) {
   std::vector<Shape> shapes = Soup(random);
   for (Shape& shape : Quadrics(random)) shapes.push_back(std::move(shape));
   for (Shape& shape : Patches(random)) shapes.push_back(std::move(shape));
+  for (Shape& shape : Curves(random)) shapes.push_back(std::move(shape));
   return shapes;
 }
 
@@ -95,7 +112,8 @@ Geometry InstanceScene() {
   geometry.groups.push_back({Quadrics(random)});
   geometry.groups.push_back({});  // an empty group may be instanced
   geometry.groups.push_back({Patches(random)});
-  for (int i = 0; i < 8; ++i) geometry.instances.push_back({i % 4, RandomTransform(random, 8)});
+  geometry.groups.push_back({Curves(random)});
+  for (int i = 0; i < 10; ++i) geometry.instances.push_back({i % 5, RandomTransform(random, 8)});
   geometry.instances.push_back(geometry.instances[0]);  // twice in the same place
   geometry.shapes.push_back(BallMesh(6, {2, 1, 0}, 1.5f));
   return geometry;
@@ -218,8 +236,8 @@ TEST_P(Agreement, AllAcceleratorsFindTheSameHits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Agreement,
-                         testing::Combine(testing::Values(SoupScene, QuadricScene, PatchScene, AlphaScene,
-                                                          InstanceScene),
+                         testing::Combine(testing::Values(SoupScene, QuadricScene, PatchScene, CurveScene,
+                                                          AlphaScene, InstanceScene),
                                           testing::Range(0, kParts)));
 
 class OwnKind : public testing::TestWithParam<const char*> {};

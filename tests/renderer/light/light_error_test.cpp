@@ -22,7 +22,13 @@ TEST_P(LightErrors, NameTheirLocation) {
   lights.files.files["infinite.pfm"] = Pfm({{infinity, 0, 0}}, 1);
   const std::string text = GetParam().text;
   std::vector<Shape> shapes;
-  if (text.find("Shape") != std::string::npos) shapes.push_back(DiskShape(0, 1));
+  if (text.find("\"disk\"") != std::string::npos) shapes.push_back(DiskShape(0, 1));
+  if (text.find("\"curve\"") != std::string::npos) {
+    CurveSet curve;
+    curve.P = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
+    curve.segments = {{0, 1, 1}};
+    shapes.push_back({{}, std::move(curve)});
+  }
   lights.Build(text, shapes);
   EXPECT_EQ(lights.error, GetParam().message);
 }
@@ -49,6 +55,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadLight{
             "LightSource \"goniometric\" \"string filename\" \"wide.pfm\"",
             "lights.pbrt:3:27: \"wide.pfm\" is not square; goniometric maps must be equal-area octahedral"},
+        BadLight{"AreaLightSource \"diffuse\" Shape \"curve\" \"point3 P\" [ 0 0 0 1 0 0 2 0 0 3 0 0 ]",
+                 "lights.pbrt:3:27: a curve cannot be an area light (it has that of lights.pbrt:3:1)"},
         BadLight{"AreaLightSource \"difuse\" Shape \"disk\"",
                  "lights.pbrt:3:1: unknown area light \"difuse\" (did you mean \"diffuse\"?)"},
         BadLight{"AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ] \"string filename\" \"black.pfm\" Shape "

@@ -1,79 +1,13 @@
 // From Shape directives to geometry: parameters, defaults, warnings and errors.
-#include "renderer/shape/shape_builder.h"
-
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <zlib.h>
 
-#include <map>
-
-#include "renderer/pbrt/parser.h"
-#include "renderer/shape/shape_interaction.h"
-#include "tests/renderer/memory_files.h"
+#include "tests/renderer/shape/built_shape.h"
 
 namespace tessera {
 namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-struct Built {
-  std::vector<Shape> shapes;
-  Diagnostics diagnostics;
-  std::string error;
-};
-
-const char kQuadPly[] =
-    "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
-    "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
-    "0 0 0 1 0 0 1 1 0 0 1 0 5 5 5 6 6 7\n4 0 1 2 3\n3 0 4 5\n";
-
-// Builds the first shape of a world that consists of `text`.
-Built Build(const std::string& text) {
-  MemoryFiles files;
-  files.files["quad.ply"] = kQuadPly;
-  files.files["half.ply"] = std::string(kQuadPly, sizeof kQuadPly - 5);
-  std::string packed(1000, '\0');
-  z_stream stream{};
-  deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(kQuadPly));
-  stream.avail_in = sizeof kQuadPly - 1;
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  deflate(&stream, Z_FINISH);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  files.files["quad.ply.gz"] = packed;
-
-  Built built;
-  const Result<SceneDescription> scene = ParseSceneText(files, "a.pbrt", "WorldBegin\n" + text + "\n");
-  if (!scene) {
-    built.error = scene.error().message;
-    return built;
-  }
-  ImageCache images(files);
-  Diagnostics texture_diagnostics;
-  TextureBuilder textures(files, images, texture_diagnostics, Transform());
-  if (const Result<void> added = textures.Add(*scene); !added) built.error = added.error().message;
-  Result<std::vector<Shape>> shapes =
-      BuildShape(scene->shapes[0], {}, Transform(), files, textures, built.diagnostics);
-  if (shapes) {
-    built.shapes = *std::move(shapes);
-  } else {
-    built.error = shapes.error().message;
-  }
-  return built;
-}
-
-template <typename Form>
-const Form& Only(const Built& built) {
-  static const Form kNone{};
-  EXPECT_EQ(built.error, "");
-  EXPECT_EQ(built.shapes.size(), 1u);
-  const Form* form = built.shapes.size() == 1 ? std::get_if<Form>(&built.shapes[0].form) : nullptr;
-  EXPECT_NE(form, nullptr);
-  return form ? *form : kNone;
-}
 
 TEST(ShapeBuilder, QuadricsHavePbrtsDefaults) {
   const Built sphere_built = Build("Shape \"sphere\"");
@@ -167,8 +101,6 @@ TEST(ShapeBuilder, AlphaIsANumberOrATexture) {
 
 TEST(ShapeBuilder, ErrorsNameTheProblemAndItsLocation) {
   const std::string triangle = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
-  EXPECT_EQ(Build("Shape \"curve\" \"point3 P\" [0 0 0]").error,
-            "a.pbrt:2:1: shape \"curve\" is not supported yet");
   EXPECT_EQ(Build("Shape \"loopsubdiv\"").error, "a.pbrt:2:1: shape \"loopsubdiv\" is not supported yet");
   EXPECT_EQ(Build("Shape \"spere\"").error, "a.pbrt:2:1: unknown shape \"spere\" (did you mean \"sphere\"?)");
   EXPECT_EQ(Build("Shape \"sphere\" \"float radius\" 0").error, "a.pbrt:2:16: radius must be above 0");
