@@ -1,7 +1,6 @@
 #include "renderer/scene/world_builder.h"
 
 #include <algorithm>
-#include <iterator>
 #include <map>
 
 #include "renderer/math/flat_transform.h"
@@ -86,8 +85,12 @@ Result<void> WorldBuilder::AddShapes() {
     CheckLoadBudget();
     Result<std::vector<Shape>> shapes = MakeShapes(description, render_from_world_);
     if (!shapes) return shapes.error();
+    std::vector<Shape>& present = world_.geometry.shapes;
     for (Shape& shape : *shapes) {
-      world_.geometry.shapes.push_back(std::move(shape));
+      // Lights are made of whole directives.
+      const bool may_merge = !present.empty() && !description.area_light;
+      if (may_merge && MergeCurves(shape, &present.back())) continue;
+      present.push_back(std::move(shape));
       shape_descriptions_.push_back(&description);
     }
   }
@@ -101,7 +104,10 @@ Result<void> WorldBuilder::AddGroups() {
       CheckLoadBudget();
       Result<std::vector<Shape>> shapes = MakeShapes(shape, Transform());
       if (!shapes) return shapes.error();
-      std::ranges::move(*shapes, std::back_inserter(group.shapes));
+      for (Shape& made : *shapes) {
+        if (!group.shapes.empty() && MergeCurves(made, &group.shapes.back())) continue;
+        group.shapes.push_back(std::move(made));
+      }
     }
     group_index_[object.name] = static_cast<int>(world_.geometry.groups.size());
     world_.geometry.groups.push_back(std::move(group));

@@ -24,6 +24,7 @@ struct SurfaceProperties {
   bool is_interface = false;
   // Opacity. Below 1 a ray passes with probability 1 - alpha, decided by a hash of its origin and direction.
   FloatInput alpha{1.0f, -1};
+  bool operator==(const SurfaceProperties&) const = default;
   bool HasAlpha() const { return !alpha.IsConstant() || alpha.constant < 1; }
 };
 

@@ -54,4 +54,13 @@ Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, Surfa
   return shapes;
 }
 
+bool MergeCurves(const Shape& curves, Shape* shape) {
+  const auto* more = std::get_if<CurveSet>(&curves.form);
+  auto* present = std::get_if<CurveSet>(&shape->form);
+  if (more == nullptr || present == nullptr || !present->CanTake(*more)) return false;
+  if (shape->surface != curves.surface) return false;
+  present->Take(*more);
+  return true;
+}
+
 }  // namespace tessera

@@ -17,4 +17,9 @@ Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, Surfa
                                       const Transform& render_from_world, FileSource& files,
                                       TextureBuilder& textures, Diagnostics& diagnostics);
 
+// Stores the curves of `curves` with those of `shape` if they may be: curves of the same kind and surface. A
+// scene has a directive for each hair, and a shape for each would cost a multiple of the memory and make
+// slower accelerators. Returns false, and changes nothing, if they may not. Both must not emit.
+bool MergeCurves(const Shape& curves, Shape* shape);
+
 }  // namespace tessera

@@ -19,6 +19,7 @@ struct TextureContext {
 struct FloatInput {
   float constant = 0;
   int texture = -1;  // index in the TextureTable, -1: constant
+  bool operator==(const FloatInput&) const = default;
   bool IsConstant() const { return texture < 0; }
 };
 

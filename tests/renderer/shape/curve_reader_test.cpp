@@ -112,5 +112,15 @@ TEST(CurveReader, ErrorsNameTheProblemAndItsLocation) {
   EXPECT_THAT(Build(kCubic + "\"string basis\" \"hermite\"").error, testing::StartsWith("a.pbrt:2:52: "));
 }
 
+TEST(CurveReader, CurvesOfOneSurfaceAreStoredTogether) {
+  Built first = Build(kCubic), second = Build(kCubic), transparent = Build(kCubic + "\"float alpha\" 0.5");
+  EXPECT_FALSE(MergeCurves(transparent.shapes[0], &first.shapes[0]));
+  EXPECT_FALSE(MergeCurves(Build("Shape \"sphere\"").shapes[0], &first.shapes[0]));
+  EXPECT_EQ(Only<CurveSet>(first).segments.size(), 1u);
+  EXPECT_TRUE(MergeCurves(second.shapes[0], &first.shapes[0]));
+  EXPECT_EQ(Only<CurveSet>(first).segments.size(), 2u);
+  EXPECT_EQ(Only<CurveSet>(first).segments[1].first_point, 4u);
+}
+
 }  // namespace
 }  // namespace tessera
