@@ -34,6 +34,7 @@ std::vector<Form> ReadDisk(const ShapeDirective& directive);
 std::vector<Form> ReadTriangleMesh(const ShapeDirective& directive);
 std::vector<Form> ReadBilinearMesh(const ShapeDirective& directive);
 std::vector<Form> ReadCurve(const ShapeDirective& directive);
+std::vector<Form> ReadLoopSubdivision(const ShapeDirective& directive);
 std::vector<Form> ReadPlyMesh(const ShapeDirective& directive);
 
 }  // namespace tessera

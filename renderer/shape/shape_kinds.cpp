@@ -4,14 +4,10 @@ namespace tessera {
 namespace {
 
 constexpr Kind<ShapeReader> kShapes[] = {
-    {"sphere", Support::kSupported, ReadSphere},
-    {"disk", Support::kSupported, ReadDisk},
-    {"cylinder", Support::kSupported, ReadCylinder},
-    {"trianglemesh", Support::kSupported, ReadTriangleMesh},
-    {"plymesh", Support::kSupported, ReadPlyMesh},
-    {"bilinearmesh", Support::kSupported, ReadBilinearMesh},
-    {"curve", Support::kSupported, ReadCurve},
-    {"loopsubdiv", Support::kNotSupported},
+    {"sphere", Support::kSupported, ReadSphere},     {"disk", Support::kSupported, ReadDisk},
+    {"cylinder", Support::kSupported, ReadCylinder}, {"trianglemesh", Support::kSupported, ReadTriangleMesh},
+    {"plymesh", Support::kSupported, ReadPlyMesh},   {"bilinearmesh", Support::kSupported, ReadBilinearMesh},
+    {"curve", Support::kSupported, ReadCurve},       {"loopsubdiv", Support::kSupported, ReadLoopSubdivision},
 };
 
 }  // namespace

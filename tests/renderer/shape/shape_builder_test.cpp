@@ -101,7 +101,6 @@ TEST(ShapeBuilder, AlphaIsANumberOrATexture) {
 
 TEST(ShapeBuilder, ErrorsNameTheProblemAndItsLocation) {
   const std::string triangle = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
-  EXPECT_EQ(Build("Shape \"loopsubdiv\"").error, "a.pbrt:2:1: shape \"loopsubdiv\" is not supported yet");
   EXPECT_EQ(Build("Shape \"spere\"").error, "a.pbrt:2:1: unknown shape \"spere\" (did you mean \"sphere\"?)");
   EXPECT_EQ(Build("Shape \"sphere\" \"float radius\" 0").error, "a.pbrt:2:16: radius must be above 0");
   EXPECT_EQ(Build("Shape \"plymesh\"").error, "a.pbrt:2:1: plymesh needs \"string filename\"");
