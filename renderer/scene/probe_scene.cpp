@@ -133,6 +133,18 @@ AttributeBegin Translate -2.2 2.6 -0.5 ObjectInstance "thing" AttributeEnd
 AttributeBegin Translate 0 2.6 -0.5 Rotate 40 0 1 0 Scale 1.2 0.8 1 ObjectInstance "thing" AttributeEnd
 AttributeBegin Translate 2.2 2.6 -0.5 Rotate 70 1 1 0 Scale -1 1 1 ReverseOrientation ObjectInstance "thing" AttributeEnd
 AttributeBegin Translate 0 -0.2 -2 Material "diffuse" "texture reflectance" "image" Shape "cylinder" "float radius" 0.25 "texture alpha" "image0" AttributeEnd
+
+AttributeBegin Translate -2.8 0 -2.4 Material "hair" "float eumelanin" 0.6
+  Shape "curve" "string type" "cylinder" "string basis" "bspline" "float width0" 0.3 "float width1" 0.1
+    "point3 P" [ 0 -1 0  0.3 -0.4 0.2  -0.3 0.1 0  0.2 0.5 -0.2  0 1.2 0  0.1 1.6 0 ]
+  Scale 1 0.7 1.3 Shape "curve" "integer degree" 2 "float width" 0.2 "point3 P" [ -0.7 -0.6 0  -0.2 0.8 0.1  -0.6 1.4 0 ]
+AttributeEnd
+AttributeBegin Translate 2.8 0 -2.4 Material "diffuse" "texture reflectance" "checker"
+  Shape "curve" "string type" "ribbon" "string basis" "bspline" "integer degree" 2 "float width" 0.4
+    "normal N" [ 0.4 0 -1  -0.5 0.3 -1  0 0 1 ] "point3 P" [ 0 -1 0  0.3 -0.2 0  -0.2 0.5 0.3  0 1.5 0 ]
+  Translate -0.7 0 0 Shape "loopsubdiv" "integer levels" 2 "point3 P" [ 0 0.4 0  0.3 -0.2 0.2  -0.3 -0.2 0.2  0 -0.2 -0.3 ]
+    "integer indices" [ 0 1 2  0 3 1  0 2 3  1 3 2 ]
+AttributeEnd
 )";
 
 const char* const kProbeLightsOfNoSize = R"(
