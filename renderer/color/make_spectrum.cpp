@@ -5,7 +5,7 @@
 
 #include "renderer/color/named_spectra.h"
 #include "renderer/color/spectrum_parameter.h"
-#include "renderer/description/number.h"
+#include "renderer/description/number_list.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
@@ -68,33 +68,13 @@ struct Samples {
   std::vector<float> wavelengths, values;
 };
 
-bool IsSpace(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\n';
-}
-
-// Numbers separated by white space; "#" starts a comment that ends with the line. Gives the line of a bad
-// word.
+// The pairs of a file of wavelengths (nm) and values.
 Result<Samples> ParseSamples(const std::string& text) {
+  const Result<std::vector<float>> numbers = ParseNumberList(text);
+  if (!numbers) return numbers.error();
   Samples samples;
-  int line = 1;
-  bool is_wavelength = true;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (at < end) {
-    if (IsSpace(*at)) {
-      line += *at++ == '\n';
-    } else if (*at == '#') {
-      at = std::find(at, end, '\n');
-    } else {
-      float number = 0;
-      const auto [rest, problem] = ReadNumber(at, end, number);
-      if (problem != std::errc() || (rest < end && !IsSpace(*rest) && *rest != '#')) {
-        return BadInput(fmt::format("line {} has a word that is not a number", line));
-      }
-      (is_wavelength ? samples.wavelengths : samples.values).push_back(number);
-      is_wavelength = !is_wavelength;
-      at = rest;
-    }
+  for (size_t i = 0; i < numbers->size(); ++i) {
+    (i % 2 == 0 ? samples.wavelengths : samples.values).push_back((*numbers)[i]);
   }
   return samples;
 }
