@@ -14,15 +14,16 @@ AnyCamera Read(const CameraDirective& directive) {
 
 constexpr Kind<CameraReader> kCameras[] = {
     {"perspective", Support::kSupported, Read<PerspectiveCamera>},
-    {"orthographic", Support::kNotSupported},
+    {"orthographic", Support::kSupported, Read<OrthographicCamera>},
+    {"spherical", Support::kSupported, Read<SphericalCamera>},
     {"realistic", Support::kNotSupported},
-    {"spherical", Support::kNotSupported},
 };
 constexpr KindTable<CameraReader> kCameraTable("camera", kCameras);
 
 }  // namespace
 
-Result<Camera> Camera::Read(const Entity& entity, const Transform& camera_from_world, int width, int height) {
+Result<Camera> Camera::Read(const Entity& entity, const Transform& camera_from_world, const CameraFilm& film,
+                            ImageCache& images, Diagnostics& diagnostics) {
   const Kind<CameraReader>* kind = kCameraTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kCameraTable.Refusal(entity.kind));
   ParameterReader reader(entity);
@@ -32,51 +33,60 @@ Result<Camera> Camera::Read(const Entity& entity, const Transform& camera_from_w
   if (!(camera.shutter_close_ > camera.shutter_open_)) {
     reader.FailAt("shutterclose", "shutterclose must be later than shutteropen");
   }
-  camera.kind_ = kind->reader({reader, width, height});
+  camera.kind_ = kind->reader({reader, film, images, diagnostics});
   if (Result<void> done = reader.Finish(); !done) return done.error();
 
   const Transform world_from_camera = camera_from_world.Inverse();
   const Point3 eye = world_from_camera.ToPoint({0, 0, 0});
   camera.render_from_world_ = Translate(-eye);
   camera.render_from_camera_ = camera.render_from_world_ * world_from_camera;
-  camera.MeasureSpread(width, height);
+  camera.forward_ = Normalize(camera.render_from_camera_.ToVector({0, 0, 1}));
+  camera.spread_x_ = camera.MeasureSpread(film, {1, 0});
+  camera.spread_y_ = camera.MeasureSpread(film, {0, 1});
   return camera;
 }
 
-void Camera::MeasureSpread(int width, int height) {
+Camera::Spread Camera::MeasureSpread(const CameraFilm& film, Vec2 pixel) const {
   constexpr int kPlaces = 64;  // along the diagonal of the film
-  spread_x_ = spread_y_ = std::numeric_limits<float>::max();
+  constexpr float kUnknown = std::numeric_limits<float>::max();
+  Spread spread{kUnknown, kUnknown};
   for (int i = 0; i < kPlaces; ++i) {
-    const Point2 film{(i + 0.5f) / kPlaces * static_cast<float>(width),
-                      (i + 0.5f) / kPlaces * static_cast<float>(height)};
-    const Vec3 d = GenerateRay(film, {0.5f, 0.5f}, 0).d;
-    const Vec3 right = GenerateRay({film.x + 1, film.y}, {0.5f, 0.5f}, 0).d;
-    const Vec3 down = GenerateRay({film.x, film.y + 1}, {0.5f, 0.5f}, 0).d;
-    spread_x_ = std::min(spread_x_, Length(right - d));
-    spread_y_ = std::min(spread_y_, Length(down - d));
+    const Point2 place{(i + 0.5f) / kPlaces * static_cast<float>(film.width),
+                       (i + 0.5f) / kPlaces * static_cast<float>(film.height)};
+    const CameraSample here = GenerateRay(place, {0.5f, 0.5f}, 0);
+    const CameraSample next = GenerateRay(place + pixel, {0.5f, 0.5f}, 0);
+    if (here.weight == 0 || next.weight == 0) continue;
+    spread.direction = std::min(spread.direction, Length(next.ray.d - here.ray.d));
+    spread.origin = std::min(spread.origin, Length(next.ray.o - here.ray.o));
   }
+  return spread.direction < kUnknown ? spread : Spread{};
 }
 
-Ray Camera::GenerateRay(Point2 film, Point2 u_lens, float u_time) const {
+CameraSample Camera::GenerateRay(Point2 film, Point2 u_lens, float u_time) const {
   const CameraRay in_camera_space =
       Dispatch(kind_, [=](const auto& kind) { return kind.GenerateRay(film, u_lens); });
-  Ray ray;
-  ray.o = render_from_camera_.ToPoint(in_camera_space.o);
-  ray.d = Normalize(render_from_camera_.ToVector(in_camera_space.d));
-  ray.time = Lerp(u_time, shutter_open_, shutter_close_);
-  return ray;
+  CameraSample sample;
+  sample.ray.o = render_from_camera_.ToPoint(in_camera_space.o);
+  sample.ray.d = Normalize(render_from_camera_.ToVector(in_camera_space.d));
+  sample.ray.time = Lerp(u_time, shutter_open_, shutter_close_);
+  sample.weight = in_camera_space.weight;
+  return sample;
 }
 
 Footprint Camera::ApproximateFootprint(Point3 p, Normal3 n, float scale) const {
   const float distance = Length(p);
   if (!(distance > 0)) return {};
-  const Frame frame = Frame::FromZ(p / distance);
+  // Rays that all have one direction reach p in it; others come about from the origin.
+  const bool is_parallel = spread_x_.direction == 0 && spread_y_.direction == 0;
+  const Frame frame = Frame::FromZ(is_parallel ? forward_ : p / distance);
+  const Point3 origin = is_parallel ? p - frame.z * Dot(frame.z, p) : Point3{0, 0, 0};
   const float plane = Dot(n, p);
-  const Vec3 x_ray = frame.z + frame.x * spread_x_;
-  const Vec3 y_ray = frame.z + frame.y * spread_y_;
+  const Vec3 x_origin = origin + frame.x * spread_x_.origin, x_ray = frame.z + frame.x * spread_x_.direction;
+  const Vec3 y_origin = origin + frame.y * spread_y_.origin, y_ray = frame.z + frame.y * spread_y_.direction;
   const float x_cosine = Dot(n, x_ray), y_cosine = Dot(n, y_ray);
   if (x_cosine == 0 || y_cosine == 0) return {};
-  return {(x_ray * (plane / x_cosine) - p) * scale, (y_ray * (plane / y_cosine) - p) * scale};
+  return {(x_origin + x_ray * ((plane - Dot(n, x_origin)) / x_cosine) - p) * scale,
+          (y_origin + y_ray * ((plane - Dot(n, y_origin)) / y_cosine) - p) * scale};
 }
 
 KindList CameraKinds() {

@@ -8,7 +8,9 @@
 #include <variant>
 
 #include "renderer/camera/camera_directive.h"
+#include "renderer/camera/orthographic_camera.h"
 #include "renderer/camera/perspective_camera.h"
+#include "renderer/camera/spherical_camera.h"
 #include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
 #include "renderer/math/ray.h"
@@ -36,14 +38,21 @@ concept CameraKind = requires(const T& camera, const CameraDirective& directive,
 
 template <CameraKind... Kinds>
 using CameraOf = std::variant<Kinds...>;
-using AnyCamera = CameraOf<PerspectiveCamera>;
+using AnyCamera = CameraOf<PerspectiveCamera, OrthographicCamera, SphericalCamera>;
+
+// A ray of light that reaches the film.
+struct CameraSample {
+  Ray ray;           // d has unit length
+  float weight = 1;  // of the radiance along the ray; 0 if no light reaches the film this way
+};
 
 // Rendering space has the axes of world space and its origin at the camera (pbrt's "cameraworld"):
 // coordinates near the camera keep the most digits. Immutable.
 class Camera {
  public:
-  // Reads a Camera directive for a picture of width x height pixels. The camera must not move.
-  static Result<Camera> Read(const Entity& entity, const Transform& camera_from_world, int width, int height);
+  // Reads a Camera directive, and the files that it names from those of `images`. The camera must not move.
+  static Result<Camera> Read(const Entity& entity, const Transform& camera_from_world, const CameraFilm& film,
+                             ImageCache& images, Diagnostics& diagnostics);
 
   const Transform& render_from_world() const { return render_from_world_; }
   bool has_lens() const {
@@ -53,20 +62,26 @@ class Camera {
   float exposure_time() const { return shutter_close_ - shutter_open_; }
 
   // The ray through the film at `film` (pixels from the upper left corner) and the lens at `u_lens` in [0,
-  // 1)^2. `u_time` in [0, 1) chooses the time. d has unit length.
-  Ray GenerateRay(Point2 film, Point2 u_lens, float u_time) const;
+  // 1)^2. `u_time` in [0, 1) chooses the time.
+  CameraSample GenerateRay(Point2 film, Point2 u_lens, float u_time) const;
 
   // The footprint of a pixel at a point as if the camera saw it directly, times `scale`: an approximation
   // that serves points seen through reflections as well.
   Footprint ApproximateFootprint(Point3 p, Normal3 n, float scale) const;
 
  private:
-  void MeasureSpread(int width, int height);
+  // How far the ray moves over a distance of one pixel.
+  struct Spread {
+    float direction = 0;  // change of the unit direction
+    float origin = 0;     // scene units
+  };
+  Spread MeasureSpread(const CameraFilm& film, Vec2 pixel) const;
 
   AnyCamera kind_;
   Transform render_from_world_, render_from_camera_;
   float shutter_open_ = 0, shutter_close_ = 1;  // seconds
-  float spread_x_ = 0, spread_y_ = 0;           // smallest change of a unit ray direction per pixel
+  Vec3 forward_{0, 0, 1};                       // in rendering space
+  Spread spread_x_, spread_y_;                  // the smallest of the film
 };
 
 KindList CameraKinds();

@@ -1,8 +1,7 @@
 // The camera "perspective", with a thin lens.
 #pragma once
 
-#include "renderer/camera/camera_directive.h"
-#include "renderer/math/transform.h"
+#include "renderer/camera/thin_lens.h"
 
 namespace tessera {
 
@@ -10,12 +9,12 @@ class PerspectiveCamera {
  public:
   static PerspectiveCamera Read(const CameraDirective& directive);
 
-  bool has_lens() const { return lens_radius_ > 0; }
+  bool has_lens() const { return !lens_.is_pinhole(); }
   CameraRay GenerateRay(Point2 film, Point2 u_lens) const;
 
  private:
   Transform camera_from_raster_;
-  float lens_radius_ = 0, focal_distance_ = 1e6f;  // scene units
+  ThinLens lens_;
 };
 
 }  // namespace tessera

@@ -110,7 +110,7 @@ FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options, 
   film.width = ReadResolution(reader, "xresolution", 1280, options.width);
   film.height = ReadResolution(reader, "yresolution", 720, options.height);
   if (!reader.failed()) film.crop = ReadCrop(reader, film, diagnostics);
-  reader.Float("diagonal", 35);
+  film.diagonal_mm = reader.Float("diagonal", 35);
   film.iso = reader.Float("iso", 100);
   film.white_balance = reader.Float("whitebalance", 0);
   film.component_max = reader.Float("maxcomponentvalue", std::numeric_limits<float>::infinity());
@@ -118,6 +118,7 @@ FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options, 
   const std::string sensor = reader.String("sensor", "cie1931");
   if (sensor != "cie1931")
     reader.FailAt("sensor", "sensor \"" + sensor + "\" is not supported yet: only \"cie1931\" is");
+  if (!(film.diagonal_mm > 0)) reader.FailAt("diagonal", "diagonal must be above 0");
   if (!(film.iso > 0)) reader.FailAt("iso", "iso must be above 0");
   if (film.white_balance < 0 || film.white_balance > 40000) {
     reader.FailAt("whitebalance", "whitebalance must lie between 0 (off) and 40000 kelvin");

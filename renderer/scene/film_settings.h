@@ -12,6 +12,7 @@ namespace tessera {
 struct FilmSettings {
   int width = 1280, height = 720;
   PixelBounds crop;
+  float diagonal_mm = 35;  // of the sensor
   float iso = 100;
   float white_balance = 0;  // kelvin; 0: none
   float component_max = 0;  // largest sensor component of one sample; infinite if there is no clamp

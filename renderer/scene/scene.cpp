@@ -107,8 +107,9 @@ Result<void> SceneBuilder::ReadSettings() {
   wavefront_ = scene_options->wavefront;
   const Result<FilmSettings> film = ReadFilm(scene_.film, options_, scene_.diagnostics);
   if (!film) return film.error();
-  Result<Camera> camera =
-      Camera::Read(scene_.camera, scene_.camera_from_world.Fixed(), film->width, film->height);
+  Result<Camera> camera = Camera::Read(scene_.camera, scene_.camera_from_world.Fixed(),
+                                       {film->width, film->height, film->diagonal_mm}, images_,
+                                       scene_.diagnostics);
   if (!camera) return camera.error();
   data.world.camera = *camera;
   Result<Filter> filter = Filter::Read(scene_.filter);

@@ -43,9 +43,10 @@ class PixelRenderer {
     const Point2 u_lens = camera.has_lens() ? sampler_.Get2D() : Point2{0.5f, 0.5f};
     const Point2 film{static_cast<float>(x) + 0.5f + filter.offset.x,
                       static_cast<float>(y) + 0.5f + filter.offset.y};
-    const Ray ray = camera.GenerateRay(film, u_lens, 0.5f);
+    const CameraSample seen = camera.GenerateRay(film, u_lens, 0.5f);
     const PathContext context{data_.world, data_.estimator.path, wavelengths, sampler_, rays_};
-    const SampledSpectrum radiance = Estimate(context, ray, filter.weight, values);
+    SampledSpectrum radiance(0.0f);
+    if (seen.weight > 0) radiance = Estimate(context, seen.ray, filter.weight, values) * seen.weight;
     const Rgb rgb = data_.sensor.ToRgb(radiance, wavelengths);
     values[weight_] = filter.weight;
     if (!IsFinite(rgb)) {

@@ -21,8 +21,8 @@ inline std::unique_ptr<World> BuiltWorld(const std::string& text, bool with_medi
   EXPECT_TRUE(scene) << scene.error().message;
   ImageCache images(files);
   auto world = std::make_unique<World>();
-  world->camera = *Camera::Read(scene->camera, scene->camera_from_world.Fixed(), 8, 8);
   Diagnostics diagnostics;
+  world->camera = *Camera::Read(scene->camera, scene->camera_from_world.Fixed(), {8, 8}, images, diagnostics);
   const auto built =
       BuildWorld({*scene, files, images, LightSamplerKind::kTree, with_media}, world.get(), diagnostics);
   EXPECT_TRUE(built) << built.error().message;
