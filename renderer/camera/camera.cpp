@@ -16,7 +16,7 @@ constexpr Kind<CameraReader> kCameras[] = {
     {"perspective", Support::kSupported, Read<PerspectiveCamera>},
     {"orthographic", Support::kSupported, Read<OrthographicCamera>},
     {"spherical", Support::kSupported, Read<SphericalCamera>},
-    {"realistic", Support::kNotSupported},
+    {"realistic", Support::kSupported, Read<RealisticCamera>},
 };
 constexpr KindTable<CameraReader> kCameraTable("camera", kCameras);
 

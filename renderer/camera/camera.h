@@ -10,6 +10,7 @@
 #include "renderer/camera/camera_directive.h"
 #include "renderer/camera/orthographic_camera.h"
 #include "renderer/camera/perspective_camera.h"
+#include "renderer/camera/realistic_camera.h"
 #include "renderer/camera/spherical_camera.h"
 #include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
@@ -38,7 +39,7 @@ concept CameraKind = requires(const T& camera, const CameraDirective& directive,
 
 template <CameraKind... Kinds>
 using CameraOf = std::variant<Kinds...>;
-using AnyCamera = CameraOf<PerspectiveCamera, OrthographicCamera, SphericalCamera>;
+using AnyCamera = CameraOf<PerspectiveCamera, OrthographicCamera, SphericalCamera, RealisticCamera>;
 
 // A ray of light that reaches the film.
 struct CameraSample {
