@@ -71,6 +71,7 @@ Library MakeLibrary() {
   for (const SpectralSeries& series : GlassSeries()) add(series, false);
   for (const SpectralSeries& series : MetalSeries()) add(series, false);
   for (const SpectralSeries& series : IlluminantSeries()) add(series, true);
+  for (const SpectralSeries& series : SensorSeries()) add(series, false);
   return library;
 }
 
@@ -99,6 +100,29 @@ std::shared_ptr<const DenseTable> NamedSpectrum(std::string_view name) {
 
 std::span<const std::string_view> NamedSpectrumNames() {
   return TheLibrary().names;
+}
+
+std::span<const std::string_view> SensorNames() {
+  static const std::vector<std::string_view> names = [] {
+    std::vector<std::string_view> sensors;
+    constexpr size_t kColours = 3, kSuffix = 2;
+    for (size_t i = 0; i < SensorSeries().size(); i += kColours) {
+      std::string_view name = SensorSeries()[i].name;
+      name.remove_suffix(kSuffix);
+      sensors.push_back(name);
+    }
+    return sensors;
+  }();
+  return names;
+}
+
+std::span<const DenseTable> ColorCheckerPatches() {
+  static const std::vector<DenseTable> patches = [] {
+    std::vector<DenseTable> tables;
+    for (const SpectralSeries& series : ColorCheckerSeries()) tables.push_back(TabulateSeries(series));
+    return tables;
+  }();
+  return patches;
 }
 
 std::shared_ptr<const DenseTable> TableFromSamples(std::span<const float> wavelengths,

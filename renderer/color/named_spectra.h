@@ -26,6 +26,11 @@ std::shared_ptr<const DenseTable> NamedSpectrum(std::string_view name);
 // All names, for suggestions.
 std::span<const std::string_view> NamedSpectrumNames();
 
+// Cameras whose sensitivities are the named spectra NAME_r, NAME_g and NAME_b.
+std::span<const std::string_view> SensorNames();
+// The reflectances of the 24 patches of a ColorChecker chart.
+std::span<const DenseTable> ColorCheckerPatches();
+
 // Piecewise linear through (wavelength in nm, value) pairs with strictly rising wavelengths; 0 outside.
 std::shared_ptr<const DenseTable> TableFromSamples(std::span<const float> wavelengths,
                                                    std::span<const float> values);

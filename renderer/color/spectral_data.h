@@ -27,5 +27,9 @@ struct SpectralSeries {
 std::span<const SpectralSeries> IlluminantSeries();
 std::span<const SpectralSeries> MetalSeries();
 std::span<const SpectralSeries> GlassSeries();
+// Of cameras: "NAME_r", "NAME_g" and "NAME_b", one after the other.
+std::span<const SpectralSeries> SensorSeries();
+// Of the patches of a ColorChecker chart.
+std::span<const SpectralSeries> ColorCheckerSeries();
 
 }  // namespace tessera

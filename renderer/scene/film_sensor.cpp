@@ -1,22 +1,11 @@
 #include "renderer/scene/film_sensor.h"
 
+#include <string>
+
+#include "renderer/scene/sensor_matrix.h"
+
 namespace tessera {
 namespace {
-
-using Matrix3 = std::array<std::array<float, 3>, 3>;
-
-Matrix3 Multiply(const Matrix3& a, const Matrix3& b) {
-  Matrix3 r{};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) r[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
-  }
-  return r;
-}
-
-Vec3 Multiply(const Matrix3& m, Vec3 v) {
-  return {m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z, m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
-          m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
-}
 
 // Bradford cone responses (ICC.1:2010, annex E) and their inverse.
 constexpr Matrix3 kConesFromXyz{
@@ -53,25 +42,43 @@ Matrix3 WhiteBalance(Vec3 from, Vec3 to) {
 
 }  // namespace
 
-FilmSensor::FilmSensor(const ColorSpace& color_space, float imaging_ratio, float white_balance,
-                       float component_max)
+FilmSensor::FilmSensor(const ColorSpace& color_space, const FilmExposure& exposure)
     : color_space_(&color_space),
       white_scale_(1 / Luminance(*color_space.illuminant())),
-      x_(&CieX()),
-      y_(&CieY()),
-      z_(&CieZ()),
-      imaging_ratio_(imaging_ratio),
-      component_max_(component_max),
-      output_(color_space.rgb_from_xyz()) {
+      responses_{&CieX(), &CieY(), &CieZ()},
+      exposure_(exposure),
+      output_(color_space.rgb_from_xyz()) {}
+
+FilmSensor FilmSensor::Observer(const ColorSpace& color_space, const FilmExposure& exposure,
+                                float white_balance) {
+  FilmSensor sensor(color_space, exposure);
   if (white_balance > 0) {
     const Vec3 from = WhitePoint(*DaylightIlluminant(white_balance));
-    output_ = Multiply(output_, WhiteBalance(from, WhitePoint(*color_space.illuminant())));
+    sensor.output_ = Multiply(sensor.output_, WhiteBalance(from, WhitePoint(*color_space.illuminant())));
   }
+  return sensor;
+}
+
+std::optional<FilmSensor> FilmSensor::Measured(std::string_view name, const ColorSpace& color_space,
+                                               const FilmExposure& exposure, float white_balance) {
+  FilmSensor sensor(color_space, exposure);
+  const char* const suffixes[] = {"_r", "_g", "_b"};
+  for (size_t i = 0; i < sensor.responses_.size(); ++i) {
+    const std::shared_ptr<const DenseTable> response = NamedSpectrum(std::string(name) + suffixes[i]);
+    if (!response) return std::nullopt;
+    sensor.responses_[i] = response.get();  // lives for the whole program
+  }
+  constexpr float kDaylight = 6500;  // kelvin
+  const auto illuminant = DaylightIlluminant(white_balance > 0 ? white_balance : kDaylight);
+  sensor.output_ =
+      Multiply(sensor.output_, XyzFromSensor(sensor.responses_, *illuminant, *color_space.illuminant()));
+  return sensor;
 }
 
 Rgb FilmSensor::ReflectanceToRgb(SampledSpectrum reflectance, const SampledWavelengths& wavelengths) const {
   const SampledSpectrum white = SampleTable(*color_space_->illuminant(), wavelengths) * white_scale_;
-  const Vec3 rgb = Multiply(color_space_->rgb_from_xyz(), ToXyz(reflectance * white, wavelengths));
+  const Vec3 rgb = Multiply(color_space_->rgb_from_xyz(),
+                            Respond({&CieX(), &CieY(), &CieZ()}, reflectance * white, wavelengths));
   return {rgb.x, rgb.y, rgb.z};
 }
 

@@ -1,29 +1,44 @@
 // From radiance at four wavelengths to the linear RGB of the output.
 #pragma once
 
+#include <array>
 #include <limits>
+#include <optional>
+#include <string_view>
 
 #include "renderer/color/color_space.h"
 #include "renderer/color/named_spectra.h"
 #include "renderer/color/wavelengths.h"
+#include "renderer/math/matrix3.h"
 
 namespace tessera {
 
-// The CIE 1931 observer as sensor (pbrt's "cie1931"), with exposure, white balance and clamp. Immutable.
+struct FilmExposure {
+  float imaging_ratio = 1;  // exposure time x ISO / 100
+  // Bounds the largest sensor component of one sample.
+  float component_max = std::numeric_limits<float>::infinity();
+};
+
+// The spectral sensitivities of a film, with exposure, white balance and clamp. Immutable.
 class FilmSensor {
  public:
-  // `imaging_ratio` = exposure time x ISO / 100. `white_balance` in kelvin, 0 for none. `component_max`
-  // bounds a sample's largest sensor component. The colour space must outlive the sensor.
-  FilmSensor(const ColorSpace& color_space, float imaging_ratio, float white_balance, float component_max);
+  // The CIE 1931 observer (pbrt's "cie1931"). `white_balance` is the temperature of the daylight that becomes
+  // the white of the picture, in kelvin, 0 for none. The colour space must outlive the sensor.
+  static FilmSensor Observer(const ColorSpace& color_space, const FilmExposure& exposure,
+                             float white_balance);
+  // A camera of SensorNames(), for a daylight of 6500 K if `white_balance` is 0. Returns nullopt if there is
+  // no such camera.
+  static std::optional<FilmSensor> Measured(std::string_view name, const ColorSpace& color_space,
+                                            const FilmExposure& exposure, float white_balance);
 
   // The output RGB of one sample of radiance. Divides by the densities of its wavelengths.
   Rgb ToRgb(SampledSpectrum radiance, const SampledWavelengths& wavelengths) const {
-    Vec3 xyz = ToXyz(radiance, wavelengths) * imaging_ratio_;
-    const float largest = MaxComponent(xyz);
-    if (largest > component_max_) xyz = xyz * (component_max_ / largest);
-    return {output_[0][0] * xyz.x + output_[0][1] * xyz.y + output_[0][2] * xyz.z,
-            output_[1][0] * xyz.x + output_[1][1] * xyz.y + output_[1][2] * xyz.z,
-            output_[2][0] * xyz.x + output_[2][1] * xyz.y + output_[2][2] * xyz.z};
+    Vec3 seen = Respond(responses_, radiance, wavelengths) * exposure_.imaging_ratio;
+    const float largest = MaxComponent(seen);
+    if (largest > exposure_.component_max) seen = seen * (exposure_.component_max / largest);
+    return {output_[0][0] * seen.x + output_[0][1] * seen.y + output_[0][2] * seen.z,
+            output_[1][0] * seen.x + output_[1][1] * seen.y + output_[1][2] * seen.z,
+            output_[2][0] * seen.x + output_[2][1] * seen.y + output_[2][2] * seen.z};
   }
 
   // The RGB of one sample of a reflectance under the white of the output colour space: in the mean (1, 1, 1)
@@ -31,19 +46,23 @@ class FilmSensor {
   Rgb ReflectanceToRgb(SampledSpectrum reflectance, const SampledWavelengths& wavelengths) const;
 
  private:
-  // CIE 1931 XYZ.
-  Vec3 ToXyz(SampledSpectrum radiance, const SampledWavelengths& wavelengths) const {
+  using Responses = std::array<const DenseTable*, 3>;
+
+  FilmSensor(const ColorSpace& color_space, const FilmExposure& exposure);
+
+  static Vec3 Respond(const Responses& responses, SampledSpectrum radiance,
+                      const SampledWavelengths& wavelengths) {
     const SampledSpectrum weighted = SafeDiv(radiance, wavelengths.pdf);
-    return {Average(SampleTable(*x_, wavelengths) * weighted),
-            Average(SampleTable(*y_, wavelengths) * weighted),
-            Average(SampleTable(*z_, wavelengths) * weighted)};
+    return {Average(SampleTable(*responses[0], wavelengths) * weighted),
+            Average(SampleTable(*responses[1], wavelengths) * weighted),
+            Average(SampleTable(*responses[2], wavelengths) * weighted)};
   }
 
   const ColorSpace* color_space_;
-  float white_scale_;  // gives the illuminant of the colour space Y = 1
-  const DenseTable *x_, *y_, *z_;
-  float imaging_ratio_, component_max_;
-  std::array<std::array<float, 3>, 3> output_;  // RGB from sensor XYZ
+  float white_scale_;    // gives the illuminant of the colour space Y = 1
+  Responses responses_;  // CIE XYZ, or red, green and blue
+  FilmExposure exposure_;
+  Matrix3 output_;  // RGB from the components of the sensor
 };
 
 }  // namespace tessera

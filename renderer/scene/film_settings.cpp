@@ -15,6 +15,8 @@
 namespace tessera {
 namespace {
 
+constexpr std::string_view kObserver = "cie1931";
+
 // Pixel bounds of a crop given as fractions: pixel = ceil(resolution x fraction).
 PixelBounds FromFractions(const std::array<float, 4>& f, int width, int height) {
   const auto pixel = [](int resolution, float fraction) {
@@ -115,9 +117,9 @@ FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options, 
   film.white_balance = reader.Float("whitebalance", 0);
   film.component_max = reader.Float("maxcomponentvalue", std::numeric_limits<float>::infinity());
   film.exr_type = reader.Bool("savefp16", true) ? ExrType::kHalf : ExrType::kFloat;
-  const std::string sensor = reader.String("sensor", "cie1931");
-  if (sensor != "cie1931")
-    reader.FailAt("sensor", "sensor \"" + sensor + "\" is not supported yet: only \"cie1931\" is");
+  std::vector<std::string_view> sensors{kObserver};
+  sensors.insert(sensors.end(), SensorNames().begin(), SensorNames().end());
+  film.sensor = reader.Choice("sensor", kObserver, sensors);
   if (!(film.diagonal_mm > 0)) reader.FailAt("diagonal", "diagonal must be above 0");
   if (!(film.iso > 0)) reader.FailAt("iso", "iso must be above 0");
   if (film.white_balance < 0 || film.white_balance > 40000) {
@@ -136,6 +138,15 @@ constexpr Kind<FilmReader> kKinds[] = {
 constexpr KindTable<FilmReader> kTable("film", kKinds);
 
 }  // namespace
+
+FilmSensor FilmSettings::MakeSensor(const ColorSpace& color_space, float exposure_time) const {
+  const FilmExposure exposure{exposure_time * iso / 100, component_max};
+  if (sensor == kObserver) return FilmSensor::Observer(color_space, exposure, white_balance);
+  const std::optional<FilmSensor> measured =
+      FilmSensor::Measured(sensor, color_space, exposure, white_balance);
+  TESSERA_CHECK(measured.has_value());  // ReadFilm accepts no other name
+  return *measured;
+}
 
 KindList FilmKinds() {
   return kTable.List();

@@ -107,9 +107,9 @@ Result<void> SceneBuilder::ReadSettings() {
   wavefront_ = scene_options->wavefront;
   const Result<FilmSettings> film = ReadFilm(scene_.film, options_, scene_.diagnostics);
   if (!film) return film.error();
-  Result<Camera> camera = Camera::Read(scene_.camera, scene_.camera_from_world.Fixed(),
-                                       {film->width, film->height, film->diagonal_mm}, images_,
-                                       scene_.diagnostics);
+  Result<Camera> camera =
+      Camera::Read(scene_.camera, scene_.camera_from_world.Fixed(),
+                   {film->width, film->height, film->diagonal_mm}, images_, scene_.diagnostics);
   if (!camera) return camera.error();
   data.world.camera = *camera;
   Result<Filter> filter = Filter::Read(scene_.filter);
@@ -145,8 +145,7 @@ Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const Integra
   Scene::Data& data = *data_;
   const ColorSpace* color_space = ColorSpace::Named(scene_.film_color_space);
   if (color_space == nullptr) return ErrorAt(scene_.film.location, "unknown colour space of the film");
-  data.sensor = FilmSensor(*color_space, data.world.camera.exposure_time() * film.iso / 100,
-                           film.white_balance, film.component_max);
+  data.sensor = film.MakeSensor(*color_space, data.world.camera.exposure_time());
   data.frame.width = film.width;
   data.frame.height = film.height;
   data.frame.crop = film.crop;

@@ -21,7 +21,7 @@ struct Scene::Data {
   Filter filter;
   SamplerSettings sampler;
   Estimator estimator;
-  FilmSensor sensor{ColorSpace::Srgb(), 1, 0, 1};
+  FilmSensor sensor = FilmSensor::Observer(ColorSpace::Srgb(), {}, 0);
   FrameSpec frame;
   std::set<std::string> layers;  // in the frame: names in Layers()
   SceneSummary summary;

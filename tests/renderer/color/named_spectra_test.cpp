@@ -76,7 +76,40 @@ TEST(NamedSpectra, NamesAreDifferentAndAllResolve) {
     ASSERT_NE(table, nullptr) << name;
     for (const float value : *table) ASSERT_TRUE(value >= 0 && std::isfinite(value)) << name;
   }
-  EXPECT_EQ(names.size(), 7u + 3u + 2u * 7u + 16u);
+  EXPECT_EQ(names.size(), 7u + 3u + 2u * 7u + 16u + 3u * SensorNames().size());
+  EXPECT_EQ(SensorNames().size(), 17u);
+}
+
+TEST(NamedSpectra, SensorsAreScaledToTheirLargestGreenSensitivity) {
+  for (const std::string_view sensor : SensorNames()) {
+    const auto green = NamedSpectrum(std::string(sensor) + "_g");
+    ASSERT_TRUE(green) << sensor;
+    EXPECT_EQ(*std::max_element(green->begin(), green->end()), 1) << sensor;
+    EXPECT_EQ((*green)[520 - kLambdaMin], 1) << sensor;
+    // Red sees the longest wavelengths, blue the shortest.
+    const auto red = NamedSpectrum(std::string(sensor) + "_r"),
+               blue = NamedSpectrum(std::string(sensor) + "_b");
+    ASSERT_TRUE(red && blue) << sensor;
+    const auto largest = [](const DenseTable& table) {
+      return std::max_element(table.begin(), table.end()) - table.begin() + kLambdaMin;
+    };
+    EXPECT_GE(largest(*red), 590) << sensor;
+    EXPECT_LE(largest(*red), 600) << sensor;
+    EXPECT_GE(largest(*blue), 460) << sensor;
+    EXPECT_LE(largest(*blue), 480) << sensor;
+  }
+}
+
+TEST(NamedSpectra, ColorCheckerPatchesHaveTheirColours) {
+  ASSERT_EQ(ColorCheckerPatches().size(), 24u);
+  const DenseTable& red = ColorCheckerPatches()[14];
+  EXPECT_LT(red[550 - kLambdaMin], 0.06f);
+  EXPECT_GT(red[650 - kLambdaMin], 0.6f);
+  EXPECT_EQ(red[360 - kLambdaMin], red[380 - kLambdaMin]);  // constant beyond the samples
+  for (size_t grey = 18; grey < 24; ++grey) {
+    const DenseTable& patch = ColorCheckerPatches()[grey];
+    EXPECT_NEAR(patch[450 - kLambdaMin] / patch[650 - kLambdaMin], 1, 0.1f);
+  }
 }
 
 TEST(NamedSpectra, IndicesOfRefractionGoOnBeyondTheirSamples) {
