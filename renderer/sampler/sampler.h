@@ -10,8 +10,10 @@
 #include <variant>
 
 #include "renderer/math/vec.h"
+#include "renderer/sampler/halton_sampler.h"
 #include "renderer/sampler/independent_sampler.h"
 #include "renderer/sampler/padded_sobol_sampler.h"
+#include "renderer/sampler/pmj02bn_sampler.h"
 #include "renderer/sampler/sobol_sampler.h"
 #include "renderer/sampler/stratified_sampler.h"
 #include "renderer/sampler/zsobol_sampler.h"
@@ -33,8 +35,8 @@ concept SamplerKind = requires(T& sampler, SamplerDirective& directive, int x, i
 
 template <SamplerKind... Kinds>
 using SamplerOf = std::variant<Kinds...>;
-using AnySampler =
-    SamplerOf<IndependentSampler, StratifiedSampler, SobolSampler, PaddedSobolSampler, ZSobolSampler>;
+using AnySampler = SamplerOf<IndependentSampler, StratifiedSampler, SobolSampler, PaddedSobolSampler,
+                             ZSobolSampler, HaltonSampler, Pmj02bnSampler>;
 
 // One per render thread; a small value.
 class Sampler {

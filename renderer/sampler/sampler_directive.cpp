@@ -1,5 +1,7 @@
 #include "renderer/sampler/sampler_directive.h"
 
+#include <algorithm>
+
 #include "renderer/description/kind_table.h"
 #include "renderer/film/sample_range.h"
 
@@ -28,10 +30,11 @@ uint32_t SamplerDirective::ReadSampleCount(int default_count) {
   return samples_per_pixel;
 }
 
-Randomization SamplerDirective::ReadRandomization() {
-  const std::string name = reader.Choice("randomization", "fastowen", kRandomizationTable.Names());
+Randomization SamplerDirective::ReadRandomization(Randomization default_value) {
+  const auto chosen = std::ranges::find(kRandomizations, default_value, &Kind<Randomization>::reader);
+  const std::string name = reader.Choice("randomization", chosen->name, kRandomizationTable.Names());
   const Kind<Randomization>* kind = kRandomizationTable.Find(name);
-  return kind != nullptr ? kind->reader : Randomization::kFastOwen;
+  return kind != nullptr ? kind->reader : default_value;
 }
 
 }  // namespace tessera

@@ -23,7 +23,7 @@ struct SamplerDirective {
 
   // Reads "pixelsamples" and sets samples_per_pixel, which it returns.
   uint32_t ReadSampleCount(int default_count);
-  Randomization ReadRandomization();
+  Randomization ReadRandomization(Randomization default_value = Randomization::kFastOwen);
 };
 
 }  // namespace tessera

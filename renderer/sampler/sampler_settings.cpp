@@ -16,8 +16,8 @@ constexpr Kind<SamplerReader> kSamplers[] = {
     {"sobol", Support::kSupported, Read<SobolSampler>},
     {"paddedsobol", Support::kSupported, Read<PaddedSobolSampler>},
     {"zsobol", Support::kSupported, Read<ZSobolSampler>},
-    {"halton", Support::kNotSupported},
-    {"pmj02bn", Support::kNotSupported},
+    {"halton", Support::kSupported, Read<HaltonSampler>},
+    {"pmj02bn", Support::kSupported, Read<Pmj02bnSampler>},
 };
 constexpr KindTable<SamplerReader> kSamplerTable("sampler", kSamplers);
 

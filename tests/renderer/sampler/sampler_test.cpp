@@ -24,7 +24,9 @@ std::vector<NamedSampler> Samplers(uint64_t seed = 0, uint32_t samples = 64) {
           {"stratified", StratifiedSampler(seed, side, side, true)},
           {"sobol", SobolSampler(seed, kRandomization)},
           {"paddedsobol", PaddedSobolSampler(seed, kRandomization)},
-          {"zsobol", ZSobolSampler(seed, kRandomization, std::bit_width(samples) - 1, 32, 32)}};
+          {"zsobol", ZSobolSampler(seed, kRandomization, std::bit_width(samples) - 1, 32, 32)},
+          {"halton", HaltonSampler(seed, Randomization::kPermuteDigits, 32, 32)},
+          {"pmj02bn", Pmj02bnSampler(seed)}};
 }
 
 TEST(Sampler, TheTestsCoverEveryKind) {
@@ -159,6 +161,187 @@ TEST(Sampler, ZSobolSamplesOfAPixelAreStratifiedInEveryPairOfDimensions) {
     ExpectNet(first);
     ExpectNet(second);
   }
+}
+
+// Cells of columns x rows that the points fall into.
+size_t CellsFilled(const std::vector<Point2>& points, int columns, int rows) {
+  // Points on the border of a cell, rounded to a float, belong to the one above.
+  constexpr double kRounding = 4e-6;
+  std::set<int> cells;
+  for (const Point2 p : points) {
+    cells.insert(static_cast<int>(static_cast<double>(p.x) * columns + kRounding) * rows +
+                 static_cast<int>(static_cast<double>(p.y) * rows + kRounding));
+  }
+  return cells.size();
+}
+
+TEST(HaltonSampler, SamplesOfAPixelFillTheBoxesOfItsBases) {
+  for (const Randomization randomization :
+       {Randomization::kNone, Randomization::kPermuteDigits, Randomization::kOwen}) {
+    for (const auto& [width, height] : {std::pair{32, 32}, std::pair{1000, 700}, std::pair{1, 1}}) {
+      HaltonSampler sampler(0, randomization, width, height);
+      std::vector<Point2> first, second;
+      for (uint32_t i = 0; i < 35 * 36; ++i) {
+        sampler.StartSample(width / 2, height / 3, i);
+        first.push_back(sampler.Get2D());
+        second.push_back(sampler.Get2D());
+      }
+      const auto prefix = [](const std::vector<Point2>& points, int count) {
+        return std::vector<Point2>(points.begin(), points.begin() + count);
+      };
+      // Bases 2 and 3, then 5 and 7.
+      EXPECT_EQ(CellsFilled(prefix(first, 6), 2, 3), 6u);
+      EXPECT_EQ(CellsFilled(prefix(first, 36), 4, 9), 36u);
+      EXPECT_EQ(CellsFilled(prefix(second, 35), 5, 7), 35u);
+      EXPECT_EQ(CellsFilled(second, 25, 49), 25u * 49);
+    }
+  }
+}
+
+TEST(HaltonSampler, TheFirstTwoDimensionsAreOneSequenceOverAllPixels) {
+  // With the pixel before the point, the points of 32 x 81 pixels are the Halton sequence.
+  constexpr int kWidth = 32, kHeight = 81;
+  HaltonSampler sampler(0, Randomization::kNone, kWidth, kHeight);
+  std::set<std::pair<float, float>> points, expected;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      for (uint32_t i = 0; i < 4; ++i) {
+        sampler.StartSample(x, y, i);
+        const Point2 p = sampler.Get2D();
+        points.emplace((static_cast<float>(x) + p.x) / kWidth, (static_cast<float>(y) + p.y) / kHeight);
+      }
+    }
+  }
+  const auto& bases = HaltonBases();
+  for (uint64_t i = 0; i < 4 * kWidth * kHeight; ++i) {
+    expected.emplace(RadicalInverse(bases[0], i), RadicalInverse(bases[1], i));
+  }
+  ASSERT_EQ(points.size(), expected.size());
+  for (auto a = points.begin(), b = expected.begin(); a != points.end(); ++a, ++b) {
+    EXPECT_NEAR(a->first, b->first, 1e-6f);
+    EXPECT_NEAR(a->second, b->second, 1e-6f);
+  }
+}
+
+TEST(Halton, RadicalInversesAreTheDigitsReversed) {
+  const auto& bases = HaltonBases();
+  EXPECT_EQ(bases[0].base, 2u);
+  EXPECT_EQ(bases[3].base, 7u);
+  EXPECT_EQ(bases[kHaltonDimensions - 1].base, 719u);
+  EXPECT_FLOAT_EQ(RadicalInverse(bases[0], 6), 3.0f / 8);             // 110 -> 0.011
+  EXPECT_FLOAT_EQ(RadicalInverse(bases[1], 5), 2.0f / 3 + 1.0f / 9);  // 12 -> 0.21
+  EXPECT_FLOAT_EQ(RadicalInverse(bases[127], 720), 1.0f / 719 + 1.0f / (719 * 719));
+}
+
+TEST(Halton, PermutedDigitsAreAPermutationOfTheRadicalInverses) {
+  const DigitPermutations permutations(5);
+  for (const int dimension : {0, 1, 2, 5, 20}) {
+    const HaltonBase& base = HaltonBases()[static_cast<size_t>(dimension)];
+    // The first base^2 points have every pair of leading digits once, in another order than unpermuted.
+    const uint32_t cells = base.base * base.base;
+    std::set<uint32_t> seen;
+    int moved = 0;
+    for (uint32_t i = 0; i < cells; ++i) {
+      const auto cell = [&](float u) { return static_cast<uint32_t>(static_cast<double>(u) * cells); };
+      seen.insert(cell(permutations.RadicalInverse(dimension, i)));
+      moved += cell(permutations.RadicalInverse(dimension, i)) != cell(RadicalInverse(base, i));
+    }
+    EXPECT_EQ(seen.size(), cells) << base.base;
+    EXPECT_TRUE(moved > 0 || base.base <= 3) << base.base;
+  }
+}
+
+TEST(HaltonSampler, DimensionsBeyondTheTableAreIndependentOfEachOther) {
+  HaltonSampler sampler(0, Randomization::kPermuteDigits, 32, 32);
+  double sum = 0, product = 0;
+  constexpr int kCount = 4000;
+  for (uint32_t i = 0; i < kCount; ++i) {
+    sampler.StartSample(2, 2, i);
+    for (int d = 0; d < kHaltonDimensions; ++d) sampler.Get1D();
+    const float a = sampler.Get1D();
+    const float b = sampler.Get1D();
+    sum += a;
+    product += (a - 0.5) * (b - 0.5);
+  }
+  EXPECT_NEAR(sum / kCount, 0.5, 0.02);
+  EXPECT_NEAR(product / kCount, 0, 0.01);
+}
+
+TEST(Pmj02bnSampler, PointsAreNetsMovedByBlueNoise) {
+  Pmj02bnSampler sampler(0);
+  for (const auto& [x, y] : {std::pair{0, 0}, std::pair{17, 40}, std::pair{200, 9}}) {
+    for (uint32_t count : {4u, 16u, 256u}) {
+      std::vector<Point2> first, second;
+      const auto unmoved = [&](Point2 p, int dimension) {
+        // The whole multiple of 2^-12 by which points were moved comes off exactly.
+        const auto back = [&](float u, int d) {
+          const double v = static_cast<double>(u) - static_cast<double>(sampler.Shift(d));
+          return static_cast<float>(v < 0 ? v + 1 : v);
+        };
+        return Point2{back(p.x, dimension), back(p.y, dimension + 1)};
+      };
+      for (uint32_t i = 0; i < count; ++i) {
+        sampler.StartSample(x, y, i);
+        first.push_back(unmoved(sampler.Get2D(), 0));
+        sampler.Get1D();
+        second.push_back(unmoved(sampler.Get2D(), 3));
+      }
+      ExpectNet(first);
+      ExpectNet(second);
+    }
+  }
+}
+
+// The variance of the mean over blocks of 4 x 4 pixels of an estimate with `samples` samples per pixel.
+double VarianceOfBlocks(Sampler sampler, uint32_t samples) {
+  constexpr int kSide = 64, kBlock = 4, kBlocks = kSide / kBlock;
+  double sum = 0, squares = 0;
+  for (int block = 0; block < kBlocks * kBlocks; ++block) {
+    double mean = 0;
+    for (int pixel = 0; pixel < kBlock * kBlock; ++pixel) {
+      for (uint32_t i = 0; i < samples; ++i) {
+        sampler.StartSample(block % kBlocks * kBlock + pixel % kBlock,
+                            block / kBlocks * kBlock + pixel / kBlock, i);
+        sampler.Get2D();
+        const float u = sampler.Get1D();
+        const Point2 p = sampler.Get2D();
+        mean += (u * p.x + (p.y < 0.3f ? 1.0f : 0.0f)) / (kBlock * kBlock * static_cast<float>(samples));
+      }
+    }
+    sum += mean;
+    squares += mean * mean;
+  }
+  constexpr double kCount = kBlocks * kBlocks;
+  return squares / kCount - sum / kCount * (sum / kCount);
+}
+
+TEST(Pmj02bnSampler, ErrorsOfNeighbouringPixelsCancel) {
+  EXPECT_LT(VarianceOfBlocks(Pmj02bnSampler(0), 1), 0.5 * VarianceOfBlocks(IndependentSampler(0), 1));
+  EXPECT_LT(VarianceOfBlocks(Pmj02bnSampler(0), 4),
+            0.7 * VarianceOfBlocks(PaddedSobolSampler(0, kRandomization), 4));
+}
+
+TEST(BlueNoise, EveryValueOccursOnceAndBlocksHaveTheSameMean) {
+  const BlueNoise& noise = BlueNoise::Get();
+  std::set<float> values;
+  double squares = 0;
+  constexpr int kBlock = 4, kBlocks = kBlueNoiseSide / kBlock;
+  for (int block = 0; block < kBlocks * kBlocks; ++block) {
+    double mean = 0;
+    for (int pixel = 0; pixel < kBlock * kBlock; ++pixel) {
+      const float value =
+          noise.At(block % kBlocks * kBlock + pixel % kBlock, block / kBlocks * kBlock + pixel / kBlock);
+      values.insert(value);
+      mean += value / (kBlock * kBlock);
+    }
+    squares += (mean - 0.5) * (mean - 0.5);
+  }
+  EXPECT_EQ(values.size(), static_cast<size_t>(kBlueNoiseSide * kBlueNoiseSide));
+  EXPECT_GE(*values.begin(), 0);
+  EXPECT_LT(*values.rbegin(), 1);
+  // White noise: 1/12 over the number of pixels of a block.
+  EXPECT_LT(squares / (kBlocks * kBlocks), 0.2 / 12 / (kBlock * kBlock));
+  EXPECT_EQ(noise.At(3, 5), noise.At(3 + kBlueNoiseSide, 5 + 2 * kBlueNoiseSide));
 }
 
 TEST(Sampler, StratifiedSamplesFillEveryStratumOnce) {

@@ -62,7 +62,8 @@ void ExpectMean(const FramePicture& picture, double expected, double tolerance, 
 // Inside a sphere that emits Le and reflects rho everywhere, radiance is Le / (1 - rho) everywhere (geometric
 // series of bounces). Light and BSDF sampling must each bring their share, whatever the sampler.
 TEST(Scene, RadianceInsideAGlowingDiffuseSphereIsTheGeometricSeries) {
-  for (const char* sampler : {"independent", "stratified", "sobol", "paddedsobol", "zsobol"}) {
+  for (const char* sampler :
+       {"independent", "stratified", "sobol", "paddedsobol", "zsobol", "halton", "pmj02bn"}) {
     const std::string samples = std::string(sampler) == "stratified"
                                     ? "\"integer xsamples\" 8 \"integer ysamples\" 8"
                                     : "\"integer pixelsamples\" 64";
