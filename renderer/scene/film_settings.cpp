@@ -129,11 +129,39 @@ FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options, 
   return film;
 }
 
+FilmSettings ReadGbufferFilm(ParameterReader& reader, const RenderOptions& options,
+                             Diagnostics& diagnostics) {
+  constexpr std::array<std::string_view, 2> kCoordinates = {"camera", "world"};
+  reader.Choice("coordinatesystem", kCoordinates[0], kCoordinates);
+  diagnostics.Warn(reader.entity().location,
+                   "film \"gbuffer\" is written as \"rgb\": --aov adds albedo, normals and depth");
+  return ReadRgbFilm(reader, options, diagnostics);
+}
+
+FilmSettings ReadSpectralFilm(ParameterReader& reader, const RenderOptions& options,
+                              Diagnostics& diagnostics) {
+  FilmSettings film = ReadRgbFilm(reader, options, diagnostics);
+  SpectralBuckets& buckets = film.buckets;
+  buckets.first_nm = reader.Float("lambdamin", kLambdaMin);
+  buckets.last_nm = reader.Float("lambdamax", kLambdaMax);
+  buckets.radiance_max = film.component_max;
+  if (!(buckets.first_nm >= kLambdaMin && buckets.first_nm < buckets.last_nm &&
+        buckets.last_nm <= kLambdaMax)) {
+    reader.FailAt("lambdamin", fmt::format("lambdamin and lambdamax must rise within {} and {} nm",
+                                           kLambdaMin, kLambdaMax));
+  }
+  buckets.count = reader.Integer("nbuckets", 16);
+  if (buckets.count < 1 || buckets.count > kSpectralBucketsMax) {
+    reader.FailAt("nbuckets", fmt::format("nbuckets must lie between 1 and {}", kSpectralBucketsMax));
+  }
+  return film;
+}
+
 using FilmReader = FilmSettings (*)(ParameterReader&, const RenderOptions&, Diagnostics&);
 constexpr Kind<FilmReader> kKinds[] = {
     {"rgb", Support::kSupported, ReadRgbFilm},
-    {"gbuffer", Support::kNotSupported},
-    {"spectral", Support::kNotSupported},
+    {"gbuffer", Support::kMapped, ReadGbufferFilm, "rgb"},
+    {"spectral", Support::kSupported, ReadSpectralFilm},
 };
 constexpr KindTable<FilmReader> kTable("film", kKinds);
 

@@ -9,6 +9,7 @@
 #include "renderer/film/frame_spec.h"
 #include "renderer/scene/film_sensor.h"
 #include "renderer/scene/scene.h"
+#include "renderer/scene/spectral_buckets.h"
 
 namespace tessera {
 
@@ -21,6 +22,7 @@ struct FilmSettings {
   float white_balance = 0;  // kelvin; 0: none
   float component_max = 0;  // largest sensor component of one sample; infinite if there is no clamp
   ExrType exr_type = ExrType::kHalf;
+  SpectralBuckets buckets;
 
   // `exposure_time` in seconds. The colour space must outlive the sensor.
   FilmSensor MakeSensor(const ColorSpace& color_space, float exposure_time) const;

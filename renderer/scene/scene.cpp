@@ -155,12 +155,15 @@ Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const Integra
   data.frame.tile_size = options_.tile_size.value_or(kTileSizeDefault);
   data.layers = options_.aovs;
   AddLayers(data.layers, data.frame.channels);
+  data.buckets = film.buckets;
+  data.buckets.AddChannels(data.frame.channels);
   data.summary.camera = scene_.camera.kind;
   data.summary.film = scene_.film.kind;
   data.summary.filter = scene_.filter.kind;
   data.summary.sampler = scene_.sampler.kind;
   data.summary.integrator = integrator.name;
   data.frame.attributes = HeaderAttributes(data, integrator);
+  data.buckets.AddAttributes(data.frame.attributes);
   return data.frame.Check();
 }
 

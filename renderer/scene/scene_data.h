@@ -12,6 +12,7 @@
 #include "renderer/sampler/sampler_settings.h"
 #include "renderer/scene/film_sensor.h"
 #include "renderer/scene/scene.h"
+#include "renderer/scene/spectral_buckets.h"
 
 namespace tessera {
 
@@ -23,6 +24,7 @@ struct Scene::Data {
   Estimator estimator;
   FilmSensor sensor = FilmSensor::Observer(ColorSpace::Srgb(), {}, 0);
   FrameSpec frame;
+  SpectralBuckets buckets;
   std::set<std::string> layers;  // in the frame: names in Layers()
   SceneSummary summary;
 };

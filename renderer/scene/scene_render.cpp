@@ -17,6 +17,7 @@ class PixelRenderer {
         rgb_{*layout.SlotOf("R"), *layout.SlotOf("G"), *layout.SlotOf("B")},
         weight_(layout.weight()),
         layers_(data.layers, layout, data.sensor),
+        buckets_(data.buckets, layout),
         statistics_(*statistics) {}
 
   // Renders samples `range` of pixel (x, y).
@@ -56,6 +57,7 @@ class PixelRenderer {
     values[rgb_[0]] = rgb.x * filter.weight;
     values[rgb_[1]] = rgb.y * filter.weight;
     values[rgb_[2]] = rgb.z * filter.weight;
+    if (!buckets_.empty()) buckets_.Add(radiance, wavelengths, filter.weight, values);
   }
 
   SampledSpectrum Estimate(const PathContext& context, const Ray& ray, float filter_weight, float* values) {
@@ -69,6 +71,7 @@ class PixelRenderer {
   const std::array<size_t, 3> rgb_;  // positions of the channels
   const size_t weight_;
   LayerRecorder layers_;
+  BucketRecorder buckets_;
   RayCounts rays_;
   RenderStatistics& statistics_;
 };

@@ -270,8 +270,8 @@ TEST(Scene, WhatIsWrongIsNamedWithItsPlace) {
   const std::string head = kHead;
   EXPECT_EQ(LoadError("Film \"rgb\" \"integer xresolution\" -4\nWorldBegin\n"),
             "scene.pbrt:1:12: xresolution must lie between 1 and 65536, not -4");
-  EXPECT_EQ(LoadError("Film \"gbuffer\"\nWorldBegin\n"),
-            "scene.pbrt:1:1: film \"gbuffer\" is not supported yet");
+  EXPECT_EQ(LoadError("Film \"rgba\"\nWorldBegin\n"),
+            "scene.pbrt:1:1: unknown film \"rgba\" (did you mean \"rgb\"?)");
   EXPECT_EQ(LoadError("Sampler \"sobel\"\nWorldBegin\n"),
             "scene.pbrt:1:1: unknown sampler \"sobel\" (did you mean \"sobol\"?)");
   EXPECT_EQ(LoadError("Option \"wavefront\" true\n" + head + "WorldBegin\nShape \"sphere\"\n"),
