@@ -8,6 +8,6 @@ namespace tessera {
 // The digest of the probe unit (renderer/scene/probe.h), in hexadecimal. A worker that computes another one
 // is refused: its pictures would differ. A test of the renderer keeps it true. It changes, together with
 // kSoftwareVersion, whenever a picture may change by a bit.
-constexpr std::string_view kProbeDigest = "3eac45b99fa7423a89ce2c9aa3c8669be15d15f6f23b9584c6420f474c66cd9a";
+constexpr std::string_view kProbeDigest = "2b9ea296b3ff835d646078ea548fda5e2bfedfcd4ea834056a72c266c5c2811c";
 
 }  // namespace tessera

@@ -18,12 +18,17 @@ std::span<const ProbeVariant> ProbeVariants() {
       {R"(Sampler "paddedsobol" "integer pixelsamples" 4 "string randomization" "owen" PixelFilter "sinc"
           Integrator "simplevolpath")",
        "list", true},
-      {R"(Sampler "zsobol" "integer pixelsamples" 4 PixelFilter "triangle" Integrator "simplepath")",
+      {R"(Sampler "zsobol" "integer pixelsamples" 4 PixelFilter "triangle" Integrator "simplepath"
+          Camera "orthographic" "float screenwindow" [ -4 4 -2.2 3.2 ])",
        "embree", true},
-      {R"(Sampler "sobol" "integer pixelsamples" 4 PixelFilter "gaussian" Integrator "randomwalk")", "embree",
-       true},
-      {R"(Sampler "sobol" "integer pixelsamples" 4 PixelFilter "gaussian" Integrator "mixture")", "embree",
-       false},
+      {R"(Sampler "halton" "integer pixelsamples" 4 PixelFilter "gaussian" Integrator "randomwalk"
+          Film "rgb" "integer xresolution" 24 "integer yresolution" 16 "string sensor" "nikon_d850"
+          Camera "spherical")",
+       "embree", true},
+      {R"(Sampler "pmj02bn" "integer pixelsamples" 4 PixelFilter "gaussian" Integrator "mixture"
+          Camera "realistic" "string lensfile" "probe.lens" "float aperturediameter" 15 "float focusdistance" 9
+          "string aperture" "gaussian")",
+       "embree", false},
   };
   return kVariants;
 }
@@ -164,6 +169,9 @@ const char* const kProbeMesh =
     "element face 3\nproperty list uchar int vertex_indices\nend_header\n"
     "-0.4 -0.3 0\n0.4 -0.3 0.1\n0.4 0.3 -0.1\n-0.4 0.3 0\n0 0.1 -0.5\n"
     "4 0 1 2 3\n3 0 1 4\n3 2 3 4\n";
+
+// Two elements and a stop.
+const char* const kProbeLens = "30 6 1.6 26\n-60 2 1 26\n0 4 0 20\n-25 2 1.7 20\n-40 30 1 20\n";
 
 std::string ProbeImage() {
   constexpr int kSide = 8;

@@ -16,10 +16,11 @@ struct ProbeVariant {
 };
 std::span<const ProbeVariant> ProbeVariants();
 
-extern const char* const kProbeHead;            // film and camera
+extern const char* const kProbeHead;            // film and camera; variants may name others
 extern const char* const kProbeWorld;           // with WorldBegin
 extern const char* const kProbeLightsOfNoSize;  // comes after it
 extern const char* const kProbeMesh;            // "probe.ply"
+extern const char* const kProbeLens;            // "probe.lens"
 std::string ProbeImage();                       // "probe.pfm": square, in colour
 
 }  // namespace tessera
