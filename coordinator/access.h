@@ -8,8 +8,8 @@
 //
 // For each call, the gate (call_gate.h) finds out who calls: from the connection, and from the members that
 // the farm knows now, so a revocation counts from the next call on. Then the table here decides: every call
-// of proto/*.proto has one rule, and each role a set of permissions. A handler cannot be written without a
-// rule.
+// of proto/*.proto has one rule, and each role reaches some jobs with each permission. A handler cannot be
+// written without a rule.
 #pragma once
 
 #include <functional>
@@ -32,13 +32,16 @@ struct Principal {
   std::string name;
   std::string peer;  // the address of the connection, for logs
 
-  std::string Text() const;  // "user ada", "the holder of a token", for messages
+  std::string Text() const;  // "user \"ada\"", "the holder of a token", for messages
+  // As the owner of jobs.
+  JobOwner Owner() const { return {member, name}; }
 };
 
-// What a call does to the farm. Roles are sets of these.
+// What a call does to the farm.
 enum class Permission {
   kProbe,           // learn that a coordinator runs here, and its version
-  kView,            // read the state of jobs, workers and pictures
+  kView,            // read the state of jobs and workers
+  kFetchPictures,   // read what jobs have rendered
   kSubmit,          // upload scene files and submit jobs
   kControlJobs,     // change jobs
   kControlWorkers,  // drain and release workers
@@ -86,7 +89,7 @@ constexpr CallRule kCallRules[] = {
     {"Jobs.Frames", Permission::kView},
     {"Jobs.DrainWorkers", Permission::kControlWorkers},
     {"Jobs.ReleaseWorkers", Permission::kControlWorkers},
-    {"Jobs.FetchPicture", Permission::kView},
+    {"Jobs.FetchPicture", Permission::kFetchPictures},
     {"Jobs.Health", Permission::kProbe},
     {"Work.Synchronize", Permission::kWork, kStateLimits},
     {"Work.ReturnResults", Permission::kWork, kResultsLimits},
@@ -106,19 +109,30 @@ consteval const CallRule& RuleFor(std::string_view method) {
   throw "the call has no rule";
 }
 
-// Whether a role has a permission. Without a role, the holder of a token may join and do nothing else.
-constexpr bool May(std::optional<Role> role, Permission permission) {
-  if (!role || permission == Permission::kJoin) return !role && permission == Permission::kJoin;
-  if (permission == Permission::kProbe || permission == Permission::kRenew) return true;
+// On which jobs a role may use a permission.
+enum class Reach {
+  kNothing,
+  kOwn,  // jobs that the caller owns
+  kEverything,
+};
+
+// Without a role, the holder of a token may join and do nothing else. Pictures are what a user's customers
+// pay for, so users see the queue but not what others rendered.
+constexpr Reach ReachOf(std::optional<Role> role, Permission permission) {
+  const auto all_if = [](bool may) { return may ? Reach::kEverything : Reach::kNothing; };
+  if (!role || permission == Permission::kJoin) return all_if(!role && permission == Permission::kJoin);
+  if (permission == Permission::kProbe || permission == Permission::kRenew) return Reach::kEverything;
   switch (*role) {
-    case Role::kWorker: return permission == Permission::kWork;
-    case Role::kViewer: return permission == Permission::kView;
+    case Role::kWorker: return all_if(permission == Permission::kWork);
+    case Role::kViewer:
+      return all_if(permission == Permission::kView || permission == Permission::kFetchPictures);
     case Role::kUser:
-      return permission == Permission::kView || permission == Permission::kSubmit ||
-             permission == Permission::kControlJobs;
-    case Role::kOperator: return true;
+      if (permission == Permission::kControlJobs || permission == Permission::kFetchPictures)
+        return Reach::kOwn;
+      return all_if(permission == Permission::kView || permission == Permission::kSubmit);
+    case Role::kOperator: return Reach::kEverything;
   }
-  return false;
+  return Reach::kNothing;
 }
 
 // Decides on a call; the error is the message to the caller. Called from any thread.
@@ -126,5 +140,8 @@ using AccessPolicy = std::function<Result<void>(const Principal& caller, const C
 
 // The table above. The error says which roles may make the call.
 Result<void> AdmitByRole(const Principal& caller, const CallRule& rule);
+// Whether a caller whose role may make the call may make it for a job of this owner. A job without a member
+// as its owner is that of nobody but operators. The error names the owner.
+Result<void> AdmitByOwner(const Principal& caller, const CallRule& rule, JobId job, const JobOwner& owner);
 
 }  // namespace tessera

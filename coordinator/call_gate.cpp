@@ -19,6 +19,18 @@ grpc::Status Unauthenticated(const std::string& reason) {
 
 }  // namespace
 
+const ChangePath& UnaryCall::path() const {
+  return gate_->path();
+}
+
+CoreThread& UnaryCall::core() const {
+  return gate_->core();
+}
+
+grpc::Status UnaryCall::AdmitToJob(const CoreContext& core, JobId job) const {
+  return gate_->AdmitToJob(caller_, *rule_, core, job);
+}
+
 grpc::Status UnaryCall::DiskFails(const std::string& reason) {
   return {grpc::StatusCode::RESOURCE_EXHAUSTED, "the coordinator cannot write its data: " + reason};
 }
@@ -60,7 +72,7 @@ grpc::Status CallGate::Identify(const grpc::CallbackServerContext& context, Prin
   const auto connection = context.auth_context();
   if (connection->FindPropertyValues(GRPC_X509_PEM_CERT_PROPERTY_NAME).empty()) {
     caller.role = Role::kOperator;
-    caller.name = "local";
+    caller.name = kLocalOwner;
     return grpc::Status::OK;
   }
   const std::vector<grpc::string_ref> uris = connection->FindPropertyValues(GRPC_PEER_URI_PROPERTY_NAME);
@@ -80,9 +92,24 @@ grpc::Status CallGate::Admit(const grpc::CallbackServerContext& context, const C
     if (admitted) return CheckFarm(context, farm_);
     status = {grpc::StatusCode::PERMISSION_DENIED, admitted.error().message};
   }
+  LogDenial(caller, rule, status);
+  return status;
+}
+
+grpc::Status CallGate::AdmitToJob(const Principal& caller, const CallRule& rule, const CoreContext& core,
+                                  JobId job) const {
+  const JobOwner* const owner = core.farm.OwnerOf(job);
+  if (owner == nullptr) return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no job {}", Number(job))};
+  const auto admitted = AdmitByOwner(caller, rule, job, *owner);
+  if (admitted) return grpc::Status::OK;
+  const grpc::Status status(grpc::StatusCode::PERMISSION_DENIED, admitted.error().message);
+  LogDenial(caller, rule, status);
+  return status;
+}
+
+void CallGate::LogDenial(const Principal& caller, const CallRule& rule, const grpc::Status& status) const {
   denied_.Warn("call_denied", fmt::format("call={} peer={} reason={}", rule.method, LogText(caller.peer),
                                           LogText(status.error_message())));
-  return status;
 }
 
 }  // namespace tessera

@@ -26,14 +26,19 @@ struct ChangePath {
   const DataDir& directory;
 };
 
+class CallGate;
+
 // A unary call that was admitted. Copies refer to the same call, which one of them has to finish, once, from
 // any thread. Request and answer of the call live until then.
 class UnaryCall {
  public:
-  UnaryCall(const ChangePath& path, Principal caller, grpc::ServerUnaryReactor* reactor)
-      : path_(&path), caller_(std::move(caller)), reactor_(reactor) {}
+  UnaryCall(const CallGate& gate, const CallRule& rule, Principal caller, grpc::ServerUnaryReactor* reactor)
+      : gate_(&gate), rule_(&rule), caller_(std::move(caller)), reactor_(reactor) {}
   const Principal& caller() const { return caller_; }
-  CoreThread& core() const { return path_->core; }
+  CoreThread& core() const;
+
+  // See CallGate::AdmitToJob.
+  grpc::Status AdmitToJob(const CoreContext& core, JobId job) const;
 
   void Finish(const grpc::Status& status) const { reactor_->Finish(Shortened(status)); }
 
@@ -52,8 +57,8 @@ class UnaryCall {
   // the change is written, the call finishes with the reason as well, and the change is written later.
   template <typename Change>
   void Apply(Change change, uint64_t bytes = 0) const {
-    path_->threads.Post([call = *this, bytes, change = std::move(change)] {
-      if (const auto space = call.path_->directory.CheckSpace(bytes); !space)
+    path().threads.Post([call = *this, bytes, change = std::move(change)] {
+      if (const auto space = call.path().directory.CheckSpace(bytes); !space)
         return call.Finish(DiskFails(space.error().message));
       call.core().Post([call, change](CoreContext& core) {
         if (const auto& reason = core.farm.storage_reason(); !reason.empty())
@@ -66,10 +71,12 @@ class UnaryCall {
   }
 
  private:
+  const ChangePath& path() const;
   static grpc::Status DiskFails(const std::string& reason);
   static grpc::Status Stored(const Result<void>& synced);
 
-  const ChangePath* path_;
+  const CallGate* gate_;
+  const CallRule* rule_;
   Principal caller_;
   grpc::ServerUnaryReactor* reactor_;
 };
@@ -81,6 +88,7 @@ class CallGate {
   // `farm` is the one that the core thread runs. Calls that are meant for another are refused.
   CallGate(const ChangePath& path, FarmId farm, AccessPolicy policy)
       : path_(path), farm_(farm), policy_(std::move(policy)) {}
+  const ChangePath& path() const { return path_; }
   CoreThread& core() const { return path_.core; }
   FarmId farm() const { return farm_; }
 
@@ -94,7 +102,7 @@ class CallGate {
     if (const grpc::Status admitted = Admit(*context, rule, caller); !admitted.ok()) {
       reactor->Finish(Shortened(admitted));
     } else {
-      const UnaryCall call(path_, std::move(caller), reactor);
+      const UnaryCall call(*this, rule, std::move(caller), reactor);
       const grpc::Status passed_on = GuardedStatus([&] {
         handler(call);
         return grpc::Status::OK;
@@ -113,6 +121,11 @@ class CallGate {
     return make(caller);
   }
 
+  // Whether an admitted caller may make the call for this job: NOT_FOUND if there is none, PERMISSION_DENIED,
+  // which is logged, if the job has another owner.
+  grpc::Status AdmitToJob(const Principal& caller, const CallRule& rule, const CoreContext& core,
+                          JobId job) const;
+
   // For calls that last: UNAUTHENTICATED as soon as the certificate of the caller has expired or was revoked.
   grpc::Status Recheck(const Principal& caller) const;
 
@@ -125,6 +138,7 @@ class CallGate {
                      Principal& caller) const;
   grpc::Status Identify(const grpc::CallbackServerContext& context, Principal& caller) const;
   grpc::Status IdentifyMember(MemberId id, Principal& caller) const;
+  void LogDenial(const Principal& caller, const CallRule& rule, const grpc::Status& status) const;
 
   const ChangePath path_;
   const FarmId farm_;

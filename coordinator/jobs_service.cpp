@@ -41,8 +41,8 @@ grpc::Status Answer(const Result<JobStatus>& changed, proto::JobStatus& answer) 
 void ChangeJob(const UnaryCall& call, JobId job, proto::JobStatus* answer,
                std::function<Result<JobStatus>(CoreContext&, JobId)> change) {
   call.Apply([=, change = std::move(change)](CoreContext& core) {
-    if (!core.farm.Status(core.now, job)) return NoJob(job);
-    return Answer(change(core, job), *answer);
+    const grpc::Status admitted = call.AdmitToJob(core, job);
+    return admitted.ok() ? Answer(change(core, job), *answer) : admitted;
   });
 }
 
@@ -112,7 +112,8 @@ grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* conte
         return call.Finish(ToStatus(checked.error()));
       const auto shared = std::make_shared<const JobSpec>(std::move(*spec));
       const auto submit = [=](CoreContext& core) {
-        const auto job = core.farm.Submit(core.now, shared);
+        const auto job = core.farm.Submit(core.now, shared, call.caller().Owner());
+        if (!job && job.error().kind == ErrorKind::kBadInput) return ToStatus(job.error());
         if (!job) return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, job.error().message);
         answer->set_job(Number(*job));
         return grpc::Status::OK;
@@ -212,8 +213,9 @@ grpc::ServerUnaryReactor* JobsService::Extend(grpc::CallbackServerContext* conte
       return Answer(core.farm.Extend(core.now, job, samples), *answer);
     };
     call.core().Post([=, this](CoreContext& core) {
+      if (const grpc::Status admitted = call.AdmitToJob(core, job); !admitted.ok())
+        return call.Finish(admitted);
       const auto spec = core.farm.Spec(job);
-      if (!spec) return call.Finish(NoJob(job));
       // Blobs may have been evicted since the job ended. Checking takes too long for the core thread.
       threads_.brief.Post([=, this] {
         const auto checked = CheckSubmission(*spec, blobs_);
@@ -270,7 +272,7 @@ grpc::ServerUnaryReactor* JobsService::ReleaseWorkers(grpc::CallbackServerContex
 grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::CallbackServerContext* context,
                                                                          const proto::FetchRequest* request) {
   using Reactor = grpc::ServerWriteReactor<proto::PictureChunk>;
-  return gate_.Serve<Reactor>(context, RuleFor("Jobs.FetchPicture"), [=, this](const Principal&) {
+  return gate_.Serve<Reactor>(context, RuleFor("Jobs.FetchPicture"), [=, this](const Principal& caller) {
     auto* const stream = new PictureStream(streams_, *context);
     if (streams_.count > kPictureStreamsMax) {
       stream->Refuse(
@@ -280,8 +282,9 @@ grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::C
     const JobId job{request->job()};
     const uint32_t frame = request->frame();
     gate_.core().Post([=, this, preview = request->preview()](CoreContext& core) {
+      const grpc::Status admitted = gate_.AdmitToJob(caller, RuleFor("Jobs.FetchPicture"), core, job);
+      if (!admitted.ok()) return stream->Refuse(admitted);
       const auto status = core.farm.Status(core.now, job);
-      if (!status) return stream->Refuse(NoJob(job));
       if (frame >= status->frames_total) {
         return stream->Refuse(
             {grpc::StatusCode::NOT_FOUND, fmt::format("job {} has no frame {}", Number(job), frame)});

@@ -67,9 +67,11 @@ std::string JobRow(const JobStatus& job) {
   const double total = static_cast<double>(std::max<uint64_t>(job.samples_total, 1));
   const std::string left = job.left.count() >= 0 && !HasEnded(job.state) ? Duration(job.left) : "";
   return fmt::format(
-      "<tr><td class=n>{}</td><td class=name title=\"{}\">{}</td><td>{}{}</td><td>{}</td><td class=n>{} / "
+      "<tr><td class=n>{}</td><td class=name title=\"{}\">{}</td><td>{}</td><td>{}{}</td><td>{}</td><td "
+      "class=n>{} / "
       "{}</td><td class=n>{}</td><td class=n>{}</td><td class=n>{}</td><td class=n>{}</td></tr>\n",
-      Number(job.job), EscapeHtml(job.name), EscapeHtml(job.name), State(JobStateName(job.state)),
+      Number(job.job), EscapeHtml(job.name), EscapeHtml(job.name), EscapeHtml(job.owner.name),
+      State(JobStateName(job.state)),
       job.reason.empty() ? "" : fmt::format(" <small>{}</small>", EscapeHtml(job.reason)),
       Bar(static_cast<double>(job.samples_done) / total), job.frames_finished, job.frames_total,
       Rounded(job.samples_per_second), job.workers, Duration(job.elapsed), left);
@@ -97,7 +99,8 @@ std::string WorkerRow(const WorkerStatus& worker) {
 std::string Jobs(const FarmView& view) {
   if (view.jobs.empty()) return "<p class=none>No jobs yet.</p>\n";
   std::string rows =
-      "<table><tr><th class=n>job<th>name<th>state<th>done<th class=n>frames<th class=n>samples/s<th "
+      "<table><tr><th class=n>job<th>name<th>owner<th>state<th>done<th class=n>frames<th "
+      "class=n>samples/s<th "
       "class=n>workers<th class=n>elapsed<th class=n>left</tr>\n";
   const size_t shown = std::min(view.jobs.size(), kJobsShownMax);
   for (size_t i = 0; i < shown; ++i) rows += JobRow(view.jobs[view.jobs.size() - 1 - i]);

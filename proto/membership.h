@@ -31,6 +31,16 @@ struct TokenStatus {
   bool operator==(const TokenStatus&) const = default;
 };
 
+// Who submitted a job.
+struct JobOwner {
+  MemberId member{};  // 0: no member
+  // As it was then; the member may have been forgotten since. kLocalOwner for whoever used the coordinator's
+  // Unix socket; empty for jobs of releases before jobs had owners.
+  std::string name;
+  bool operator==(const JobOwner&) const = default;
+};
+constexpr const char* kLocalOwner = "local";
+
 struct MemberStatus {
   MemberId id{};
   Role role{};

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "proto/membership.h"
 #include "renderer/film/frame_spec.h"
 #include "renderer/film/pixel_mask.h"
 #include "renderer/film/sample_range.h"
@@ -223,6 +224,7 @@ struct JobTimes {
 struct JobStatus {
   JobId job{};
   std::string name;
+  JobOwner owner;
   int32_t priority = 0;
   JobState state = JobState::kWaiting;
   std::string reason;  // of kPaused and kFailed; of kWaiting if something it needs is missing

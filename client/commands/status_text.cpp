@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "proto/identity/subject.h"
+
 namespace tessera {
 namespace {
 
@@ -43,6 +45,9 @@ nlohmann::ordered_json ToJson(const JobStatus& status) {
   nlohmann::ordered_json json;
   json["job"] = Number(status.job);
   json["name"] = status.name;
+  json["owner"] = status.owner.name;
+  json["owner_member"] = nullptr;
+  if (status.owner.member != MemberId{}) json["owner_member"] = MemberIdText(status.owner.member);
   json["priority"] = status.priority;
   json["state"] = JobStateName(status.state);
   json["reason"] = status.reason;
@@ -137,20 +142,22 @@ Progress ProgressOf(const JobStatus& status) {
 
 std::string JobText(const JobStatus& status) {
   const std::string priority = status.priority == 0 ? "" : fmt::format(", priority {}", status.priority);
-  return fmt::format("job {} \"{}\"{}: {}  {}", Number(status.job), status.name, priority,
+  const std::string owner = status.owner.name.empty() ? "" : ", owner " + status.owner.name;
+  return fmt::format("job {} \"{}\"{}{}: {}  {}", Number(status.job), status.name, owner, priority,
                      JobStateName(status.state), ProgressText(ProgressOf(status), "worker"));
 }
 
 std::string JobTable(const std::vector<JobStatus>& jobs) {
   std::string table =
-      fmt::format("{:>6}  {:<24}  {:>8}  {:<9}  {:>7}  {:>11}  {:>12}  {:>7}  {:>12}\n", "JOB", "NAME",
-                  "PRIORITY", "STATE", "DONE", "FRAMES", "SAMPLES/S", "WORKERS", "ELAPSED");
+      fmt::format("{:>6}  {:<24}  {:<12}  {:>8}  {:<9}  {:>7}  {:>11}  {:>12}  {:>7}  {:>12}\n", "JOB",
+                  "NAME", "OWNER", "PRIORITY", "STATE", "DONE", "FRAMES", "SAMPLES/S", "WORKERS", "ELAPSED");
   for (const JobStatus& job : jobs) {
     const std::string frames = fmt::format("{}/{}", job.frames_finished, job.frames_total);
-    table += fmt::format("{:>6}  {:<24}  {:>8}  {:<9}  {:>5.1f} %  {:>11}  {:>12.0f}  {:>7}  {:>12}{}\n",
-                         Number(job.job), job.name, job.priority, JobStateName(job.state), Percent(job),
-                         frames, job.samples_per_second, job.workers, DurationText(Seconds(job.elapsed)),
-                         job.reason.empty() ? "" : "  " + job.reason);
+    table +=
+        fmt::format("{:>6}  {:<24}  {:<12}  {:>8}  {:<9}  {:>5.1f} %  {:>11}  {:>12.0f}  {:>7}  {:>12}{}\n",
+                    Number(job.job), job.name, job.owner.name, job.priority, JobStateName(job.state),
+                    Percent(job), frames, job.samples_per_second, job.workers,
+                    DurationText(Seconds(job.elapsed)), job.reason.empty() ? "" : "  " + job.reason);
   }
   return table;
 }

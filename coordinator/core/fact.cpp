@@ -29,6 +29,7 @@ enum class Kind : uint32_t {
   kMemberJoined = 42,
   kMemberRenewed = 43,
   kMemberRevoked = 44,
+  kJobOwned = 45,
 };
 
 void Add(ByteWriter& out, const JobSubmitted& fact) {
@@ -144,6 +145,13 @@ void Add(ByteWriter& out, const MemberRevoked& fact) {
   out.Add64(Number(fact.id));
 }
 
+void Add(ByteWriter& out, const JobOwned& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kJobOwned));
+  out.Add64(Number(fact.job));
+  out.Add64(Number(fact.owner.member));
+  out.AddText(fact.owner.name);
+}
+
 // Returns nullopt for facts that are not about members.
 std::optional<Fact> ReadMembershipFact(Kind kind, ByteReader& in) {
   switch (kind) {
@@ -164,6 +172,13 @@ std::optional<Fact> ReadMembershipFact(Kind kind, ByteReader& in) {
       return MemberRenewed{id, static_cast<UnixTime>(in.Read64())};
     }
     case Kind::kMemberRevoked: return MemberRevoked{MemberId{in.Read64()}};
+    case Kind::kJobOwned: {
+      JobOwned fact;
+      fact.job = JobId{in.Read64()};
+      fact.owner.member = MemberId{in.Read64()};
+      fact.owner.name = in.ReadText();
+      return fact;
+    }
     default: return std::nullopt;
   }
 }

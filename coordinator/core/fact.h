@@ -25,6 +25,13 @@ struct JobSubmitted {
   std::shared_ptr<const JobSpec> spec;
 };
 
+// Who submits the job. Comes before JobSubmitted, so that no crash leaves a job without its owner. Jobs of
+// earlier releases have no such fact.
+struct JobOwned {
+  JobId job{};
+  JobOwner owner;
+};
+
 // The file of the frame is written and synced; it replaces an earlier one.
 struct FrameFinished {
   JobId job{};
@@ -118,7 +125,7 @@ struct MemberRevoked {
 using Fact =
     std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended, JobsForgotten,
                  FrameResumed, JobPaused, JobPriorityChanged, WorkerQuarantined, VoteRecorded, UnitsCounted,
-                 TokenIssued, TokenRevoked, MemberJoined, MemberRenewed, MemberRevoked>;
+                 TokenIssued, TokenRevoked, MemberJoined, MemberRenewed, MemberRevoked, JobOwned>;
 
 // A 32-bit number of the kind, then its members in order (byte_codec.h), texts and lists preceded by a 64-bit
 // length. The meaning of a number never changes: a kind whose members change gets another number, and those

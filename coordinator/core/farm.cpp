@@ -135,8 +135,12 @@ std::vector<WorkerStatus> Farm::FindWorkers(Instant now, const std::string& whic
 
 // ---- Clients ----
 
-Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec) {
-  if (const Job* const known = state_.jobs.FindSubmission(spec->submission)) return known->id;
+Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec, const JobOwner& owner) {
+  if (const Job* const known = state_.jobs.FindSubmission(spec->submission)) {
+    if (known->owner.member == owner.member) return known->id;
+    return BadInput(
+        "the number of this submission is that of a job of another owner; submit the scene again");
+  }
   if (state_.jobs.open().size() >= kOpenJobsMax)
     return Failed(fmt::format(
         "the farm already has {} open jobs, which is its limit; wait for a job to end or cancel one",
@@ -149,13 +153,21 @@ Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec) {
                     "wait for a job to end or cancel one, or submit fewer frames",
                     bytes >> 20, kSpecBytesMax >> 20));
   Job& job = state_.jobs.Add(state_.jobs.next_id(), spec);
+  job.owner = owner;
   job.began = now;
   job.clock.begun = counters();
   state_.scheduler.AddJob(job);
+  if (owner != JobOwner{}) state_.output.facts.emplace_back(JobOwned{job.id, owner});
   state_.output.facts.emplace_back(JobSubmitted{job.id, spec});
-  Log(fmt::format("job_submitted job={} name={} priority={} frames={} samples={}", Number(job.id),
-                  LogText(spec->name), spec->priority, spec->frames.size(), job.results.samples_total));
+  Log(fmt::format("job_submitted job={} name={} owner={} priority={} frames={} samples={}", Number(job.id),
+                  LogText(spec->name), LogText(owner.name), spec->priority, spec->frames.size(),
+                  job.results.samples_total));
   return job.id;
+}
+
+const JobOwner* Farm::OwnerOf(JobId id) const {
+  const Job* const job = state_.jobs.Find(id);
+  return job == nullptr ? nullptr : &job->owner;
 }
 
 Result<JobStatus> Farm::Cancel(Instant now, JobId id) {

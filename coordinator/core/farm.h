@@ -59,9 +59,11 @@ class Farm {
   void FailScene(Instant now, WorkerId worker, const Digest& scene, const std::string& reason);
 
   // ---- Clients (proto/jobs.proto) ----
-  // Returns the known id if a job with the same submission number is there. The client may be told once the
-  // output is journalled.
-  Result<JobId> Submit(Instant now, std::shared_ptr<const JobSpec> spec);
+  // Returns the known id if the owner has submitted a job with the same submission number. The client may be
+  // told once the output is journalled. kBadInput: the number is that of another owner's job.
+  Result<JobId> Submit(Instant now, std::shared_ptr<const JobSpec> spec, const JobOwner& owner = {});
+  // Returns nullptr if there is no such job.
+  const JobOwner* OwnerOf(JobId job) const;
   Result<JobStatus> Cancel(Instant now, JobId job);
   // Every frame of the job gets this many samples per pixel; what is done stays done. The error says why not.
   Result<JobStatus> Extend(Instant now, JobId job, uint32_t samples_per_pixel);

@@ -32,7 +32,11 @@ void FarmRecovery::Restore(const Fact& fact) {
   std::visit(
       Overloaded{
           [](const CoordinatorStarted&) {},
-          [&](const JobSubmitted& each) { state_.jobs.Add(each.job, each.spec); },
+          [&](const JobOwned& each) { owners_[each.job] = each.owner; },
+          [&](const JobSubmitted& each) {
+            const auto owner = owners_.extract(each.job);
+            state_.jobs.Add(each.job, each.spec).owner = owner ? owner.mapped() : JobOwner{};
+          },
           [&](const FrameFinished& each) {
             with_job(each.job, [&](Job& job) {
               if (each.frame >= job.spec->frames.size()) return;
@@ -154,6 +158,7 @@ void FarmRecovery::Begin(Instant now) {
   for (auto& [id, job] : state_.jobs.all()) RestoreCounts(job);
   for (const JobId id : std::set<JobId>(state_.jobs.open())) Resume(now, state_.jobs.At(id));
   votes_.clear();
+  owners_.clear();
   end_.ForgetOldest();
 }
 
@@ -195,6 +200,7 @@ void FarmRecovery::ResumeFrame(Job& job, uint32_t frame, const Merger& merger) {
 
 // The job as it was submitted, then what it was extended to, with the frames that were finished before.
 void FarmRecovery::AppendHistory(const Job& job, std::vector<Fact>& facts) {
+  if (job.owner != JobOwner{}) facts.emplace_back(JobOwned{job.id, job.owner});
   facts.emplace_back(JobSubmitted{job.id, job.submitted});
   if (job.spec == job.submitted) return;
   std::set<uint32_t> steps;

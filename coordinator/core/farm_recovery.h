@@ -49,6 +49,7 @@ class FarmRecovery {
   FrameCompletion& frames_;
   JobExtension& extension_;
   // Until Begin.
+  std::map<JobId, JobOwner> owners_;  // of jobs that are not submitted yet
   std::vector<WorkerBlock> blocks_;
   std::map<JobId, Votes> votes_;
   std::vector<FrameId> finished_;  // in the order they were

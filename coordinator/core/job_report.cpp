@@ -73,6 +73,7 @@ JobStatus StatusOf(const FarmState& state, Instant now, const Job& job) {
   JobStatus status;
   status.job = job.id;
   status.name = job.spec->name;
+  status.owner = job.owner;
   status.submission = job.spec->submission;
   status.priority = job.priority;
   status.reason = job.reason;

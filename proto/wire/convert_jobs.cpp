@@ -132,6 +132,7 @@ Result<JobStatus> ReadJobStatus(const proto::JobStatus& message) {
   status.units_disputed = message.units_disputed();
   status.units_suspect = message.units_suspect();
   status.submission = message.submission();
+  status.owner = {MemberId{message.owner_member()}, CleanName(message.owner())};
   return status;
 }
 
@@ -163,6 +164,8 @@ void Write(const JobStatus& value, proto::JobStatus& message) {
   message.set_units_disputed(value.units_disputed);
   message.set_units_suspect(value.units_suspect);
   message.set_submission(value.submission);
+  message.set_owner(CleanName(value.owner.name));
+  message.set_owner_member(Number(value.owner.member));
 }
 
 Result<std::vector<FrameStatus>> ReadFrameStatuses(const proto::FramesAnswer& message) {

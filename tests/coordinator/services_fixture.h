@@ -37,6 +37,7 @@ class Services : public testing::Test {
   CoordinatorOptions OptionsOf(const std::string& data_dir) const {
     CoordinatorOptions options;
     options.listen = {*ParseAddress("unix:" + (folder / "socket"), "test")};
+    for (const std::string& each : more_addresses) options.listen.push_back(*ParseAddress(each, "test"));
     options.data_dir = folder / data_dir;
     return options;
   }
@@ -208,6 +209,7 @@ class Services : public testing::Test {
   std::unique_ptr<proto::Blobs::Stub> blobs;
   std::unique_ptr<proto::Work::Stub> work;
   std::string current_dir = "data";  // that Start uses
+  std::vector<std::string> more_addresses;
   FarmId farm;
   Digest scene_key;  // of the prepared job
   uint64_t sequence = 0;

@@ -20,6 +20,7 @@ FarmView SomeView() {
   JobStatus job;
   job.job = JobId{3};
   job.name = "<script>alert(\"1\")</script>";
+  job.owner.name = "<b>ada";
   job.state = JobState::kRunning;
   job.samples_done = 1;
   job.samples_total = 4;
@@ -58,6 +59,7 @@ TEST(StatusPage, ShowsJobsAndWorkersAndEscapesTheirNames) {
   const std::string page = StatusPage(SomeView());
   EXPECT_THAT(page, HasSubstr("&lt;script&gt;alert(&quot;1&quot;)"));
   EXPECT_THAT(page, Not(HasSubstr("<script")));
+  EXPECT_THAT(page, HasSubstr("<td>&lt;b&gt;ada</td>"));
   EXPECT_THAT(page, Not(HasSubstr("<i>\"")));
   EXPECT_THAT(page, HasSubstr("25.0 %"));
   EXPECT_THAT(page, Not(HasSubstr("http://"))) << "loads nothing from elsewhere";

@@ -105,6 +105,7 @@ void SaveFacts() {
                         FrameResumed{JobId{1}, 0},
                         JobPaused{JobId{1}, true},
                         JobPriorityChanged{JobId{1}, -3},
+                        JobOwned{JobId{1}, {MemberId{7}, "ada"}},
                         WorkerQuarantined{WorkerId{9}, "blade", true, "disagrees"},
                         VoteRecorded{Unit(), WorkerId{9}, "blade", Sha256("result")},
                         UnitsCounted{JobId{1}, 1, 2, 3}};

@@ -106,6 +106,7 @@ struct JobResults {
 
 struct Job {
   JobId id{};
+  JobOwner owner;
   std::shared_ptr<const JobSpec> submitted;
   std::shared_ptr<const JobSpec> spec;  // as submitted, or extended since
   uint64_t spec_bytes = 0;              // MemoryOf(*submitted)

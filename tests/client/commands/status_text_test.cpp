@@ -71,6 +71,17 @@ TEST(StatusText, ShowsThePriorityUnlessItIsZero) {
   EXPECT_THAT(JobTable({status}), HasSubstr("      -7  "));
 }
 
+TEST(StatusText, ShowsTheOwnerIfItIsKnown) {
+  JobStatus status;
+  status.name = "shot";
+  EXPECT_THAT(JobText(status), testing::Not(HasSubstr("owner")));
+  EXPECT_THAT(JobJson(status), HasSubstr("\"owner\":\"\",\"owner_member\":null"));
+  status.owner = {MemberId{0x1f}, "ada"};
+  EXPECT_THAT(JobText(status), HasSubstr("\"shot\", owner ada: "));
+  EXPECT_THAT(JobTable({status}), HasSubstr("  ada  "));
+  EXPECT_THAT(JobJson(status), HasSubstr("\"owner\":\"ada\",\"owner_member\":\"000000000000001f\""));
+}
+
 TEST(StatusText, DistinguishesADrainedWorkerFromADrainingOne) {
   WorkerStatus worker;
   worker.draining = true;

@@ -90,6 +90,16 @@ TEST(Fact, WhatIsSaidOfWorkersSurvivesItsBytes) {
   EXPECT_FALSE(DecodeFact(EncodeFact(VoteRecorded{{JobId{3}, 1, 2, {3, 4}}, WorkerId{7}, "w", {}})));
 }
 
+TEST(Fact, TheOwnerOfAJobSurvivesItsBytes) {
+  for (const JobOwner& owner : {JobOwner{MemberId{~uint64_t{0}}, "ad\xc3\xa4"}, JobOwner{{}, "local"}}) {
+    const std::string bytes = EncodeFact(JobOwned{JobId{3}, owner});
+    const Fact owned = *DecodeFact(bytes);
+    EXPECT_EQ(std::get<JobOwned>(owned).job, JobId{3});
+    EXPECT_EQ(std::get<JobOwned>(owned).owner, owner);
+    for (size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(DecodeFact(bytes.substr(0, size)));
+  }
+}
+
 TEST(Fact, AVoteOfAnOlderReleaseIsReadWithoutItsMachine) {
   const WorkUnit unit{JobId{3}, 1, 2, {4, 4}};
   std::string bytes = EncodeFact(VoteRecorded{unit, WorkerId{7}, "w", Sha256("r"), 99});

@@ -130,6 +130,58 @@ TEST(Farm, JobsSurviveARestart) {
   EXPECT_EQ(*after.farm.Submit(after.now, SmallJob(2)), half);
 }
 
+const JobOwner kAda{MemberId{5}, "ada"};
+
+TEST(Farm, ASubmissionOfAnotherOwnerIsNotTheSameJob) {
+  FarmStage stage;
+  const JobId job = *stage.farm.Submit(stage.now, SmallJob(7), kAda);
+  EXPECT_EQ(*stage.farm.Submit(stage.now, SmallJob(7), {kAda.member, "renamed"}), job);
+  const auto refused = stage.farm.Submit(stage.now, SmallJob(7), {MemberId{6}, "ada"});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("another owner"));
+  EXPECT_FALSE(stage.farm.Submit(stage.now, SmallJob(7)));
+  EXPECT_EQ(stage.farm.Jobs(stage.now).size(), 1u);
+}
+
+TEST(Farm, OwnersSurviveARestartAndACompactedJournal) {
+  FarmStage before;
+  const JobId owned = *before.farm.Submit(before.now, SmallJob(1), kAda);
+  const JobId local = *before.farm.Submit(before.now, SmallJob(2), {{}, kLocalOwner});
+  const JobId old = *before.farm.Submit(before.now, SmallJob(3));
+  ASSERT_TRUE(before.farm.Cancel(before.now, owned));
+  before.Step();
+  FarmStage after, last;
+  for (const std::string& fact : before.facts) after.farm.Restore(*DecodeFact(fact));
+  after.farm.Begin(after.now);
+  for (const Fact& fact : after.farm.Snapshot()) last.farm.Restore(*DecodeFact(EncodeFact(fact)));
+  last.farm.Begin(last.now);
+  for (const FarmStage* stage : {&before, &after, &last}) {
+    EXPECT_EQ(*stage->farm.OwnerOf(owned), kAda);
+    EXPECT_EQ(stage->Status(owned).owner, kAda);
+    EXPECT_EQ(stage->Status(local).owner, (JobOwner{{}, kLocalOwner}));
+    EXPECT_EQ(stage->Status(old).owner, JobOwner{});
+    EXPECT_EQ(stage->farm.OwnerOf(JobId{99}), nullptr);
+  }
+}
+
+// The end of a journal may be lost in a crash, wherever it is cut.
+TEST(Farm, NoPrefixOfAJournalHasAJobWithoutItsOwner) {
+  FarmStage before;
+  const JobId first = *before.farm.Submit(before.now, SmallJob(1), kAda);
+  before.Step();
+  for (size_t size = 0; size <= before.facts.size(); ++size) {
+    FarmStage after;
+    for (size_t i = 0; i < size; ++i) after.farm.Restore(*DecodeFact(before.facts[i]));
+    after.farm.Begin(after.now);
+    if (const JobOwner* const owner = after.farm.OwnerOf(first)) {
+      EXPECT_EQ(*owner, kAda);
+    } else {
+      const JobOwner next{MemberId{6}, "bob"};
+      EXPECT_EQ(*after.farm.OwnerOf(*after.farm.Submit(after.now, SmallJob(2), next)), next);
+    }
+  }
+}
+
 TEST(Farm, APausedJobShowsItsReasonAndContinuesWhenResumed) {
   FarmStage stage;
   const JobId job = *stage.farm.Submit(stage.now, SmallJob(1));

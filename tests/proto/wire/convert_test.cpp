@@ -142,6 +142,7 @@ TEST(Convert, StatusSurvives) {
   status.units_verified = 6;
   status.units_disputed = 7;
   status.units_suspect = 8;
+  status.owner = {MemberId{9}, "ada"};
   proto::JobStatus message;
   Write(status, message);
   const auto read = ReadJobStatus(message);
@@ -157,6 +158,7 @@ TEST(Convert, StatusSurvives) {
   EXPECT_EQ(read->units_disputed, 7u);
   EXPECT_EQ(read->units_suspect, 8u);
   EXPECT_EQ(read->frames_total, 5u);
+  EXPECT_EQ(read->owner, status.owner);
 }
 
 TEST(Convert, RefusesHostileUnits) {
