@@ -70,7 +70,7 @@ float LightDirections::Pdf(const ReferencePoint& reference, const Ray& ray,
   tree_.ForEachAlong(
       ray, [&](uint32_t index) { pdf += EmitterPdf(emitters_[index], reference, ray, wavelengths); });
   for (const int light : world_.lights.infinite_lights()) {
-    const float infinite_pdf = world_.lights.InfiniteLightPdf(light, ray.d);
+    const float infinite_pdf = world_.lights.InfiniteLightPdf(light, reference.p, ray.d);
     if (infinite_pdf > 0) pdf += infinite_pdf * world_.lights.ChoosePmf(reference, light);
   }
   return pdf;

@@ -13,6 +13,7 @@ LightWalk<Sink>::LightWalk(const PathContext& context, const Ray& camera_ray, Si
       context_(context),
       sink_(sink),
       tracker_(context),
+      origin_(camera_ray.o),
       medium_(context.world.camera_medium) {}
 
 template <typename Sink>
@@ -72,6 +73,7 @@ void LightWalk<Sink>::Leave(const Ray& next, SampledSpectrum weight, FirstScatte
   first_ = FirstScatterWith(scatter);
   ++depth_;
   ray = next;
+  origin_ = next.o;
   if (!in_medium_) medium_ = MediumTracker::Beyond(interaction, ray.d, medium_);
 }
 
@@ -91,7 +93,7 @@ void LightWalk<Sink>::AddSurfaceEmission() {
 
 template <typename Sink>
 void LightWalk<Sink>::AddInfiniteEmission(int light) {
-  Add(context_.world.lights.InfiniteRadiance(light, ray.d, context_.wavelengths), light);
+  Add(context_.world.lights.InfiniteRadiance(light, origin_, ray.d, context_.wavelengths), light);
 }
 
 template <typename Sink>

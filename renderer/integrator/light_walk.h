@@ -62,6 +62,7 @@ class LightWalk {
   Sink& sink_;
   MediumTracker tracker_;
   SampledSpectrum throughput_{1.0f};
+  Point3 origin_;  // where the path last scattered
   int medium_ = -1;
   int depth_ = 0;  // scattering events left behind
   FirstScatter first_ = FirstScatter::kNone;

@@ -14,7 +14,9 @@ template <typename Transport, typename Sink>
 class PathTracer {
  public:
   PathTracer(const PathContext& context, const Ray& camera_ray, Sink& sink)
-      : context_(context), sink_(sink), transport_(context_), ray_(camera_ray) {}
+      : context_(context), sink_(sink), transport_(context_), ray_(camera_ray) {
+    previous_.p = camera_ray.o;
+  }
 
   void Trace() {
     while (Extend()) {
@@ -55,7 +57,7 @@ class PathTracer {
   bool weigh_ = false;  // whether light sampling could have found what the current ray hits
   // Radiance is compressed inside denser media; roulette looks at what will leave them.
   float eta_scale_ = 1;
-  ReferencePoint previous_;  // where the current ray started
+  ReferencePoint previous_;  // where the path last scattered: at the camera or a vertex
 };
 
 template <typename Transport, typename Sink>
@@ -160,7 +162,8 @@ template <typename Transport, typename Sink>
 void PathTracer<Transport, Sink>::AddInfiniteLights() {
   const World& world = context_.world;
   for (const int light : world.lights.infinite_lights()) {
-    const SampledSpectrum emitted = world.lights.InfiniteRadiance(light, ray_.d, context_.wavelengths);
+    const SampledSpectrum emitted =
+        world.lights.InfiniteRadiance(light, previous_.p, ray_.d, context_.wavelengths);
     std::optional<float> light_pdf;
     if (weigh_) light_pdf = InfiniteLightPdf(world, previous_, ray_.d, light);
     Add(transport_.HitContribution(emitted, light_pdf), light);

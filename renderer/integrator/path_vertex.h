@@ -61,7 +61,7 @@ inline float EmitterPdf(const World& world, const ReferencePoint& reference, Vec
   return choice * world.lights.AreaLightPdf(emitter.area_light, reference, wi, emitter);
 }
 inline float InfiniteLightPdf(const World& world, const ReferencePoint& reference, Vec3 wi, int light) {
-  return world.lights.ChoosePmf(reference, light) * world.lights.InfiniteLightPdf(light, wi);
+  return world.lights.ChoosePmf(reference, light) * world.lights.InfiniteLightPdf(light, reference.p, wi);
 }
 
 // The probability of ending a path whose next ray is expected to bring the share `expected` of the radiance

@@ -1,6 +1,7 @@
 #include "renderer/light/emission_image.h"
 
 #include <cmath>
+#include <cstring>
 
 #include "renderer/texture/image_color_space.h"
 
@@ -39,9 +40,29 @@ RgbImage RgbImage::Read(ParameterReader& reader, ImageCache& images, Diagnostics
   return result;
 }
 
+RgbImage RgbImage::OfOneColor(Rgb rgb) {
+  return OfTexels({rgb}, 1, ColorSpace::Srgb());
+}
+
+RgbImage RgbImage::OfTexels(const std::vector<Rgb>& texels, int width, const ColorSpace& color_space) {
+  auto image = std::make_shared<Image>();
+  image->width = width;
+  image->height = static_cast<int>(texels.size()) / width;
+  image->channels = 3;
+  image->channel_names = {"R", "G", "B"};
+  image->bytes.resize(texels.size() * sizeof(Rgb));
+  std::memcpy(image->bytes.data(), texels.data(), image->bytes.size());
+  RgbImage result;
+  result.image_ = std::move(image);
+  result.channels_ = {0, 1, 2};
+  result.color_space_ = &color_space;
+  return result;
+}
+
 Rgb RgbImage::At(int x, int y) const {
-  return Max({0, 0, 0}, {image_->Get(x, y, channels_[0]), image_->Get(x, y, channels_[1]),
-                         image_->Get(x, y, channels_[2])});
+  const Rgb rgb{image_->Get(x, y, channels_[0]), image_->Get(x, y, channels_[1]),
+                image_->Get(x, y, channels_[2])};
+  return Min(Rgb{kEmissionMax, kEmissionMax, kEmissionMax}, Max({0, 0, 0}, rgb));
 }
 
 Rgb RgbImage::Bilinear(Point2 uv) const {

@@ -11,6 +11,9 @@
 
 namespace tessera {
 
+// The largest value of a pixel that counts: the sum of the largest images stays finite.
+constexpr float kEmissionMax = 1e25f;
+
 // An image with channels R, G and B, all finite, in the colour space that its file names.
 class RgbImage {
  public:
@@ -18,11 +21,16 @@ class RgbImage {
   // Reads the image that parameter `filename` names. The reader remembers errors; the image is then empty.
   static RgbImage Read(ParameterReader& reader, ImageCache& images, Diagnostics& diagnostics);
 
+  // An image of one value.
+  static RgbImage OfOneColor(Rgb rgb);
+  // Rows of `width` values from top to bottom.
+  static RgbImage OfTexels(const std::vector<Rgb>& texels, int width, const ColorSpace& color_space);
+
   bool empty() const { return !image_; }
   int width() const { return image_->width; }
   int height() const { return image_->height; }
   const ColorSpace& color_space() const { return *color_space_; }
-  // Negative values count as 0.
+  // Negative values count as 0, those beyond kEmissionMax as that.
   Rgb At(int x, int y) const;
   // Bilinear interpolation; edge values continue outside. uv is (0, 0) at the first value of the top row.
   Rgb Bilinear(Point2 uv) const;

@@ -1,25 +1,11 @@
 #include "renderer/light/infinite_lights.h"
 
 #include "renderer/light/emission.h"
+#include "renderer/light/environment_map.h"
 #include "renderer/math/equal_area.h"
 
 namespace tessera {
 namespace {
-
-// pbrt-v4's measure of the illuminance of the picture on a plane that faces +z: half of the true value. Used
-// here too, so that scenes have the brightness that their authors saw.
-float UpwardIlluminance(const RgbImage& image) {
-  const float size = static_cast<float>(image.width());
-  double sum = 0;
-  for (int y = 0; y < image.height(); ++y) {
-    for (int x = 0; x < image.width(); ++x) {
-      const Vec3 w = EqualAreaSquareToSphere(
-          {(static_cast<float>(x) + 0.5f) / size, (static_cast<float>(y) + 0.5f) / size});
-      if (w.z > 0) sum += static_cast<double>(RelativeLuminance(image.color_space(), image.At(x, y))) * w.z;
-    }
-  }
-  return static_cast<float>(sum) * (2 * kPi / (size * size));
-}
 
 // By how much the mean of R, G and B of each texel exceeds that of the picture; 0 where it does not.
 std::vector<float> ExcessOverMean(const RgbImage& image, float* mean) {
@@ -59,23 +45,10 @@ ImageInfiniteLight ImageInfiniteLight::Read(ParameterReader& reader, const Light
   ImageInfiniteLight light;
   light.render_from_light = context.render_from_light;
   light.light_from_render = context.render_from_light.Inverse();
-  const std::optional<float> illuminance = ReadTotal(reader, "illuminance");
-  const RgbImage image = RgbImage::Read(reader, context.images, context.diagnostics);
+  const RgbImage image = ReadEnvironmentMap(reader, context.images, context.diagnostics);
   float scale = ReadImageScale(reader, image.color_space());
   if (image.empty()) return light;
-  if (image.width() != image.height()) {
-    reader.FailAt("filename",
-                  "the image is not square; environment maps must be equal-area octahedral (pbrt's imgtool "
-                  "makeequiarea converts them)");
-    return light;
-  }
-  if (illuminance) {
-    const float unit = UpwardIlluminance(image);
-    if (unit > 0)
-      scale *= *illuminance / unit;
-    else
-      reader.FailAt("illuminance", "\"illuminance\" cannot be reached: the upper half of the image is black");
-  }
+  scale *= IlluminanceFactor(reader, image);
   light.map = EmissionMap(image, scale);
   float mean = 0;
   const std::vector<float> excess = ExcessOverMean(image, &mean);
@@ -91,7 +64,7 @@ Point2 ImageInfiniteLight::PlaceInMap(Vec3 d) const {
   return EqualAreaSphereToSquare(Normalize(light_from_render.ToVector(d)));
 }
 
-SampledSpectrum ImageInfiniteLight::Radiance(Vec3 d, const SampledWavelengths& wavelengths) const {
+SampledSpectrum ImageInfiniteLight::Radiance(Point3, Vec3 d, const SampledWavelengths& wavelengths) const {
   return map.SampleNearest(PlaceInMap(d), wavelengths);
 }
 
@@ -106,7 +79,7 @@ std::optional<LightSample> ImageInfiniteLight::Sample(const LightQuery& query) c
   return sample;
 }
 
-float ImageInfiniteLight::Pdf(Vec3 wi) const {
+float ImageInfiniteLight::Pdf(Point3, Vec3 wi) const {
   return brighter.Pdf(PlaceInMap(wi)) * kInv4Pi;
 }
 

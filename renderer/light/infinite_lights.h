@@ -16,10 +16,10 @@ struct ConstantInfiniteLight {
   static ConstantInfiniteLight Read(ParameterReader& reader, const LightContext& context);
   std::optional<LightSample> Sample(const LightQuery& query) const;
   LightProfile Profile(float scene_radius) const;
-  SampledSpectrum Radiance(Vec3, const SampledWavelengths& wavelengths) const {
+  SampledSpectrum Radiance(Point3, Vec3, const SampledWavelengths& wavelengths) const {
     return L.Sample(wavelengths);
   }
-  float Pdf(Vec3) const { return 0; }
+  float Pdf(Point3, Vec3) const { return 0; }
 };
 
 // Radiance from a square equal-area octahedral picture (math/equal_area.h), z up; each texel is constant.
@@ -33,9 +33,9 @@ struct ImageInfiniteLight {
 
   // Expects parameter `filename`.
   static ImageInfiniteLight Read(ParameterReader& reader, const LightContext& context);
-  SampledSpectrum Radiance(Vec3 d, const SampledWavelengths& wavelengths) const;
+  SampledSpectrum Radiance(Point3, Vec3 d, const SampledWavelengths& wavelengths) const;
   std::optional<LightSample> Sample(const LightQuery& query) const;
-  float Pdf(Vec3 wi) const;
+  float Pdf(Point3, Vec3 wi) const;
   LightProfile Profile(float scene_radius) const;
 
  private:

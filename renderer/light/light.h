@@ -79,13 +79,15 @@ class LightTable {
   // The density per solid angle with which Sample would find the hit emitter along wi.
   float AreaLightPdf(int light, const ReferencePoint& reference, Vec3 wi,
                      const SurfaceInteraction& on_light) const;
-  float InfiniteLightPdf(int light, Vec3 wi) const;
+  float InfiniteLightPdf(int light, Point3 from, Vec3 wi) const;
 
   // Radiance that the emitter at a hit sends along wo.
   SampledSpectrum EmittedRadiance(int light, const SurfaceInteraction& on_light, Vec3 wo,
                                   const SampledWavelengths& wavelengths) const;
-  // Radiance that arrives against unit direction d from a light at infinity.
-  SampledSpectrum InfiniteRadiance(int light, Vec3 d, const SampledWavelengths& wavelengths) const;
+  // Radiance that arrives at `from`, where the path last scattered, against unit direction d from a light at
+  // infinity.
+  SampledSpectrum InfiniteRadiance(int light, Point3 from, Vec3 d,
+                                   const SampledWavelengths& wavelengths) const;
   // Whether rays can find the light; if not, only light sampling can.
   bool IsHitByRays(int light) const;
   // The indices of all lights at infinity that rays can hit.

@@ -18,10 +18,11 @@ SourceLight Read(ParameterReader& reader, const LightContext& context) {
 }
 
 SourceLight ReadInfinite(ParameterReader& reader, const LightContext& context) {
-  if (reader.Has("portal")) reader.FailAt("portal", "portals of infinite lights are not supported yet");
   const bool has_picture = !reader.String("filename", "").empty();
+  if (has_picture && reader.Has("L"))
+    reader.FailAt("L", "an infinite light takes \"L\" or \"filename\", not both");
+  if (!reader.Point3s("portal").empty()) return PortalInfiniteLight::Read(reader, context);
   if (!has_picture) return ConstantInfiniteLight::Read(reader, context);
-  if (reader.Has("L")) reader.FailAt("L", "an infinite light takes \"L\" or \"filename\", not both");
   return ImageInfiniteLight::Read(reader, context);
 }
 
@@ -34,6 +35,21 @@ constexpr Kind<SourceReader> kSources[] = {
     {"projection", Support::kSupported, Read<ProjectionLight>},
 };
 constexpr KindTable<SourceReader> kSourceTable("light", kSources);
+
+// A hostile scene may ask for more light than floats hold. Beyond this the choice between lights no longer
+// distinguishes them; their radiance is not changed.
+constexpr float kPowerMax = 1e20f;
+
+float Bounded(float power) {
+  return power < kPowerMax ? power : kPowerMax;
+}
+
+LightProfile Bounded(LightProfile profile) {
+  profile.power = Bounded(profile.power);
+  profile.irradiance = Bounded(profile.irradiance);
+  if (profile.bounds) profile.bounds->strength = Bounded(profile.bounds->strength);
+  return profile;
+}
 
 class LightBuilder {
  public:
@@ -61,8 +77,9 @@ Result<SourceLight> LightBuilder::ReadSource(const LightDescription& description
   const Kind<SourceReader>* kind = kSourceTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kSourceTable.Refusal(entity.kind));
   ParameterReader reader(entity);
-  SourceLight light = kind->reader(reader, {inputs_.render_from_world * description.world_from_light,
-                                            inputs_.files, inputs_.images, diagnostics_});
+  SourceLight light =
+      kind->reader(reader, {inputs_.render_from_world * description.world_from_light,
+                            inputs_.render_from_world, inputs_.files, inputs_.images, diagnostics_});
   if (const Result<void> finished = reader.Finish(); !finished) return finished.error();
   return light;
 }
@@ -120,6 +137,7 @@ Result<void> LightBuilder::Build(LightTable::Data& data, std::vector<int>* area_
     profiles.push_back(Dispatch(source, [&](const auto& light) { return light.Profile(data.scene_radius); }));
   }
   data.areas.AddProfiles(&profiles);
+  for (LightProfile& profile : profiles) profile = Bounded(profile);
   data.chooser = LightChooser(inputs_.light_sampler, profiles);
   return {};
 }

@@ -8,13 +8,14 @@
 #include "renderer/light/infinite_lights.h"
 #include "renderer/light/light.h"
 #include "renderer/light/light_chooser.h"
+#include "renderer/light/portal_light.h"
 #include "renderer/light/projector_lights.h"
 
 namespace tessera {
 
 // A LightSource directive: one of the kinds that light_kind.h describes.
 using SourceLight = std::variant<PointLight, SpotLight, DistantLight, GoniometricLight, ProjectionLight,
-                                 ConstantInfiniteLight, ImageInfiniteLight>;
+                                 ConstantInfiniteLight, ImageInfiniteLight, PortalInfiniteLight>;
 
 struct LightTable::Data {
   std::vector<SourceLight> sources;  // lights 0, 1, ...

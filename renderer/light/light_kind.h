@@ -10,10 +10,10 @@
 //
 // and, if it is at infinity and rays that leave the scene hit it,
 //
-//   SampledSpectrum Radiance(Vec3 d, const SampledWavelengths& wavelengths) const;
-//       Radiance that arrives against unit direction d.
-//   float Pdf(Vec3 wi) const;
-//       The density per solid angle with which Sample gives wi, the same from every point.
+//   SampledSpectrum Radiance(Point3 from, Vec3 d, const SampledWavelengths& wavelengths) const;
+//       Radiance that arrives at `from` against unit direction d.
+//   float Pdf(Point3 from, Vec3 wi) const;
+//       The density per solid angle with which Sample gives wi.
 #pragma once
 
 #include "renderer/description/parameter_reader.h"
@@ -24,7 +24,7 @@ namespace tessera {
 
 // Where the light of a directive is, where its spectra and pictures come from and where warnings go.
 struct LightContext {
-  Transform render_from_light;
+  Transform render_from_light, render_from_world;
   FileSource& files;
   ImageCache& images;
   Diagnostics& diagnostics;
@@ -39,9 +39,9 @@ struct LightQuery {
 };
 
 template <typename Light>
-concept HitByRays = requires(const Light& light, Vec3 d, const SampledWavelengths& wavelengths) {
-  light.Radiance(d, wavelengths);
-  light.Pdf(d);
+concept HitByRays = requires(const Light& light, Point3 from, Vec3 d, const SampledWavelengths& wavelengths) {
+  light.Radiance(from, d, wavelengths);
+  light.Pdf(from, d);
 };
 
 }  // namespace tessera

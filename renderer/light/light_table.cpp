@@ -31,9 +31,9 @@ float LightTable::AreaLightPdf(int light, const ReferencePoint& reference, Vec3 
   return data_->areas.Pdf(data_->AreaIndex(light), reference, wi, on_light);
 }
 
-float LightTable::InfiniteLightPdf(int light, Vec3 wi) const {
+float LightTable::InfiniteLightPdf(int light, Point3 from, Vec3 wi) const {
   return Dispatch(data_->Source(light), [&]<typename Light>(const Light& source) -> float {
-    if constexpr (HitByRays<Light>) return source.Pdf(wi);
+    if constexpr (HitByRays<Light>) return source.Pdf(from, wi);
     return 0;
   });
 }
@@ -43,9 +43,10 @@ SampledSpectrum LightTable::EmittedRadiance(int light, const SurfaceInteraction&
   return data_->areas.Radiance(data_->AreaIndex(light), on_light, wo, wavelengths);
 }
 
-SampledSpectrum LightTable::InfiniteRadiance(int light, Vec3 d, const SampledWavelengths& wavelengths) const {
+SampledSpectrum LightTable::InfiniteRadiance(int light, Point3 from, Vec3 d,
+                                             const SampledWavelengths& wavelengths) const {
   return Dispatch(data_->Source(light), [&]<typename Light>(const Light& source) -> SampledSpectrum {
-    if constexpr (HitByRays<Light>) return source.Radiance(d, wavelengths);
+    if constexpr (HitByRays<Light>) return source.Radiance(from, d, wavelengths);
     return SampledSpectrum();
   });
 }

@@ -1,5 +1,7 @@
 #include "renderer/light/projector_lights.h"
 
+#include <algorithm>
+
 #include "renderer/light/emission.h"
 #include "renderer/math/equal_area.h"
 
@@ -28,13 +30,27 @@ std::vector<int> IntensityChannels(ParameterReader& reader, const Image& image, 
   return {y};
 }
 
-// The square map of parameter `filename` and its size.
-std::vector<float> ReadMap(ParameterReader& reader, ImageCache& images, int* size) {
-  const std::string name = reader.String("filename", "");
-  if (name.empty()) {
-    reader.Fail("a goniometric light requires \"filename\"");
+bool IsIesName(std::string_view name) {
+  constexpr std::string_view kEnding = ".ies";
+  return name.size() >= kEnding.size() &&
+         std::ranges::equal(name.substr(name.size() - kEnding.size()), kEnding,
+                            [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
+IesProfile ReadProfile(ParameterReader& reader, FileSource& files, const std::string& name) {
+  const Result<std::string> text = files.Read(name);
+  if (!text) {
+    reader.FailAt("filename", text.error().message);
     return {};
   }
+  Result<IesProfile> profile = IesProfile::Read(*text);
+  if (profile) return std::move(*profile);
+  reader.FailAt("filename", name + ": " + profile.error().message);
+  return {};
+}
+
+// The square map of parameter `filename` and its size.
+std::vector<float> ReadMap(ParameterReader& reader, ImageCache& images, const std::string& name, int* size) {
   const Result<std::shared_ptr<const Image>> read = images.Get(name, std::nullopt);
   if (!read) {
     reader.FailAt("filename", read.error().message);
@@ -60,7 +76,7 @@ std::vector<float> ReadMap(ParameterReader& reader, ImageCache& images, int* siz
     for (int x = 0; x < image.width; ++x) {
       float sum = 0;
       for (const int channel : channels) sum += image.Get(x, y, channel);
-      map.push_back(sum / static_cast<float>(channels.size()));
+      map.push_back(std::clamp(sum / static_cast<float>(channels.size()), 0.0f, kEmissionMax));
     }
   }
   return map;
@@ -73,11 +89,20 @@ GoniometricLight GoniometricLight::Read(ParameterReader& reader, const LightCont
                          ReadEmission(reader, "I", context.files),
                          {},
                          0,
+                         {},
                          0};
-  light.map = ReadMap(reader, context.images, &light.size);
-  double sum = 0;
-  for (const float value : light.map) sum += value;
-  if (!light.map.empty()) light.mean = static_cast<float>(sum / static_cast<double>(light.map.size()));
+  const std::string name = reader.String("filename", "");
+  if (name.empty()) {
+    reader.Fail("a goniometric light requires \"filename\"");
+  } else if (IsIesName(name)) {
+    light.profile = ReadProfile(reader, context.files, name);
+    if (!light.profile.empty()) light.mean = light.profile.Mean();
+  } else {
+    light.map = ReadMap(reader, context.images, name, &light.size);
+    double sum = 0;
+    for (const float value : light.map) sum += value;
+    if (!light.map.empty()) light.mean = static_cast<float>(sum / static_cast<double>(light.map.size()));
+  }
   if (const auto power = ReadTotal(reader, "power")) {
     if (light.mean > 0)
       light.I = light.I.Scaled(*power * kInv4Pi / light.mean);
@@ -87,13 +112,18 @@ GoniometricLight GoniometricLight::Read(ParameterReader& reader, const LightCont
   return light;
 }
 
+float GoniometricLight::Factor(Vec3 d) const {
+  if (!profile.empty()) return profile.Intensity(d);
+  const Point2 uv = EqualAreaSphereToSquare(d);
+  const int x = std::min(static_cast<int>(uv.x * static_cast<float>(size)), size - 1);
+  const int y = std::min(static_cast<int>(uv.y * static_cast<float>(size)), size - 1);
+  return map[static_cast<size_t>(y) * static_cast<size_t>(size) + static_cast<size_t>(x)];
+}
+
 std::optional<LightSample> GoniometricLight::Sample(const LightQuery& query) const {
   std::optional<LightSample> sample = SamplePoint(place.p, query.reference);
   if (!sample) return std::nullopt;
-  const Point2 uv = EqualAreaSphereToSquare(place.Outgoing(sample->wi));
-  const int x = std::min(static_cast<int>(uv.x * static_cast<float>(size)), size - 1);
-  const int y = std::min(static_cast<int>(uv.y * static_cast<float>(size)), size - 1);
-  const float factor = map[static_cast<size_t>(y) * static_cast<size_t>(size) + static_cast<size_t>(x)];
+  const float factor = Factor(place.Outgoing(sample->wi));
   if (factor == 0) return std::nullopt;
   sample->L *= factor * I.Sample(query.wavelengths);
   return sample;

@@ -1,24 +1,31 @@
-// Point lights whose intensity over directions is given by a picture.
+// Point lights whose intensity over directions is given by a file.
 #pragma once
 
 #include <vector>
 
 #include "renderer/light/delta_lights.h"
 #include "renderer/light/emission_image.h"
+#include "renderer/light/ies_profile.h"
 
 namespace tessera {
 
-// Intensity from a square equal-area octahedral map of one channel (math/equal_area.h), y up.
+// Intensity from a square equal-area octahedral map of one channel (math/equal_area.h) or from photometry, y
+// up.
 struct GoniometricLight {
   LightPlace place;
   Spectrum I;
-  std::vector<float> map;  // size x size factors of I
+  std::vector<float> map;  // size x size factors of I, if there is no profile
   int size = 0;
-  float mean = 0;  // of the map
+  IesProfile profile;
+  float mean = 0;  // of the factors, over all directions
 
   static GoniometricLight Read(ParameterReader& reader, const LightContext& context);
   std::optional<LightSample> Sample(const LightQuery& query) const;
   LightProfile Profile(float scene_radius) const;
+
+ private:
+  // Of I along the unit direction d in the light's space.
+  float Factor(Vec3 d) const;
 };
 
 // A slide projector that looks along +z of its space.

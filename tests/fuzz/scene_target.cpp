@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 
 #include "renderer/bxdf/measured_bxdf.h"
+#include "renderer/light/ies_profile.h"
 #include "renderer/material/measured_brdf_file.h"
 #include "renderer/pbrt/parser.h"
 #include "renderer/shape/ply_reader.h"
@@ -38,6 +40,20 @@ bool FuzzPly(std::string_view bytes) {
   TESSERA_CHECK(mesh->triangles.size() % 3 == 0 && mesh->quads.size() % 4 == 0);
   TESSERA_CHECK(mesh->N.empty() || mesh->N.size() == mesh->P.size());
   TESSERA_CHECK(mesh->uv.empty() || mesh->uv.size() == mesh->P.size());
+  return true;
+}
+
+bool FuzzIes(std::string_view bytes) {
+  const Result<IesProfile> profile = IesProfile::Read(bytes);
+  if (!profile) {
+    TESSERA_CHECK(profile.error().message.starts_with("line "));
+    return false;
+  }
+  TESSERA_CHECK(profile->Mean() >= 0 && std::isfinite(profile->Mean()));
+  for (const Vec3 d : {Vec3{0, 0, -1}, Vec3{0, 0, 1}, Vec3{0.6f, -0.48f, 0.64f}, Vec3{-1, -0.0f, 0}}) {
+    const float intensity = profile->Intensity(d);
+    TESSERA_CHECK(intensity >= 0 && std::isfinite(intensity));
+  }
   return true;
 }
 

@@ -11,6 +11,7 @@ constexpr FuzzTarget kTargets[] = {
     {"gzip", FuzzGzip},
     {"hdr", FuzzHdr, PrepareImages},
     {"http_request", FuzzHttpRequest},
+    {"ies", FuzzIes},
     {"join_token", FuzzJoinToken},
     {"journal", FuzzJournal},
     {"jpeg", FuzzJpeg, PrepareImages},

@@ -27,6 +27,7 @@ bool FuzzFact(std::string_view bytes);
 bool FuzzGzip(std::string_view bytes);
 bool FuzzHdr(std::string_view bytes);
 bool FuzzHttpRequest(std::string_view bytes);
+bool FuzzIes(std::string_view bytes);
 bool FuzzJoinToken(std::string_view bytes);
 bool FuzzJournal(std::string_view bytes);
 bool FuzzJpeg(std::string_view bytes);

@@ -20,6 +20,7 @@ TEST_P(LightErrors, NameTheirLocation) {
   lights.files.files["wide.pfm"] = Pfm({{1, 1, 1}, {1, 1, 1}}, 2);
   lights.files.files["black.pfm"] = Pfm({{0, 0, 0}}, 1);
   lights.files.files["infinite.pfm"] = Pfm({{infinity, 0, 0}}, 1);
+  lights.files.files["cut.IES"] = "TILT=NONE\n";
   const std::string text = GetParam().text;
   std::vector<Shape> shapes;
   if (text.find("\"disk\"") != std::string::npos) shapes.push_back(DiskShape(0, 1));
@@ -37,8 +38,15 @@ INSTANTIATE_TEST_SUITE_P(
     Table, LightErrors,
     testing::Values(
         BadLight{"LightSource \"pont\"", "lights.pbrt:3:1: unknown light \"pont\" (did you mean \"point\"?)"},
-        BadLight{"LightSource \"infinite\" \"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]",
-                 "lights.pbrt:3:24: portals of infinite lights are not supported yet"},
+        BadLight{"LightSource \"infinite\" \"point3 portal\" [ 0 0 0 1 0 0 1 1 0 ]",
+                 "lights.pbrt:3:24: a portal has 4 corners, found 3"},
+        BadLight{"LightSource \"infinite\" \"point3 portal\" [ 0 0 0 1 0 0 1 0 0 0 0 0 ]",
+                 "lights.pbrt:3:24: the corners of the portal must span a rectangle"},
+        BadLight{"LightSource \"infinite\" \"point3 portal\" [ 1e38 0 0 1 0 0 1 1 0 -1e38 1 0 ]",
+                 "lights.pbrt:3:24: the corners of the portal must span a rectangle"},
+        BadLight{"LightSource \"infinite\" \"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ] \"rgb L\" [ 1 1 1 ] "
+                 "\"string filename\" \"black.pfm\"",
+                 "lights.pbrt:3:68: an infinite light takes \"L\" or \"filename\", not both"},
         BadLight{"LightSource \"infinite\" \"rgb L\" [ 1 1 1 ] \"string filename\" \"black.pfm\"",
                  "lights.pbrt:3:24: an infinite light takes \"L\" or \"filename\", not both"},
         BadLight{"LightSource \"infinite\" \"string filename\" \"wide.pfm\"",
@@ -57,6 +65,9 @@ INSTANTIATE_TEST_SUITE_P(
             "lights.pbrt:3:27: \"wide.pfm\" is not square; goniometric maps must be equal-area octahedral"},
         BadLight{"AreaLightSource \"diffuse\" Shape \"curve\" \"point3 P\" [ 0 0 0 1 0 0 2 0 0 3 0 0 ]",
                  "lights.pbrt:3:27: a curve cannot be an area light (it has that of lights.pbrt:3:1)"},
+        BadLight{"LightSource \"goniometric\"", "lights.pbrt:3:1: a goniometric light requires \"filename\""},
+        BadLight{"LightSource \"goniometric\" \"string filename\" \"cut.IES\"",
+                 "lights.pbrt:3:27: cut.IES: line 2: the file ends where the number of lamps is expected"},
         BadLight{"AreaLightSource \"difuse\" Shape \"disk\"",
                  "lights.pbrt:3:1: unknown area light \"difuse\" (did you mean \"diffuse\"?)"},
         BadLight{"AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ] \"string filename\" \"black.pfm\" Shape "

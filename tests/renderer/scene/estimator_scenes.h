@@ -113,6 +113,27 @@ AttributeBegin
 AttributeEnd
 )";
 
+// A room around the camera and things in it. The wall on the right has a window from (2, -0.5, 1.5) to
+// (2, 1, 3.5).
+constexpr const char* kRoomWithAWindow = R"(
+Material "diffuse" "rgb reflectance" [ 0.6 0.6 0.5 ]
+Shape "bilinearmesh" "point3 P" [ -2 -1 -1  2 -1 -1  -2 -1 6  2 -1 6 ]
+Shape "bilinearmesh" "point3 P" [ -2 2 -1  2 2 -1  -2 2 6  2 2 6 ]
+Shape "bilinearmesh" "point3 P" [ -2 -1 -1  -2 2 -1  -2 -1 6  -2 2 6 ]
+Shape "bilinearmesh" "point3 P" [ -2 -1 -1  2 -1 -1  -2 2 -1  2 2 -1 ]
+Shape "bilinearmesh" "point3 P" [ -2 -1 6  2 -1 6  -2 2 6  2 2 6 ]
+Shape "bilinearmesh" "point3 P" [ 2 -1 -1  2 2 -1  2 -1 1.5  2 2 1.5 ]
+Shape "bilinearmesh" "point3 P" [ 2 -1 3.5  2 2 3.5  2 -1 6  2 2 6 ]
+Shape "bilinearmesh" "point3 P" [ 2 -1 1.5  2 -0.5 1.5  2 -1 3.5  2 -0.5 3.5 ]
+Shape "bilinearmesh" "point3 P" [ 2 1 1.5  2 2 1.5  2 1 3.5  2 2 3.5 ]
+AttributeBegin
+  Material "conductor" "float roughness" 0.3
+  Translate 0.5 -0.3 4
+  Shape "sphere" "float radius" 0.6
+AttributeEnd
+)";
+constexpr const char* kWindow = " \"point3 portal\" [ 2 -0.5 1.5  2 -0.5 3.5  2 1 3.5  2 1 1.5 ]\n";
+
 // Inside an emitter, with a lamp that is half transparent and one that emits a picture.
 constexpr const char* kInsideALamp = R"(
 Material "diffuse" "rgb reflectance" [ 0.4 0.4 0.4 ]

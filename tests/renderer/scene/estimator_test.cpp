@@ -130,6 +130,27 @@ TEST(Estimators, AgreeUnderSkies) {
   ExpectAgreement(kSkies, {"\"mixture\"", "\"simplepath\"", kBsdfOnly}, 3, 0.01);
 }
 
+TEST(Estimators, AgreeOnLightThatComesInThroughAPortal) {
+  const std::string sky = R"(Rotate 30 1 2 3 LightSource "infinite" "string filename" "sky.pfm")";
+  const std::string world =
+      std::string("AttributeBegin ") + sky + kWindow + "AttributeEnd" + kRoomWithAWindow +
+      R"(AreaLightSource "diffuse" Translate 0 1.7 3 Shape "sphere" "float radius" 0.1)";
+  ExpectAgreement(world.c_str(), {"\"mixture\"", "\"simplepath\"", kBsdfOnly, "\"volpath\""}, 3, 0.02);
+}
+
+TEST(Estimators, FindTheSameLightThroughAWindowWithAndWithoutAPortal) {
+  const std::string sky = R"(LightSource "infinite" "rgb L" [ 5 4 3 ])";
+  const auto open = RenderBatches(SceneHead("\"path\"", 3) + sky + kRoomWithAWindow);
+  const auto portal = RenderBatches(SceneHead("\"path\"", 3) + sky + kWindow + kRoomWithAWindow);
+  ASSERT_GT(open->Mean(Batches::kValues - 1), 0.02);
+  for (int value = 0; value < Batches::kValues; ++value) {
+    const Comparison comparison = Compare(*portal, *open, value);
+    EXPECT_LT(std::abs(comparison.t), kTMax)
+        << "value " << value << ": " << portal->Mean(value) << " not " << open->Mean(value);
+  }
+  EXPECT_LT(Compare(*portal, *open, Batches::kValues - 1).standard_error, 0.02);
+}
+
 TEST(Estimators, AgreeInsideALamp) {
   ExpectAgreement(kInsideALamp, {"\"mixture\"", "\"simplepath\"", kBsdfOnly, "\"randomwalk\""}, 4, 0.02);
 }
