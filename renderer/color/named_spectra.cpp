@@ -130,21 +130,23 @@ std::shared_ptr<const DenseTable> TableFromSamples(std::span<const float> wavele
   return std::make_shared<const DenseTable>(Tabulate(wavelengths, values, Beyond::kZero));
 }
 
-std::shared_ptr<const DenseTable> Blackbody(float kelvin) {
-  DenseTable table{};
-  if (!(kelvin > 0)) return std::make_shared<const DenseTable>(table);
+float BlackbodyValue(float kelvin, float lambda) {
+  if (!(kelvin > 0)) return 0;
   constexpr float kSecondRadiation = 1.4387770e7f;  // h c / k in nm K (CODATA 2010)
   constexpr float kWien = 2.8977721e6f;             // wavelength of the maximum times temperature, in nm K
   constexpr float kExponentAtPeak = kSecondRadiation / kWien;
-  const float at_peak = std::expm1(kExponentAtPeak);
-  for (int i = 0; i < kLambdaCount; ++i) {
-    const float ratio =
-        (kWien / kelvin) / static_cast<float>(kLambdaMin + i);  // to the wavelength of the maximum
-    const float fifth_power = ratio * ratio * ratio * ratio * ratio;
-    // Infinity in the denominator, for very low temperatures, makes a zero; both infinite are ruled out here.
-    const float denominator = std::expm1(kExponentAtPeak * ratio);
-    table[static_cast<size_t>(i)] = std::isinf(denominator) ? 0 : fifth_power * at_peak / denominator;
-  }
+  static const float at_peak = std::expm1(kExponentAtPeak);
+  const float ratio = (kWien / kelvin) / lambda;  // to the wavelength of the maximum
+  const float fifth_power = ratio * ratio * ratio * ratio * ratio;
+  // Infinity in the denominator, for very low temperatures, makes a zero; both infinite are ruled out here.
+  const float denominator = std::expm1(kExponentAtPeak * ratio);
+  return std::isinf(denominator) ? 0 : fifth_power * at_peak / denominator;
+}
+
+std::shared_ptr<const DenseTable> Blackbody(float kelvin) {
+  DenseTable table{};
+  for (int i = 0; i < kLambdaCount; ++i)
+    table[static_cast<size_t>(i)] = BlackbodyValue(kelvin, static_cast<float>(kLambdaMin + i));
   return std::make_shared<const DenseTable>(table);
 }
 

@@ -34,7 +34,10 @@ std::span<const DenseTable> ColorCheckerPatches();
 // Piecewise linear through (wavelength in nm, value) pairs with strictly rising wavelengths; 0 outside.
 std::shared_ptr<const DenseTable> TableFromSamples(std::span<const float> wavelengths,
                                                    std::span<const float> values);
-// Planck's law at `kelvin`, scaled so that its maximum over all wavelengths is 1.
+// Planck's law at `kelvin` and a wavelength in nm, scaled so that its maximum over all wavelengths is 1. 0
+// unless kelvin > 0.
+float BlackbodyValue(float kelvin, float lambda);
+// The same for all wavelengths.
 std::shared_ptr<const DenseTable> Blackbody(float kelvin);
 // CIE D illuminant of a correlated colour temperature in kelvin, for white balance.
 std::shared_ptr<const DenseTable> DaylightIlluminant(float kelvin);

@@ -29,6 +29,11 @@ struct SampledWavelengths {
   // bend each wavelength differently. Does nothing the second time.
   void TerminateSecondary();
   bool SecondaryTerminated() const { return pdf[1] == 0 && pdf[2] == 0 && pdf[3] == 0; }
+  // The wavelengths at which the path goes on: four times the first once the others are dropped.
+  SampledWavelengths Followed() const {
+    if (!SecondaryTerminated()) return *this;
+    return {_mm_shuffle_ps(lambda.v, lambda.v, 0), pdf, _mm_shuffle_epi32(index, 0)};
+  }
 };
 
 }  // namespace tessera

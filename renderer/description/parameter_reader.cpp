@@ -263,6 +263,12 @@ std::vector<Normal3> ParameterReader::Normals(std::string_view name) {
   return Triples<Normal3>(FindTuples("normal", name, 3));
 }
 
+RgbList ParameterReader::Rgbs(std::string_view name) {
+  RgbList list{Triples<Vec3>(FindTuples("rgb", name, 3)), "srgb"};
+  if (const Parameter* p = Find("rgb", name)) list.color_space = p->color_space;
+  return list;
+}
+
 // ---- Places and errors
 
 bool ParameterReader::Has(std::string_view name) const {

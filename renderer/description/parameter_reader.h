@@ -28,6 +28,12 @@ struct SpectrumValue {
   SourceLocation location;
 };
 
+// The colours of an rgb parameter with any number of them.
+struct RgbList {
+  std::vector<Vec3> values;
+  std::string color_space;
+};
+
 class ParameterReader {
  public:
   // `entity` must outlive the reader.
@@ -63,6 +69,7 @@ class ParameterReader {
   std::vector<Point3> Point3s(std::string_view name);
   std::vector<Vec3> Vector3s(std::string_view name);
   std::vector<Normal3> Normals(std::string_view name);
+  RgbList Rgbs(std::string_view name);
 
   // Whether a parameter of this name, of any type, was written.
   bool Has(std::string_view name) const;

@@ -68,6 +68,40 @@ bool LightWalk<Sink>::Collides(const HomogeneousCoefficients& medium, float t_ma
 }
 
 template <typename Sink>
+template <typename Coefficients>
+bool LightWalk<Sink>::Collides(const Coefficients& medium, float t_max) {
+  FlightRandom random(ray, context_.sampler.Get1D());
+  flight::CollisionDepth depth(random);
+  auto medium_ray = medium.RayAlong(ray);
+  float t = 0;
+  MajorantSegment segment;
+  while (t < t_max && medium_ray.Next(&segment)) {
+    const float end = std::min(segment.t_end, t_max);
+    const float majorant = MaxElement(segment.sigma_maj);
+    for (;;) {
+      t += depth.Advance(majorant, end - t);
+      if (!depth.Collided()) break;
+      const MediumPoint point = medium_ray.At(t);
+      throughput_ /= majorant;
+      Add(point.emission, LightPath::kMediumEmission);
+      const SampledSpectrum scattered = throughput_ * point.sigma_s;
+      const SampledSpectrum passed =
+          throughput_ * Max(SampledSpectrum(majorant) - point.sigma_a - point.sigma_s, SampledSpectrum(0.0f));
+      const float scatters = Average(scattered) / (Average(scattered) + Average(passed));
+      const bool is_collision = random.Next() < scatters;
+      throughput_ = is_collision ? scattered / scatters : passed / (1 - scatters);
+      if (!AllFinite(throughput_)) throughput_ = SampledSpectrum(0.0f);  // all is absorbed
+      if (is_collision || !AnyNonZero(throughput_)) {
+        ray.o = ray.At(t);
+        return true;
+      }
+    }
+    t = end;
+  }
+  return false;
+}
+
+template <typename Sink>
 void LightWalk<Sink>::Leave(const Ray& next, SampledSpectrum weight, FirstScatter scatter) {
   throughput_ *= weight;
   first_ = FirstScatterWith(scatter);

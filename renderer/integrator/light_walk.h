@@ -50,9 +50,12 @@ class LightWalk {
   SurfaceInteraction interaction;
 
  private:
-  // Flies through the current medium up to t_max. Returns true if there was a collision before. One overload
-  // for each kind of medium.
+  // Flies through the current medium up to t_max. Returns true if there was a collision before.
   bool Collides(const HomogeneousCoefficients& medium, float t_max);
+  // Of media that vary, by spectral tracking (P. Kutz, R. Habel, Y. K. Li, J. Novak, "Spectral and
+  // Decomposition Tracking for Rendering Heterogeneous Volumes", 2017): no wavelength decides alone.
+  template <typename Coefficients>
+  bool Collides(const Coefficients& medium, float t_max);
   void Add(SampledSpectrum radiance, int light) {
     sink_.Add(throughput_ * radiance, {light, depth_, first_});
   }

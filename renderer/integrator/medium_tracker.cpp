@@ -7,7 +7,7 @@ namespace tessera {
 
 void MediumTracker::Attenuate(const Ray& shadow, int medium, float t, PathWeights* weights) {
   if (medium < 0) return;
-  FlightRandom random(shadow, 0.5f);
+  FlightRandom random(shadow);
   Dispatch(In(medium), [&](const auto& coefficients) {
     FlyShadow(coefficients.RayAlong(shadow), t * Length(shadow.d), random, weights);
   });

@@ -34,6 +34,8 @@ struct PathWeights {
 class FlightRandom {
  public:
   FlightRandom(const Ray& ray, float first) : ray_(ray), first_(first) {}
+  // All numbers are functions of the ray.
+  explicit FlightRandom(const Ray& ray) : ray_(ray), count_(1) {}
 
   // In [0, 1).
   float Next() {
@@ -48,7 +50,7 @@ class FlightRandom {
 
  private:
   const Ray& ray_;
-  float first_;
+  float first_ = 0;
   uint64_t seed_ = 0;
   uint32_t count_ = 0;
 };
@@ -78,7 +80,7 @@ enum class FlightEnd {
 
 namespace flight {
 
-// Extends the weights over a length without a collision that stays in one stretch.
+// Extends the weights over a length without a collision that stays in one uniform stretch.
 inline void Pass(const MajorantSegment& segment, float length, PathWeights* weights) {
   const SampledSpectrum attenuation = Exp((segment.sigma_a + segment.sigma_maj) * -length);
   if (!AnyNonZero(segment.sigma_maj)) {
@@ -89,8 +91,48 @@ inline void Pass(const MajorantSegment& segment, float length, PathWeights* weig
   const float inverse_pdf = 1 / none[0];
   weights->beta *= attenuation * inverse_pdf;
   weights->r_u *= none * inverse_pdf;
-  weights->r_l *= segment.uniform ? SampledSpectrum(inverse_pdf) : none * inverse_pdf;
+  weights->r_l *= inverse_pdf;
 }
+
+// The same in a stretch that varies, where light sampling follows the same bounds. All weights change by the
+// probability of no collision relative to that of the first wavelength, which is 1 for a grey bound.
+inline void PassVarying(const MajorantSegment& segment, float length, PathWeights* weights) {
+  const SampledSpectrum excess = SampledSpectrum(segment.sigma_maj[0]) - segment.sigma_maj;
+  if (AnyNonZero(excess)) {
+    const SampledSpectrum ratio = Exp(excess * length);
+    weights->beta *= ratio;
+    weights->r_u *= ratio;
+    weights->r_l *= ratio;
+  }
+  if (AnyNonZero(segment.sigma_a)) weights->beta *= Exp(segment.sigma_a * -length);
+}
+
+// The optical depth to the next collision at the first wavelength. It is drawn once and used up stretch by
+// stretch, as an exponential distribution has no memory.
+class CollisionDepth {
+ public:
+  explicit CollisionDepth(FlightRandom& random) : random_(random) {}
+
+  // Moves over `length` with the given majorant. Returns the distance of a collision, or `length` if there is
+  // none.
+  float Advance(float majorant, float length) {
+    if (rest_ < 0) rest_ = SampleExponential(random_.Next(), 1);
+    const float depth = majorant * length;
+    if (!(rest_ < depth)) {
+      rest_ -= depth;
+      return length;
+    }
+    const float distance = std::min(rest_ / majorant, length);
+    rest_ = -1;
+    return distance;
+  }
+  // Whether the last call found a collision.
+  bool Collided() const { return rest_ < 0; }
+
+ private:
+  FlightRandom& random_;
+  float rest_ = -1;  // negative: not drawn
+};
 
 // Extends the weights by a collision of the kind whose coefficient is `sigma`.
 inline void Collide(SampledSpectrum sigma, SampledSpectrum sigma_maj, PathWeights* weights) {
@@ -115,24 +157,32 @@ inline FlightEnd Decide(const MajorantSegment& segment, const MediumPoint& point
   return FlightEnd::kPassed;
 }
 
-// The part of a flight within one stretch, from *t to `end`.
+// The part of a flight within one uniform stretch, from *t to `end`.
+inline FlightEnd FlyThroughUniform(const MajorantSegment& segment, float end, FlightRandom& random, float* t,
+                                   PathWeights* weights) {
+  const float majorant = segment.sigma_maj[0];
+  const float step =
+      majorant > 0 ? SampleExponential(random.Next(), majorant) : std::numeric_limits<float>::infinity();
+  if (!(*t + step < end)) {
+    Pass(segment, end - *t, weights);
+    return FlightEnd::kPassed;
+  }
+  *t += step;
+  Pass(segment, step, weights);
+  Collide(segment.sigma_maj, segment.sigma_maj, weights);
+  return FlightEnd::kScattered;
+}
+
+// The same within a stretch that varies.
 template <typename MediumRay>
-FlightEnd FlyThrough(const MediumRay& medium, const MajorantSegment& segment, float end, FlightRandom& random,
-                     float* t, PathWeights* weights, SampledSpectrum* emitted) {
+FlightEnd FlyThroughVarying(const MediumRay& medium, const MajorantSegment& segment, float end,
+                            CollisionDepth& depth, FlightRandom& random, float* t, PathWeights* weights,
+                            SampledSpectrum* emitted) {
   for (;;) {
-    const float majorant = segment.sigma_maj[0];
-    const float step =
-        majorant > 0 ? SampleExponential(random.Next(), majorant) : std::numeric_limits<float>::infinity();
-    if (!(*t + step < end)) {
-      Pass(segment, end - *t, weights);
-      return FlightEnd::kPassed;
-    }
+    const float step = depth.Advance(segment.sigma_maj[0], end - *t);
+    PassVarying(segment, step, weights);
+    if (!depth.Collided()) return FlightEnd::kPassed;
     *t += step;
-    Pass(segment, step, weights);
-    if (segment.uniform) {
-      Collide(segment.sigma_maj, segment.sigma_maj, weights);
-      return FlightEnd::kScattered;
-    }
     const MediumPoint point = medium.At(*t);
     if (emitted != nullptr && AnyNonZero(point.emission)) {
       *emitted += weights->beta * point.emission / Average(weights->r_u * segment.sigma_maj);
@@ -146,14 +196,14 @@ FlightEnd FlyThrough(const MediumRay& medium, const MajorantSegment& segment, fl
 // ends rays with little of it left.
 template <typename MediumRay>
 void TrackRatio(const MediumRay& medium, const MajorantSegment& segment, float t, float end,
-                FlightRandom& random, PathWeights* weights) {
+                CollisionDepth& depth, FlightRandom& random, PathWeights* weights) {
   constexpr float kLittle = 0.05f, kEndProbability = 0.75f;
   const float majorant = segment.sigma_maj[0];
   for (;;) {
-    const float step = majorant > 0 ? SampleExponential(random.Next(), majorant) : end;
-    Pass(segment, std::min(step, end - t), weights);
+    const float step = depth.Advance(majorant, end - t);
+    PassVarying(segment, step, weights);
+    if (!depth.Collided()) return;
     t += step;
-    if (!(t < end)) return;
     const MediumPoint point = medium.At(t);
     const SampledSpectrum sigma_n =
         Max(segment.sigma_maj - point.sigma_a - point.sigma_s, SampledSpectrum(0.0f)) * (1 / majorant);
@@ -180,6 +230,7 @@ FlightEnd Fly(MediumRay medium, float t_max, FlightRandom& random, PathWeights* 
               SampledSpectrum* emitted, float* t_event) {
   float t = 0;
   t_max = std::min(t_max, kFlightMax);
+  flight::CollisionDepth depth(random);
   MajorantSegment segment;
   while (t < t_max && medium.Next(&segment)) {
     const float end = std::min(segment.t_end, t_max);
@@ -187,7 +238,10 @@ FlightEnd Fly(MediumRay medium, float t_max, FlightRandom& random, PathWeights* 
       *emitted += weights->Throughput() * segment.emission *
                   IntegralOfExp(segment.sigma_a + segment.sigma_maj, end - t);
     }
-    const FlightEnd flight_end = flight::FlyThrough(medium, segment, end, random, &t, weights, emitted);
+    const FlightEnd flight_end =
+        segment.uniform
+            ? flight::FlyThroughUniform(segment, end, random, &t, weights)
+            : flight::FlyThroughVarying(medium, segment, end, depth, random, &t, weights, emitted);
     *t_event = t;
     if (flight_end != FlightEnd::kPassed) return flight_end;
     t = end;
@@ -203,6 +257,7 @@ FlightEnd Fly(MediumRay medium, float t_max, FlightRandom& random, PathWeights* 
 template <typename MediumRay>
 void FlyShadow(MediumRay medium, float length, FlightRandom& random, PathWeights* weights) {
   float t = 0;
+  flight::CollisionDepth depth(random);
   MajorantSegment segment;
   while (t < length && medium.Next(&segment)) {
     const float end = std::min(segment.t_end, length);
@@ -210,7 +265,8 @@ void FlyShadow(MediumRay medium, float length, FlightRandom& random, PathWeights
       weights->beta *= Exp((segment.sigma_a + segment.sigma_maj) * (t - end));
       if (AnyNonZero(segment.sigma_maj)) weights->r_u *= Exp(segment.sigma_maj * (t - end));
     } else {
-      flight::TrackRatio(medium, segment, t, end, random, weights);
+      flight::TrackRatio(medium, segment, t, end, depth, random, weights);
+      if (!AnyNonZero(weights->beta)) return;
     }
     t = end;
   }

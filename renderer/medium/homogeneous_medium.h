@@ -6,6 +6,7 @@
 #include "renderer/description/parameter_reader.h"
 #include "renderer/math/ray.h"
 #include "renderer/math/sampling.h"
+#include "renderer/math/transform.h"
 #include "renderer/medium/majorant.h"
 #include "renderer/medium/phase_function.h"
 
@@ -29,7 +30,8 @@ class HomogeneousMedium {
   HomogeneousMedium() = default;  // a vacuum
   // Reads `preset`, `sigma_a`, `sigma_s`, `scale`, `Le`, `Lescale` and `g`; errors are remembered by the
   // reader. An unknown preset is a warning, and sigma_a and sigma_s apply, as in pbrt-v4.
-  static HomogeneousMedium Read(ParameterReader& reader, FileSource& files, Diagnostics& diagnostics);
+  static HomogeneousMedium Read(ParameterReader& reader, const Transform& render_from_medium,
+                                FileSource& files, Diagnostics& diagnostics);
 
   // If dispersion has dropped all wavelengths but the first, all four values are those of the first.
   HomogeneousCoefficients At(const SampledWavelengths& wavelengths) const;

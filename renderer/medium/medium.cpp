@@ -3,19 +3,20 @@
 namespace tessera {
 namespace {
 
-using MediumReader = Medium (*)(ParameterReader&, FileSource&, Diagnostics&);
+using MediumReader = Medium (*)(ParameterReader&, const Transform&, FileSource&, Diagnostics&);
 
 template <typename MediumType>
-Medium Read(ParameterReader& reader, FileSource& files, Diagnostics& diagnostics) {
-  return Medium(MediumType::Read(reader, files, diagnostics));
+Medium Read(ParameterReader& reader, const Transform& render_from_medium, FileSource& files,
+            Diagnostics& diagnostics) {
+  return Medium(MediumType::Read(reader, render_from_medium, files, diagnostics));
 }
 
 constexpr Kind<MediumReader> kKinds[] = {
     {"homogeneous", Support::kSupported, Read<HomogeneousMedium>},
-    {"cloud", Support::kNotSupported},
+    {"uniformgrid", Support::kSupported, Read<UniformGridMedium>},
+    {"rgbgrid", Support::kSupported, Read<RgbGridMedium>},
+    {"cloud", Support::kSupported, Read<CloudMedium>},
     {"nanovdb", Support::kNotSupported},
-    {"rgbgrid", Support::kNotSupported},
-    {"uniformgrid", Support::kNotSupported},
 };
 constexpr KindTable<MediumReader> kTable("medium", kKinds);
 
@@ -25,8 +26,8 @@ KindList MediumKinds() {
   return kTable.List();
 }
 
-Result<MediumTable> MediumTable::Build(const SceneDescription& scene, Unsupported unsupported,
-                                       FileSource& files, Diagnostics& diagnostics) {
+Result<MediumTable> MediumTable::Build(const SceneDescription& scene, const Transform& render_from_world,
+                                       Unsupported unsupported, FileSource& files, Diagnostics& diagnostics) {
   MediumTable table;
   table.media_.reserve(scene.media.size());
   for (const MediumDescription& description : scene.media) {
@@ -44,7 +45,8 @@ Result<MediumTable> MediumTable::Build(const SceneDescription& scene, Unsupporte
       continue;
     }
     ParameterReader reader(entity);
-    table.media_.push_back(kind->reader(reader, files, diagnostics));
+    const Transform render_from_medium = render_from_world * description.world_from_medium;
+    table.media_.push_back(kind->reader(reader, render_from_medium, files, diagnostics));
     if (const Result<void> finished = reader.Finish(); !finished) return finished.error();
   }
   return table;

@@ -8,27 +8,32 @@
 #include "renderer/description/file_source.h"
 #include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
+#include "renderer/medium/cloud_medium.h"
+#include "renderer/medium/grid_medium.h"
 #include "renderer/medium/homogeneous_medium.h"
+#include "renderer/medium/rgb_grid_medium.h"
 #include "renderer/util/dispatch.h"
 
 namespace tessera {
 
 // The kinds of medium. Every kind has
-//   static Kind Read(ParameterReader&, FileSource&, Diagnostics&);
+//   static Kind Read(ParameterReader&, const Transform& render_from_medium, FileSource&, Diagnostics&);
 //   Coefficients At(const SampledWavelengths&) const;     one of MediumCoefficients
 //   const PhaseFunction& phase() const;
 //   bool is_emissive() const;
-using MediumKind = std::variant<HomogeneousMedium>;
+using MediumKind = std::variant<HomogeneousMedium, UniformGridMedium, RgbGridMedium, CloudMedium>;
 
 // A medium of any kind at the wavelengths of a path. Every kind has
 //   MediumRay RayAlong(const Ray&) const;
-//     A medium ray (majorant.h) for Fly and FlyShadow. Must not outlive the coefficients.
+//     A medium ray (majorant.h) for Fly and FlyShadow. Must not outlive the coefficients, nor these the
+//     medium.
 //   bool MayCollide() const;
 //     False if no flight draws a random number.
 //   float CollisionDistanceMax(float u) const;
 //     An upper bound of the distance of the first collision of a flight whose first random number is u;
 //     infinite if there is no bound.
-using MediumCoefficients = std::variant<HomogeneousCoefficients>;
+using MediumCoefficients =
+    std::variant<HomogeneousCoefficients, GridCoefficients, RgbGridCoefficients, CloudCoefficients>;
 
 // A medium. Immutable.
 class Medium {
@@ -59,8 +64,8 @@ class MediumTable {
     kRefuse,
     kIgnore,  // for integrators that do not follow media: takes them for a vacuum, and checks the others
   };
-  static Result<MediumTable> Build(const SceneDescription& scene, Unsupported unsupported, FileSource& files,
-                                   Diagnostics& diagnostics);
+  static Result<MediumTable> Build(const SceneDescription& scene, const Transform& render_from_world,
+                                   Unsupported unsupported, FileSource& files, Diagnostics& diagnostics);
 
   const Medium& operator[](int medium) const { return media_[static_cast<size_t>(medium)]; }
   bool empty() const { return media_.empty(); }

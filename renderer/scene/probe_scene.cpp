@@ -48,6 +48,15 @@ WorldBegin
 MakeNamedMedium "milk" "string type" "homogeneous" "string preset" "Wholemilk" "float scale" 0.5
 MakeNamedMedium "ember" "string type" "homogeneous" "rgb sigma_a" [ 1 1 1 ] "rgb sigma_s" [ 1 2 3 ]
   "rgb Le" [ 0.8 0.3 0.1 ] "float g" -0.5
+AttributeBegin Translate -1.2 -0.2 -3.6 Rotate 30 1 2 3
+  MakeNamedMedium "smoke" "string type" "uniformgrid" "integer nx" 3 "integer ny" 2 "integer nz" 2 "rgb sigma_s" [ 9 4 2 ]
+    "float density" [ 0 1 4 2 0 0 3 1 0 1 5 0 ] "float temperature" [ 0 900 3000 0 0 0 2000 0 0 0 4000 0 ]
+    "point3 p0" [ -0.3 -0.3 -0.3 ] "point3 p1" [ 0.3 0.3 0.3 ] AttributeEnd
+AttributeBegin Translate 0 -0.2 -3.8
+  MakeNamedMedium "paint" "string type" "rgbgrid" "integer nx" 2 "rgb sigma_a" [ 1 3 9 9 3 1 ] "rgb sigma_s" [ 9 1 0 0 1 9 ]
+    "rgb Le" [ 0.1 0 0 0 0.1 0.2 ] "point3 p0" [ -0.25 -0.25 -0.25 ] "point3 p1" [ 0.25 0.25 0.25 ] AttributeEnd
+AttributeBegin Translate 0.8 -0.6 -4 Scale 0.8 0.8 0.8
+  MakeNamedMedium "cumulus" "string type" "cloud" "rgb sigma_a" [ 0.1 0.2 0.3 ] "rgb sigma_s" [ 20 20 20 ] AttributeEnd
 AttributeBegin
   Rotate 30 0 1 0
   LightSource "infinite" "string filename" "probe.pfm" "float scale" 0.3
@@ -115,6 +124,9 @@ AttributeBegin Translate -1.5 1.5 0 Material "dielectric" "spectrum eta" "glass-
   Shape "sphere" "float radius" 0.6 AttributeEnd
 AttributeBegin Translate 0 1.5 0 Material "thindielectric" "float eta" 1.4 Shape "sphere" "float radius" 0.6 AttributeEnd
 AttributeBegin Translate 1.5 1.5 0 Material "interface" MediumInterface "ember" "haze" Shape "sphere" "float radius" 0.6 AttributeEnd
+AttributeBegin Translate -1.2 -0.2 -3.6 Material "interface" MediumInterface "smoke" "haze" Shape "sphere" "float radius" 0.3 AttributeEnd
+AttributeBegin Translate 0 -0.2 -3.8 Material "dielectric" MediumInterface "paint" "haze" Shape "sphere" "float radius" 0.25 AttributeEnd
+AttributeBegin Translate 1.2 -0.2 -3.6 Material "interface" MediumInterface "cumulus" "haze" Shape "sphere" "float radius" 0.35 AttributeEnd
 AttributeBegin Translate 3 1.5 0 Material "coateddiffuse" "texture reflectance" "facing" "float roughness" 0 "float thickness" 0.05
   "rgb albedo" [ 0.4 0.3 0.2 ] Shape "sphere" "float radius" 0.6 AttributeEnd
 

@@ -32,6 +32,41 @@ TEST_F(Bits, AreTheSameForAnyNumberOfWorkersThreadsAndTiles) {
   }
 }
 
+TEST_F(Bits, AreTheSameForMediaThatVary) {
+  const std::string scene = Write("media.pbrt", R"(
+Film "rgb" "integer xresolution" 24 "integer yresolution" 16
+Sampler "zsobol" "integer pixelsamples" 8
+Camera "perspective" "float fov" 50
+WorldBegin
+LightSource "infinite" "rgb L" [ 0.4 0.5 0.6 ]
+LightSource "point" "point3 from" [ 2 3 1 ] "rgb I" [ 20 20 20 ]
+AttributeBegin
+  Translate -1.2 0 5 Rotate 20 1 1 0
+  MakeNamedMedium "smoke" "string type" "uniformgrid" "integer nx" 3 "integer ny" 2 "integer nz" 2
+    "float density" [ 0 1 4 2 0 0 3 1 0 1 5 0 ] "rgb sigma_s" [ 1 0.4 0.2 ] "point3 p0" [ -1 -1 -1 ]
+    "float temperature" [ 0 900 3000 0 0 0 2000 0 0 0 4000 0 ]
+  MediumInterface "smoke" "" Material "interface" Shape "sphere"
+AttributeEnd
+AttributeBegin
+  Translate 1.2 0 5
+  MakeNamedMedium "paint" "string type" "rgbgrid" "integer nx" 2 "rgb sigma_s" [ 9 1 0 0 1 9 ] "point3 p0" [ -1 -1 -1 ]
+  MediumInterface "paint" "" Material "dielectric" Shape "sphere"
+AttributeEnd
+AttributeBegin
+  Translate -3 -1 7 Scale 6 3 2
+  MakeNamedMedium "cloud" "string type" "cloud" "rgb sigma_a" [ 0 0 0 ]
+  MediumInterface "cloud" "" Material "interface" Translate 0.5 0.5 0.5 Shape "sphere" "float radius" 0.5
+AttributeEnd
+)");
+  const std::string oracle = Oracle(scene, {"--threads", "1"});
+  for (const auto& way : std::vector<std::vector<std::string>>{
+           {"--workers", "2"}, {"--in-process", "--threads", "3", "--tile-size", "7"}}) {
+    const Outcome outcome = Tessera(With({"render", scene, "-o", "picture.exr"}, way));
+    ASSERT_EQ(outcome.code, 0) << outcome.errors;
+    EXPECT_TRUE(Bytes("picture.exr") == oracle) << testing::PrintToString(way);
+  }
+}
+
 TEST_F(Bits, DependOnTheSeedAndTheSamples) {
   const std::string oracle = Oracle(BoxScene(), {});
   EXPECT_FALSE(Oracle(BoxScene(), {"--seed", "5"}) == oracle);
