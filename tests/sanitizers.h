@@ -12,6 +12,10 @@ constexpr bool kHasSanitizer = true;
 constexpr bool kHasSanitizer = false;
 #endif
 
+// How many times slower a build with a sanitizer is, roughly. Tests wait that much longer, and long renders
+// of tests have that many samples less.
+constexpr int kSlowdown = kHasSanitizer ? 8 : 1;
+
 // The bound in bytes for a program of the same build that may take `bytes` without a sanitizer, which shadows
 // memory and keeps what is freed for a while.
 constexpr size_t MemoryBound(size_t bytes) {

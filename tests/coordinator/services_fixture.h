@@ -19,11 +19,12 @@
 #include "renderer/film/radiance_tile.h"
 #include "tests/coordinator/core/schedule/former_lease.h"
 #include "tests/coordinator/store/temporary_dir.h"
+#include "tests/sanitizers.h"
 
 namespace tessera {
 using std::chrono::milliseconds;
 
-constexpr milliseconds kPatience{20'000};
+constexpr milliseconds kPatience{kSlowdown * 20'000};
 
 class Services : public testing::Test {
  protected:

@@ -10,6 +10,7 @@
 
 #include "tests/build_paths.h"
 #include "tests/end_to_end/process.h"
+#include "tests/sanitizers.h"
 
 namespace tessera {
 
@@ -62,6 +63,6 @@ inline std::string BoxScene() {
 
 // Options that make it a long render, so that an event at a quarter of the samples happens within the frame
 // even on a loaded machine.
-inline const std::vector<std::string> kLongRender{"--spp", "1000"};
+inline const std::vector<std::string> kLongRender{"--spp", std::to_string(1000 / kSlowdown)};
 
 }  // namespace tessera

@@ -55,7 +55,7 @@ class HostileClient {
                     grpc_compression_algorithm compression = GRPC_COMPRESS_NONE) {
     grpc::CompletionQueue queue;
     grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
+    context.set_deadline(std::chrono::system_clock::now() + kSlowdown * std::chrono::seconds(60));
     context.set_compression_algorithm(compression);
     grpc::GenericStub stub(channel_);
     const auto call = stub.PrepareUnaryCall(&context, "/tessera.proto." + method, message, &queue);

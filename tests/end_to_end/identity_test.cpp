@@ -61,7 +61,8 @@ class Identity : public EndToEnd {
     return farms;
   }
 
-  const std::vector<std::string> options_{"--spp", "2000"};
+  const std::string samples_ = std::to_string(2000 / kSlowdown);
+  const std::vector<std::string> options_{"--spp", samples_};
   std::vector<Process*> workers_;
 };
 
@@ -76,8 +77,8 @@ TEST_F(Identity, AnotherDataDirectoryAtTheSameAddressGetsItsOwnPixelsInTheUsualT
   const double seconds = Render(Green(), options_, &job);
   EXPECT_EQ(job, "1") << "the number of the red sphere at the other farm";
   EXPECT_TRUE(Fetched(job) == oracle);
-  const double usual_seconds = Render(Green(), {"--spp", "2000", "--seed", "7"}, &again);
-  EXPECT_LT(seconds, 3 * usual_seconds + 5) << "no lease is waited for";
+  const double usual_seconds = Render(Green(), {"--spp", samples_, "--seed", "7"}, &again);
+  EXPECT_LT(seconds, 3 * usual_seconds + 5 * kSlowdown) << "no lease is waited for";
   for (const Process* const worker : workers_) {
     const auto farms = FarmsOf(*worker);
     ASSERT_GE(farms.size(), 2u) << worker->Errors();

@@ -1,5 +1,6 @@
 #include "tests/end_to_end/process.h"
 #include "tests/build_paths.h"
+#include "tests/sanitizers.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -90,7 +91,7 @@ void Process::Signal(int number) const {
 
 std::optional<int> Process::Wait(std::chrono::milliseconds patience) {
   pollfd event{ended_fd_, POLLIN, 0};
-  if (::poll(&event, 1, static_cast<int>(patience.count())) != 1) return std::nullopt;
+  if (::poll(&event, 1, static_cast<int>(kSlowdown * patience.count())) != 1) return std::nullopt;
   int status = 0;
   EXPECT_EQ(::waitpid(pid_, &status, 0), pid_);
   pid_ = -1;

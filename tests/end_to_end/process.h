@@ -67,11 +67,13 @@ bool Eventually(Condition condition, std::chrono::milliseconds patience = kProce
 
 #include <thread>
 
+#include "tests/sanitizers.h"
+
 namespace tessera {
 
 template <typename Condition>
 bool Eventually(Condition condition, std::chrono::milliseconds patience) {
-  const auto deadline = std::chrono::steady_clock::now() + patience;
+  const auto deadline = std::chrono::steady_clock::now() + kSlowdown * patience;
   while (!condition()) {
     if (std::chrono::steady_clock::now() > deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
