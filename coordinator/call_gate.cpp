@@ -76,8 +76,12 @@ grpc::Status CallGate::Identify(const grpc::CallbackServerContext& context, Prin
     return grpc::Status::OK;
   }
   const std::vector<grpc::string_ref> uris = connection->FindPropertyValues(GRPC_PEER_URI_PROPERTY_NAME);
-  const auto subject =
-      uris.size() == 1 ? Subject::Parse({uris.front().data(), uris.front().size()}) : std::nullopt;
+  const bool is_one = uris.size() == 1;
+  return IdentifyHolder(is_one ? std::string_view(uris.front().data(), uris.front().size()) : "", caller);
+}
+
+grpc::Status CallGate::IdentifyHolder(std::string_view uri, Principal& caller) const {
+  const auto subject = Subject::Parse(uri);
   if (!subject) return Unauthenticated("the certificate names no member");
   if (subject->IsMember()) return IdentifyMember(subject->id, caller);
   caller.token_key = subject->token_key;

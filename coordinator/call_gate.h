@@ -126,6 +126,10 @@ class CallGate {
   grpc::Status AdmitToJob(const Principal& caller, const CallRule& rule, const CoreContext& core,
                           JobId job) const;
 
+  // Sets `caller` to the holder of a certificate with this URI, which was checked. UNAUTHENTICATED if that
+  // cannot be told or holds no longer.
+  grpc::Status IdentifyHolder(std::string_view uri, Principal& caller) const;
+
   // For calls that last: UNAUTHENTICATED as soon as the certificate of the caller has expired or was revoked.
   grpc::Status Recheck(const Principal& caller) const;
 

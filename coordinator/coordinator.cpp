@@ -10,8 +10,9 @@
 #include "coordinator/blob_service.h"
 #include "coordinator/call_gate.h"
 #include "coordinator/core_thread.h"
+#include "coordinator/farm_look.h"
 #include "coordinator/jobs_service.h"
-#include "coordinator/listener.h"
+#include "coordinator/listener/listener.h"
 #include "coordinator/membership/farm_identity.h"
 #include "coordinator/membership/peer_check.h"
 #include "coordinator/public_addresses.h"
@@ -20,7 +21,8 @@
 #include "coordinator/store/data_dir.h"
 #include "coordinator/store/file_pictures.h"
 #include "coordinator/task_pool.h"
-#include "coordinator/web_server.h"
+#include "coordinator/web/web_server.h"
+#include "coordinator/web_access.h"
 #include "coordinator/work_service.h"
 #include "proto/shell/program.h"
 #include "proto/wire/local_socket.h"
@@ -29,8 +31,9 @@ namespace tessera {
 namespace {
 
 bool HasTcpAddress(const CoordinatorOptions& options) {
-  return std::ranges::any_of(options.listen,
-                             [](const Address& each) { return each.kind == Address::Kind::kTcp; });
+  return options.https.has_value() || std::ranges::any_of(options.listen, [](const Address& each) {
+           return each.kind == Address::Kind::kTcp;
+         });
 }
 
 }  // namespace
@@ -43,6 +46,7 @@ struct Coordinator::Parts {
   Result<void> Recover(const CoordinatorOptions& options);
   Result<void> OpenIdentity(const CoordinatorOptions& options);
   Result<void> Serve(const CoordinatorOptions& options, AccessPolicy policy);
+  Result<void> ServeWeb(const CoordinatorOptions& options, const AccessPolicy& policy);
   ServerSecurity Security() const;
   std::optional<FarmView> LookAtAll();
   void ProbePictures();
@@ -60,7 +64,7 @@ struct Coordinator::Parts {
   std::unique_ptr<JobsService> jobs;
   std::optional<FarmIdentity> identity;  // if TCP connections are encrypted
   std::unique_ptr<AccessService> access;
-  std::unique_ptr<WebServer> web;
+  std::unique_ptr<WebServer> web, encrypted_web;
   std::unique_ptr<CoordinatorServer> server;
 };
 
@@ -111,16 +115,36 @@ ServerSecurity Coordinator::Parts::Security() const {
   return security;
 }
 
+Result<void> Coordinator::Parts::ServeWeb(const CoordinatorOptions& options, const AccessPolicy& policy) {
+  const auto start = [&](const Address& address, std::optional<WebTls> tls, std::optional<WebGate> people,
+                         std::unique_ptr<WebServer>& place) -> Result<void> {
+    auto site = std::make_unique<WebSite>(
+        options.http_names, [this] { return LookAtAll(); }, std::move(people));
+    auto started = WebServer::Start(address, std::move(tls), std::move(site));
+    if (!started) return started.error();
+    place = std::move(*started);
+    return {};
+  };
+  if (options.http) {
+    if (auto started = start(*options.http, {}, {}, web); !started) return started;
+  }
+  if (!options.https || !identity) return {};
+  const ServerSecurity security = Security();
+  return start(*options.https,
+               WebTls{security.identity_path,
+                      security.identity_path,
+                      {identity->authority().certificate()},
+                      security.admit},
+               MakeWebGate(*gate, {*core, files.brief, directory}, policy), encrypted_web);
+}
+
 Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, AccessPolicy policy) {
+  const AccessPolicy web_policy = policy;
   gate = std::make_unique<CallGate>(ChangePath{*core, files.brief, directory}, farm, std::move(policy));
   work = std::make_unique<WorkService>(*gate);
   blob_service = std::make_unique<BlobService>(*gate, blobs, files);
   jobs = std::make_unique<JobsService>(*gate, blobs, pictures, options.data_dir, files);
-  if (options.http) {
-    auto started = WebServer::Start(*options.http, options.http_names, [this] { return LookAtAll(); });
-    if (!started) return started.error();
-    web = std::move(*started);
-  }
+  if (auto serving = ServeWeb(options, web_policy); !serving) return serving;
   auto listener = Listener::Open(options.listen);
   if (!listener) return listener.error();
   const bool has_names = !options.names.empty();
@@ -193,6 +217,10 @@ std::optional<Address> Coordinator::http() const {
   return parts_->web != nullptr ? std::optional(parts_->web->address()) : std::nullopt;
 }
 
+std::optional<Address> Coordinator::https() const {
+  return parts_->encrypted_web != nullptr ? std::optional(parts_->encrypted_web->address()) : std::nullopt;
+}
+
 const BlobStore& Coordinator::blobs() const {
   return parts_->blobs;
 }
@@ -208,7 +236,9 @@ const ResultsIntake& Coordinator::intake() const {
 // First the calls that wait, then no new ones, then what their answers need. Start may have stopped half-way.
 void Coordinator::Stop() {
   Parts& parts = *parts_;
-  if (parts.web != nullptr) parts.web->Stop();
+  for (WebServer* const each : {parts.web.get(), parts.encrypted_web.get()}) {
+    if (each != nullptr) each->Stop();
+  }
   if (parts.core != nullptr) parts.core->Close();
   if (parts.server != nullptr) parts.server->Shutdown();
   if (parts.jobs != nullptr) parts.jobs->Stop();

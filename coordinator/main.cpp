@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "coordinator/coordinator.h"
-#include "coordinator/descriptors.h"
+#include "coordinator/listener/descriptors.h"
 #include "coordinator/options.h"
 #include "coordinator/setup_commands.h"
 #include "proto/shell/console.h"
@@ -42,6 +42,7 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
   const auto coordinator = Coordinator::Start(options);
   if (!coordinator) return coordinator.error();
   if (const auto http = (*coordinator)->http()) PrintNote("status page at http://{}/\n", http->Text());
+  if (const auto https = (*coordinator)->https()) PrintNote("status page at https://{}/\n", https->Text());
   for (const Address& address : (*coordinator)->addresses()) PrintNote("listening on {}\n", address.Text());
   AwaitStop(std::move(termination));
   spdlog::info("coordinator_stopping");

@@ -29,23 +29,38 @@ Result<Address> ParseListenAddress(const std::string& text, bool insecure) {
   return address;
 }
 
-Result<Address> ParseHttpAddress(const std::string& text) {
-  auto address = ParseAddress(text, "--http");
+Result<Address> ParseWebAddress(const std::string& text, const char* flag) {
+  auto address = ParseAddress(text, flag);
   if (!address) return address.error();
   if (address->kind != Address::Kind::kTcp)
-    return BadInput(fmt::format("--http {}: must be HOST:PORT, since browsers cannot use a socket", text));
-  if (!address->IsLocal()) {
-    return BadInput(fmt::format(
-        "--http {}: other machines could reach this address, and the page is not encrypted; use 127.0.0.1",
-        text));
-  }
+    return BadInput(fmt::format("{} {}: must be HOST:PORT, since browsers cannot use a socket", flag, text));
   return address;
+}
+
+// An address that other machines can reach is encrypted under either flag.
+Result<void> SetWebAddresses(const std::string& http, const std::string& https, CoordinatorOptions& options) {
+  for (const auto& [flag, text] : {std::pair("--http", http), std::pair("--https", https)}) {
+    if (text.empty()) continue;
+    auto address = ParseWebAddress(text, flag);
+    if (!address) return address.error();
+    const bool is_plain = flag == std::string_view("--http") && address->IsLocal();
+    if (!is_plain && options.insecure) {
+      return BadInput(fmt::format(
+          "{} {}: needs the certificates that --insecure turns off; use --http with an address of this "
+          "machine alone, such as 127.0.0.1",
+          flag, text));
+    }
+    std::optional<Address>& place = is_plain ? options.http : options.https;
+    if (place) return BadInput(fmt::format("--https {}: --http has an encrypted address already", text));
+    place = std::move(*address);
+  }
+  return {};
 }
 
 // The words of addresses: they can be checked once --insecure is known.
 struct AddressWords {
   std::vector<std::string> listen;
-  std::string http;
+  std::string http, https;
 };
 
 void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
@@ -67,15 +82,21 @@ void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
                     options.names.push_back(word);
                     return {};
                   });
-  AddText(app, "--http", "HOST:PORT", "Serve a status page at / and Prometheus metrics at /metrics",
+  AddText(app, "--http", "HOST:PORT",
+          "Serve a status page at / and Prometheus metrics at /metrics: without encryption on an address of "
+          "this machine alone, such as 127.0.0.1, as --https on others",
           words.http);
-  AddRepeatedWord(app, "--http-name", "NAME",
-                  "Also serve the status page under this host name, beside localhost and numeric addresses; "
-                  "may be repeated",
-                  kHttpNamesMax, [&options](const std::string& word) -> Result<void> {
-                    options.http_names.push_back(word);
-                    return {};
-                  });
+  AddText(app, "--https", "HOST:PORT",
+          "Serve page and metrics over TLS, to members of the farm and to browsers that log in with a token",
+          words.https);
+  AddRepeatedWord(
+      app, "--http-name", "NAME",
+      "Also serve the status page under this host name, beside localhost and numeric addresses or "
+      "the names of the certificate; may be repeated",
+      kHttpNamesMax, [&options](const std::string& word) -> Result<void> {
+        options.http_names.push_back(word);
+        return {};
+      });
   AddSize(app, "--blobs-size,--blob-bytes",
           "Size limit of the scene files kept; least recently used files are evicted first", kBlobBytesMin,
           options.blob_bytes);
@@ -103,11 +124,7 @@ Result<CoordinatorOptions> Complete(CoordinatorOptions options, const AddressWor
     if (!address) return address.error();
     options.listen.push_back(std::move(*address));
   }
-  if (!words.http.empty()) {
-    auto address = ParseHttpAddress(words.http);
-    if (!address) return address.error();
-    options.http = std::move(*address);
-  }
+  if (auto set = SetWebAddresses(words.http, words.https, options); !set) return set.error();
   if (options.data_dir.empty()) return BadInput("--data-dir: must not be empty");
   return options;
 }
@@ -120,6 +137,7 @@ std::string CoordinatorOptions::Text() const {
                   LogText(data_dir), blob_bytes, keep_sums_bytes, attempts_max, insecure, exit_with_parent);
   for (const Address& address : listen) text += fmt::format(" listen={}", address.Text());
   if (http) text += fmt::format(" http={}", http->Text());
+  if (https) text += fmt::format(" https={}", https->Text());
   for (const std::string& name : names) text += fmt::format(" name={}", LogText(name));
   for (const std::string& name : http_names) text += fmt::format(" http_name={}", name);
   return text;

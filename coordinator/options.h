@@ -20,8 +20,9 @@ constexpr uint64_t kBlobBytesMin = uint64_t{1} << 20;
 // Parsed, checked and logged once, constant from then on.
 struct CoordinatorOptions {
   std::vector<Address> listen;
-  std::optional<Address> http;          // of the status page and the metrics
-  std::vector<std::string> http_names;  // under which browsers may ask for it
+  // Of the status page and the metrics: plain, for this machine alone, and encrypted, for members.
+  std::optional<Address> http, https;
+  std::vector<std::string> http_names;  // under which browsers may ask for them
   std::string data_dir;
   // Names and addresses under which others reach the coordinator; default: those of this machine.
   std::vector<std::string> names;

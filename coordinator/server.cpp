@@ -6,7 +6,7 @@
 #include <grpcpp/server_builder.h>
 #include <spdlog/spdlog.h>
 
-#include "coordinator/listener.h"
+#include "coordinator/listener/listener.h"
 #include "proto/wire/channel.h"
 #include "renderer/text/unicode.h"
 

@@ -138,6 +138,13 @@ std::vector<std::string> Certificate::HostNames() const {
   return found;
 }
 
+bool Certificate::IsForHost(const std::string& host) const {
+  if (host.empty() || host.front() == '.') return false;  // a leading dot would stand for any name before it
+  return X509_check_ip_asc(certificate_.get(), host.c_str(), 0) == 1 ||
+         X509_check_host(certificate_.get(), host.data(), host.size(), X509_CHECK_FLAG_NEVER_CHECK_SUBJECT,
+                         nullptr) == 1;
+}
+
 CertificateVerdict CheckCertificate(const std::vector<Certificate>& chain,
                                     const std::vector<Certificate>& authorities, CertificatePurpose purpose,
                                     UnixTime now) {

@@ -42,6 +42,8 @@ class Certificate {
   std::string Uri() const;
   // The host names and addresses that it is for.
   std::vector<std::string> HostNames() const;
+  // Whether it is for this name or numeric address, also by a wildcard; an IPv6 number has no brackets.
+  bool IsForHost(const std::string& host) const;
   x509_st* get() const { return certificate_.get(); }
 
  private:

@@ -3,59 +3,14 @@
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <poll.h>
-#include <sys/socket.h>
-
-#include <cerrno>
-#include <cstdint>
 
 #include "proto/identity/openssl_handles.h"
 #include "proto/identity/private_key.h"
+#include "proto/identity/socket_bio.h"
 
 namespace tessera {
-namespace {
-
-using MethodOwner = OpensslOwner<BIO_METHOD, BIO_meth_free>;
-
-int SocketOf(BIO* bio) {
-  return static_cast<int>(reinterpret_cast<intptr_t>(BIO_get_data(bio)));
-}
-
-bool IsTemporary(ssize_t result) {
-  return result < 0 && (errno == EAGAIN || errno == EINTR);
-}
-
-int Send(BIO* bio, const char* bytes, int size) {
-  BIO_clear_retry_flags(bio);
-  const ssize_t sent = ::send(SocketOf(bio), bytes, static_cast<size_t>(size), MSG_NOSIGNAL);
-  if (IsTemporary(sent)) BIO_set_retry_write(bio);
-  return static_cast<int>(sent);
-}
-
-int Receive(BIO* bio, char* bytes, int size) {
-  BIO_clear_retry_flags(bio);
-  const ssize_t received = ::recv(SocketOf(bio), bytes, static_cast<size_t>(size), 0);
-  if (IsTemporary(received)) BIO_set_retry_read(bio);
-  return static_cast<int>(received);
-}
-
-long Control(BIO*, int command, long, void*) {
-  return command == BIO_CTRL_FLUSH ? 1 : 0;
-}
-
-// OpenSSL's own way to write to a socket ends the process with SIGPIPE if the other end has closed it.
-MethodOwner SocketMethod() {
-  MethodOwner method(BIO_meth_new(BIO_TYPE_SOURCE_SINK, "socket without signals"));
-  TESSERA_CHECK(method != nullptr && BIO_meth_set_write(method.get(), Send) == 1 &&
-                BIO_meth_set_read(method.get(), Receive) == 1 &&
-                BIO_meth_set_ctrl(method.get(), Control) == 1);
-  return method;
-}
-
-}  // namespace
-
 struct TlsProbe::State {
   int socket = -1;
-  MethodOwner method = SocketMethod();
   OpensslOwner<SSL_CTX, SSL_CTX_free> context{SSL_CTX_new(TLS_client_method())};
   OpensslOwner<SSL, SSL_free> ssl;
 };
@@ -76,10 +31,7 @@ TlsProbe::TlsProbe(int socket, const std::string& identity_pem) : state_(std::ma
   TESSERA_CHECK(state_->ssl != nullptr);
   static constexpr unsigned char kProtocols[] = "\2h2";
   SSL_set_alpn_protos(state_->ssl.get(), kProtocols, sizeof kProtocols - 1);
-  BIO* const bio = BIO_new(state_->method.get());
-  TESSERA_CHECK(bio != nullptr);
-  BIO_set_data(bio, reinterpret_cast<void*>(static_cast<intptr_t>(socket)));
-  BIO_set_init(bio, 1);
+  BIO* const bio = MakeSocketBio(socket);
   SSL_set_bio(state_->ssl.get(), bio, bio);
 }
 

@@ -14,7 +14,8 @@ PARTS = ("proto", "coordinator", "worker", "renderer", "client", "tests")
 PROGRAMS = r"^(proto|coordinator|worker|renderer|client)/"
 
 # Where gRPC and generated messages may be included: the code of both ends of a connection, and tests of it.
-GRPC_FOLDERS = r"^(proto/wire|client/coordinator|coordinator|worker|tests/(proto/wire|coordinator|worker|bench|end_to_end|chaos|fuzz))/[^/]*$"
+GRPC_FOLDERS = (r"^(proto/wire|client/coordinator|coordinator(/listener|/web)?|worker|"
+                r"tests/(proto/wire|coordinator(/listener|/web)?|worker|bench|end_to_end|chaos|fuzz))/[^/]*$")
 
 # (files, pattern in the code outside comments and strings, message)
 FORBIDDEN = [

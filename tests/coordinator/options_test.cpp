@@ -40,16 +40,40 @@ TEST(CoordinatorOptions, NamesForOthersMayBeRepeated) {
   EXPECT_EQ(options->names, (std::vector<std::string>{"farm.example", "10.0.0.5"}));
 }
 
-TEST(CoordinatorOptions, TheStatusPageIsLocal) {
-  const auto options = Parse(
-      {"--listen", "unix:/s", "--data-dir", "/d", "--http", "127.0.0.1:8080", "--http-name", "farm.example"});
-  ASSERT_TRUE(options) << options.error().message;
-  EXPECT_EQ(options->http->Text(), "127.0.0.1:8080");
-  EXPECT_EQ(options->http_names, std::vector<std::string>{"farm.example"});
-  const auto open = Parse({"--listen", "unix:/s", "--data-dir", "/d", "--http", "0.0.0.0:8080"});
-  ASSERT_FALSE(open);
-  EXPECT_THAT(open.error().message, HasSubstr("--http 0.0.0.0:8080"));
-  EXPECT_FALSE(Parse({"--listen", "unix:/s", "--data-dir", "/d", "--http", "unix:/web"}));
+TEST(CoordinatorOptions, TheWebPagesArePlainOnThisMachineAloneAndEncryptedElsewhere) {
+  const auto parse = [](std::vector<std::string> words) {
+    words.insert(words.end(), {"--listen", "unix:/s", "--data-dir", "/d", "--http-name", "farm.example"});
+    return Parse(words);
+  };
+  const auto plain = parse({"--http", "127.0.0.1:8080"});
+  ASSERT_TRUE(plain) << plain.error().message;
+  EXPECT_EQ(plain->http->Text(), "127.0.0.1:8080");
+  EXPECT_FALSE(plain->https);
+  EXPECT_EQ(plain->http_names, std::vector<std::string>{"farm.example"});
+  for (const char* flag : {"--http", "--https"}) {
+    const auto open = parse({flag, "0.0.0.0:8080"});
+    ASSERT_TRUE(open) << open.error().message;
+    EXPECT_FALSE(open->http);
+    EXPECT_EQ(open->https->Text(), "0.0.0.0:8080");
+    EXPECT_FALSE(parse({flag, "unix:/web"}));
+  }
+  const auto both = parse({"--http", "localhost:8080", "--https", "127.0.0.1:8443"});
+  ASSERT_TRUE(both) << both.error().message;
+  EXPECT_TRUE(both->http && both->https);
+  EXPECT_FALSE(parse({"--http", "0.0.0.0:8080", "--https", "0.0.0.0:8443"}));
+}
+
+TEST(CoordinatorOptions, WithoutCertificatesTheWebPagesAreForThisMachineAlone) {
+  const auto parse = [](const char* flag, const char* address) {
+    return Parse({"--listen", "unix:/s", "--data-dir", "/d", "--insecure", flag, address});
+  };
+  EXPECT_TRUE(parse("--http", "127.0.0.1:8080"));
+  for (const auto& [flag, address] : {std::pair("--http", "0.0.0.0:8080"), {"--https", "127.0.0.1:8080"}}) {
+    const auto refused = parse(flag, address);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().kind, ErrorKind::kBadInput);
+    EXPECT_THAT(refused.error().message, HasSubstr("the certificates that --insecure turns off"));
+  }
 }
 
 TEST(CoordinatorOptions, SizeLimitsHaveTheirPresentAndTheirOldNames) {

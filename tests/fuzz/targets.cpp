@@ -30,6 +30,7 @@ constexpr FuzzTarget kTargets[] = {
     {"text", FuzzText},
     {"tga", FuzzTga, PrepareImages},
     {"tiff", FuzzTiff, PrepareImages},
+    {"web_form", FuzzWebForm},
     {"webp", FuzzWebp, PrepareImages},
 };
 

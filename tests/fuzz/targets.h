@@ -46,6 +46,7 @@ bool FuzzSpool(std::string_view bytes);
 bool FuzzText(std::string_view bytes);
 bool FuzzTga(std::string_view bytes);
 bool FuzzTiff(std::string_view bytes);
+bool FuzzWebForm(std::string_view bytes);
 bool FuzzWebp(std::string_view bytes);
 
 }  // namespace tessera

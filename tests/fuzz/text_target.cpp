@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <cctype>
 
-#include "coordinator/http_request.h"
+#include "coordinator/web/form.h"
+#include "coordinator/web/http_request.h"
 #include "proto/identity/join_token.h"
 #include "proto/identity/subject.h"
 #include "proto/package_names.h"
@@ -76,9 +77,21 @@ bool FuzzHttpRequest(std::string_view bytes) {
   if (!request) return false;
   TESSERA_CHECK(request->path.starts_with('/') && request->path.find('?') == std::string::npos);
   TESSERA_CHECK(std::ranges::none_of(request->host, [](unsigned char c) { return std::isupper(c); }));
-  for (const std::string& text : {request->method, request->path, request->host})
+  for (const std::string& text : {request->method, request->path, request->query, request->authority,
+                                  request->host, request->origin, request->cookies})
     TESSERA_CHECK(text.find("\r\n") == std::string::npos);
+  TESSERA_CHECK(CookieValue(request->cookies, "session").find(';') == std::string::npos);
   IsOwnHost(request->host, {"Farm.example", "[::1]"});
+  return true;
+}
+
+bool FuzzWebForm(std::string_view bytes) {
+  static_cast<void>(CookieValue(bytes, "session"));
+  const auto form = ParseForm(bytes);
+  if (!form) return false;
+  size_t size = 0;
+  for (const auto& [name, value] : *form) size += name.size() + value.size();
+  TESSERA_CHECK(form->size() <= kFormFieldsMax && size <= bytes.size());
   return true;
 }
 

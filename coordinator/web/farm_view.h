@@ -1,15 +1,12 @@
 // What people and monitoring systems see of a farm at one moment, as values.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "coordinator/core/farm.h"
 #include "coordinator/core/schedule/occupancy.h"
 
 namespace tessera {
-
-class CoreThread;
 
 // Bytes transferred since the coordinator started.
 struct Traffic {
@@ -34,9 +31,5 @@ struct FarmView {
   IntakeUse intake;
   uint64_t blob_bytes = 0;  // kept on disk
 };
-
-// Asks the core thread; nullopt if it does not answer in time. The caller fills in `traffic`, `intake` and
-// `blob_bytes`.
-std::optional<FarmView> LookAtFarm(CoreThread& core);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-#include "coordinator/metrics_text.h"
+#include "coordinator/web/metrics_text.h"
 
 #include <fmt/format.h>
 #include <prometheus/text_serializer.h>
@@ -9,7 +9,7 @@ namespace tessera {
 namespace {
 
 // Larger farms are monitored as a whole: every series costs the monitoring system memory for weeks.
-constexpr size_t kWorkersShownMax = 1000;
+constexpr size_t kWorkersListedMax = 1000;
 
 using Labels = std::vector<prometheus::ClientMetric::Label>;
 
@@ -87,7 +87,7 @@ void AddSlots(const FarmView& view, Families& out) {
 void AddWorkers(const FarmView& view, Families& out) {
   out.Gauge("tessera_workers", "Workers connected.", D(view.workers.size()));
   out.Counter("tessera_workers_lost_total", "Workers that left or were lost.", D(view.counters.workers_lost));
-  if (view.workers.size() > kWorkersShownMax) return;
+  if (view.workers.size() > kWorkersListedMax) return;
   const auto labels = [](const WorkerStatus& worker) {
     return Labels{{"worker", fmt::format("{:016x}", Number(worker.worker))}, {"name", worker.name}};
   };

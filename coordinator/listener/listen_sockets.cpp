@@ -1,4 +1,4 @@
-#include "coordinator/listen_sockets.h"
+#include "coordinator/listener/listen_sockets.h"
 
 #include <netdb.h>
 #include <netinet/in.h>

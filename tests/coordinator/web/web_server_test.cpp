@@ -4,10 +4,11 @@
 #include <httplib.h>
 #include <sys/socket.h>
 
-#include "coordinator/http_request.h"
-#include "coordinator/metrics_text.h"
-#include "coordinator/status_page.h"
-#include "coordinator/web_server.h"
+#include "coordinator/web/http_request.h"
+#include "coordinator/web/metrics_text.h"
+#include "coordinator/web/status_page.h"
+#include "coordinator/web/web_server.h"
+#include "tests/coordinator/web/tls_client.h"
 
 namespace tessera {
 namespace {
@@ -42,6 +43,13 @@ Address Loopback(int port) {
   return *ParseAddress("127.0.0.1:" + std::to_string(port), "test");
 }
 
+// Without encryption and logins.
+Result<std::unique_ptr<WebServer>> StartPlain(const Address& address, std::vector<std::string> names,
+                                              WebSite::Look look) {
+  return WebServer::Start(address, {},
+                          std::make_unique<WebSite>(std::move(names), std::move(look), std::nullopt));
+}
+
 TEST(MetricsText, ListsEveryCounterWithItsValue) {
   const std::string text = MetricsText(SomeView());
   EXPECT_THAT(text, HasSubstr("# TYPE tessera_results_total counter\n"));
@@ -56,7 +64,7 @@ TEST(MetricsText, ListsEveryCounterWithItsValue) {
 }
 
 TEST(StatusPage, ShowsJobsAndWorkersAndEscapesTheirNames) {
-  const std::string page = StatusPage(SomeView());
+  const std::string page = StatusPage(StatusContent(SomeView()), {});
   EXPECT_THAT(page, HasSubstr("&lt;script&gt;alert(&quot;1&quot;)"));
   EXPECT_THAT(page, Not(HasSubstr("<script")));
   EXPECT_THAT(page, HasSubstr("<td>&lt;b&gt;ada</td>"));
@@ -66,7 +74,7 @@ TEST(StatusPage, ShowsJobsAndWorkersAndEscapesTheirNames) {
 }
 
 TEST(WebServer, ServesThePageAndTheMetricsAndNothingElse) {
-  const auto web = WebServer::Start(Loopback(0), {"farm.example"}, [] { return std::optional(SomeView()); });
+  const auto web = StartPlain(Loopback(0), {"farm.example"}, [] { return std::optional(SomeView()); });
   ASSERT_TRUE(web) << web.error().message;
   httplib::Client client("127.0.0.1", (*web)->address().port);
   EXPECT_EQ(client.Get("/")->status, 200);
@@ -77,68 +85,26 @@ TEST(WebServer, ServesThePageAndTheMetricsAndNothingElse) {
 }
 
 TEST(WebServer, AFarmThatDoesNotAnswerIsReportedAsBusy) {
-  const auto web = WebServer::Start(Loopback(0), {"farm.example"}, [] { return std::optional<FarmView>(); });
+  const auto web = StartPlain(Loopback(0), {"farm.example"}, [] { return std::optional<FarmView>(); });
   httplib::Client client("127.0.0.1", (*web)->address().port);
   EXPECT_EQ(client.Get("/metrics")->status, 503);
 }
 
 TEST(WebServer, APortInUseIsAnErrorThatNamesIt) {
-  const auto web = WebServer::Start(Loopback(0), {"farm.example"}, [] { return std::optional<FarmView>(); });
+  const auto web = StartPlain(Loopback(0), {"farm.example"}, [] { return std::optional<FarmView>(); });
   const Address taken = (*web)->address();
-  const auto second = WebServer::Start(taken, {}, [] { return std::optional<FarmView>(); });
+  const auto second = StartPlain(taken, {}, [] { return std::optional<FarmView>(); });
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().kind, ErrorKind::kFailed);
   EXPECT_THAT(second.error().message, HasSubstr(taken.Text()));
 }
 
-TEST(HttpRequest, ReadsWhatThePageNeeds) {
-  const auto request =
-      ParseHttpRequest("GET /metrics?x=1 HTTP/1.1\r\nAccept: */*\r\nHOST:  Farm.Example:7780\r\n\r\n");
-  ASSERT_TRUE(request);
-  EXPECT_EQ(request->method, "GET");
-  EXPECT_EQ(request->path, "/metrics");
-  EXPECT_EQ(request->host, "farm.example");
-  EXPECT_EQ(ParseHttpRequest("GET / HTTP/1.1\r\nHost: [::1]:80\r\n\r\n")->host, "[::1]");
-  EXPECT_EQ(ParseHttpRequest("GET / HTTP/1.0\r\n\r\n")->host, "");
-}
-
-TEST(HttpRequest, RefusesWhatIsMalformed) {
-  for (const char* head :
-       {"", "\r\n\r\n", "GET\r\n\r\n", "GET /\r\n\r\n", "GET / HTTP/2\r\n\r\n",
-        "GET http://a/ HTTP/1.1\r\n\r\n", "GET / HTTP/1.1\r\n", "GET / HTTP/1.1\r\nHost\r\n\r\n",
-        "GET / HTTP/1.1\r\n: x\r\n\r\n", "GET / HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n"})
-    EXPECT_FALSE(ParseHttpRequest(head)) << head;
-}
-
-TEST(HttpRequest, OnlyNumbersLocalhostAndNamedHostsAreItsOwn) {
-  const std::vector<std::string> names{"Farm.Example"};
-  for (const char* host : {"localhost", "127.0.0.1", "10.1.2.3", "[::1]", "farm.example"})
-    EXPECT_TRUE(IsOwnHost(host, names)) << host;
-  for (const char* host : {"", "evil.example", "localhost.evil.example", "127.0.0.1.evil.example", "[evil]"})
-    EXPECT_FALSE(IsOwnHost(host, names)) << host;
-}
-
 int Connect(const WebServer& web) {
-  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<uint16_t>(web.address().port));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  EXPECT_EQ(::connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  return fd;
-}
-
-// Everything until the server closes the connection.
-std::string ReadAll(int fd) {
-  std::string all;
-  char bytes[4096];
-  for (ssize_t size = 0; (size = ::recv(fd, bytes, sizeof bytes, 0)) > 0;)
-    all.append(bytes, static_cast<size_t>(size));
-  return all;
+  return ConnectTo(web.address().port);
 }
 
 TEST(WebServer, OtherNamesAreRefusedSoThatForeignPagesCannotReadIt) {
-  const auto web = WebServer::Start(Loopback(0), {"farm.example"}, [] { return std::optional(SomeView()); });
+  const auto web = StartPlain(Loopback(0), {"farm.example"}, [] { return std::optional(SomeView()); });
   httplib::Client client("127.0.0.1", (*web)->address().port);
   EXPECT_EQ(client.Get("/", {{"Host", "evil.example"}})->status, 403);
   EXPECT_EQ(client.Get("/", {{"Host", "farm.example:80"}})->status, 200);
@@ -146,7 +112,7 @@ TEST(WebServer, OtherNamesAreRefusedSoThatForeignPagesCannotReadIt) {
 }
 
 TEST(WebServer, HeadsAreBounded) {
-  const auto web = WebServer::Start(Loopback(0), {}, [] { return std::optional(SomeView()); });
+  const auto web = StartPlain(Loopback(0), {}, [] { return std::optional(SomeView()); });
   for (const std::string& start : {std::string("GET /"), std::string("GET / HTTP/1.1\r\nA: ")}) {
     const int fd = Connect(**web);
     const std::string piece(1 << 16, 'x');
@@ -164,12 +130,12 @@ TEST(WebServer, HeadsAreBounded) {
   const int fd = Connect(**web);
   const std::string head = "GET / HTTP/1.1\r\nA: " + std::string(kHttpHeadBytesMax, 'x');
   ::send(fd, head.data(), head.size(), MSG_NOSIGNAL);
-  EXPECT_THAT(ReadAll(fd), HasSubstr("HTTP/1.1 431 "));
+  EXPECT_THAT(ReadPlain(fd), HasSubstr("HTTP/1.1 431 "));
   ::close(fd);
 }
 
 TEST(WebServer, SlowAndSilentConnectionsDoNotDelayOthers) {
-  const auto web = WebServer::Start(Loopback(0), {}, [] { return std::optional(SomeView()); });
+  const auto web = StartPlain(Loopback(0), {}, [] { return std::optional(SomeView()); });
   std::vector<int> slow;
   for (int i = 0; i < 200; ++i) {
     slow.push_back(Connect(**web));
@@ -186,10 +152,10 @@ TEST(WebServer, SlowAndSilentConnectionsDoNotDelayOthers) {
 }
 
 TEST(WebServer, AConnectionThatNeverCompletesItsRequestIsClosed) {
-  const auto web = WebServer::Start(Loopback(0), {}, [] { return std::optional(SomeView()); });
+  const auto web = StartPlain(Loopback(0), {}, [] { return std::optional(SomeView()); });
   const int fd = Connect(**web);
   ::send(fd, "GET / HTTP/1.1\r\n", 16, MSG_NOSIGNAL);
-  EXPECT_EQ(ReadAll(fd), "") << "returns when the server closes the connection";
+  EXPECT_EQ(ReadPlain(fd), "") << "returns when the server closes the connection";
   ::close(fd);
 }
 

@@ -1,4 +1,4 @@
-#include "coordinator/farm_view.h"
+#include "coordinator/farm_look.h"
 
 #include "coordinator/ask_core.h"
 

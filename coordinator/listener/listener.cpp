@@ -1,4 +1,4 @@
-#include "coordinator/listener.h"
+#include "coordinator/listener/listener.h"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -9,8 +9,8 @@
 #include <cerrno>
 #include <cstring>
 
-#include "coordinator/descriptors.h"
-#include "coordinator/listen_sockets.h"
+#include "coordinator/listener/descriptors.h"
+#include "coordinator/listener/listen_sockets.h"
 #include "proto/shell/system.h"
 #include "proto/wire/local_socket.h"
 #include "renderer/text/unicode.h"

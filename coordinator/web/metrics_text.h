@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "coordinator/farm_view.h"
+#include "coordinator/web/farm_view.h"
 
 namespace tessera {
 

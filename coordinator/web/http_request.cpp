@@ -1,9 +1,11 @@
-#include "coordinator/http_request.h"
+#include "coordinator/web/http_request.h"
 
 #include <arpa/inet.h>
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <set>
 
 namespace tessera {
 namespace {
@@ -36,7 +38,7 @@ std::string WithoutPort(std::string_view host) {
   const size_t colon = host.rfind(':');
   const bool has_port =
       colon != std::string_view::npos && (bracket == std::string_view::npos || colon > bracket);
-  return Lower(has_port ? host.substr(0, colon) : host);
+  return std::string(has_port ? host.substr(0, colon) : host);
 }
 
 bool IsNumber(const std::string& host) {
@@ -45,6 +47,32 @@ bool IsNumber(const std::string& host) {
   if (::inet_pton(AF_INET, host.c_str(), &ipv4) == 1) return true;
   const bool has_brackets = host.size() > 2 && host.front() == '[' && host.back() == ']';
   return has_brackets && ::inet_pton(AF_INET6, host.substr(1, host.size() - 2).c_str(), &ipv6) == 1;
+}
+
+bool ReadSize(std::string_view text, uint64_t& size) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), size);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+// Headers that may occur once.
+bool IsSingle(const std::string& name) {
+  return name == "host" || name == "origin" || name == "cookie" || name.starts_with("content-");
+}
+
+// Whether the header is well-formed as far as it is known.
+bool ReadHeader(const std::string& name, std::string_view value, HttpRequest& request) {
+  if (name == "host") {
+    request.authority = Lower(value);
+  } else if (name == "origin") {
+    request.origin = Lower(value);
+  } else if (name == "cookie") {
+    request.cookies = value;
+  } else if (name == "content-type") {
+    request.is_form = Lower(Trim(value.substr(0, value.find(';')))) == "application/x-www-form-urlencoded";
+  } else if (name == "content-length") {
+    return ReadSize(value, request.body_size);
+  }
+  return name != "transfer-encoding";
 }
 
 }  // namespace
@@ -58,24 +86,29 @@ std::optional<HttpRequest> ParseHttpRequest(std::string_view head) {
   if (!method || method->empty() || !target || !target->starts_with('/') || !line->starts_with("HTTP/1."))
     return std::nullopt;
   request.method = *method;
-  request.path = target->substr(0, target->find('?'));
-  size_t hosts = 0;
+  const size_t path_end = std::min(target->find('?'), target->size());
+  request.path = target->substr(0, path_end);
+  request.query = target->substr(std::min(path_end + 1, target->size()));
+  std::set<std::string> seen;
   while (true) {
     auto header = Take(head, kLineEnd);
     if (!header) return std::nullopt;
     if (header->empty()) break;
     const auto name = Take(*header, ":");
     if (!name || name->empty()) return std::nullopt;
-    if (Lower(*name) != "host") continue;
-    ++hosts;
-    request.host = WithoutPort(Trim(*header));
+    const std::string lower = Lower(*name);
+    if (IsSingle(lower) && !seen.insert(lower).second) return std::nullopt;
+    if (!ReadHeader(lower, Trim(*header), request)) return std::nullopt;
   }
-  if (hosts > 1) return std::nullopt;
+  request.host = WithoutPort(request.authority);
   return request;
 }
 
 bool IsOwnHost(const std::string& host, const std::vector<std::string>& names) {
-  if (host == "localhost" || IsNumber(host)) return true;
+  return host == "localhost" || IsNumber(host) || IsNameOf(host, names);
+}
+
+bool IsNameOf(const std::string& host, const std::vector<std::string>& names) {
   return std::ranges::any_of(names, [&](const std::string& name) { return Lower(name) == host; });
 }
 

@@ -1,4 +1,4 @@
-#include "coordinator/descriptors.h"
+#include "coordinator/listener/descriptors.h"
 
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>

@@ -1,0 +1,384 @@
+// The web pages over TLS: who gets in, and what everybody else sees.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <mutex>
+
+#include "coordinator/web/web_server.h"
+#include "proto/identity/authority.h"
+#include "proto/identity/join_token.h"
+#include "proto/identity/private_file.h"
+#include "proto/identity/subject.h"
+#include "tests/coordinator/web/tls_client.h"
+
+namespace tessera {
+namespace {
+
+using std::chrono::hours;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+constexpr const char* kStrangerText = "needs a certificate of the farm";
+
+// A web server whose members and tokens are those of the test.
+class EncryptedWeb : public testing::Test {
+ protected:
+  EncryptedWeb() {
+    folder_ = testing::TempDir() + "tessera-web-XXXXXX";
+    EXPECT_NE(::mkdtemp(folder_.data()), nullptr);
+    WriteServerCertificate({"localhost", "*.farm.example", "127.0.0.1", "::1"});
+    WebTls tls{path(), path(), {authority_.certificate()}, [this](const auto& chain) -> Result<void> {
+                 const auto verdict = CheckCertificate(chain, {authority_.certificate()},
+                                                       CertificatePurpose::kClient, UnixNow());
+                 if (verdict == CertificateVerdict::kGood) return {};
+                 return Failed("the certificate was not issued by this farm");
+               }};
+    auto site = std::make_unique<WebSite>(
+        std::vector<std::string>{"named.example"}, [] { return std::optional(FarmView()); }, Gate());
+    web_ =
+        std::move(*WebServer::Start(*ParseAddress("127.0.0.1:0", "test"), std::move(tls), std::move(site)));
+  }
+  ~EncryptedWeb() override { std::filesystem::remove_all(folder_); }
+
+  std::string path() const { return folder_ + "/coordinator.pem"; }
+  int port() const { return web_->address().port; }
+
+  void WriteServerCertificate(std::vector<std::string> names) {
+    CertificateTerms terms;
+    terms.common_name = "coordinator";
+    terms.host_names = std::move(names);
+    terms.purpose = CertificatePurpose::kServer;
+    terms.lifetime = hours(1);
+    terms.serial = 2;
+    const PrivateKey key = PrivateKey::Generate();
+    EXPECT_TRUE(WritePrivateFile(
+        path(), key.Pem() + authority_.Issue(key, terms, UnixNow()).Pem() + authority_.certificate().Pem()));
+  }
+  // Key and certificate of a member.
+  std::string Identity(const Authority& issuer, const std::string& uri) const {
+    CertificateTerms terms;
+    terms.common_name = "somebody";
+    terms.uri = uri;
+    terms.lifetime = hours(1);
+    terms.serial = 7;
+    const PrivateKey key = PrivateKey::Generate();
+    return key.Pem() + issuer.Issue(key, terms, UnixNow()).Pem();
+  }
+  std::string IdentityOf(Role role) const {
+    return Identity(authority_, Subject{role, MemberId{7}, {}}.Uri());
+  }
+  // A token that counts once.
+  std::string MakeToken(const std::string& name = "ada") {
+    const JoinToken token = JoinToken::Make("farm:1", {});
+    const std::lock_guard lock(mutex_);
+    tokens_[token.Key().PublicDigest()] = name;
+    return token.Text();
+  }
+  void Revoke() {
+    const std::lock_guard lock(mutex_);
+    members_.clear();
+  }
+  WebClient Browser(const char* source = "127.0.0.1") const { return WebClient(port(), "", source); }
+
+  const Authority authority_ = Authority::Make("farm", UnixNow());
+
+ private:
+  WebGate Gate() {
+    WebGate gate;
+    gate.identify = [](const Certificate& certificate) -> Result<Visitor> {
+      const auto subject = Subject::Parse(certificate.Uri());
+      if (!subject || subject->role == Role::kWorker) return Failed("a worker may not see this");
+      return Visitor{subject->id, "somebody", "viewer"};
+    };
+    gate.recheck = [this](MemberId member) -> Result<Visitor> {
+      const std::lock_guard lock(mutex_);
+      const auto found = members_.find(member);
+      if (found == members_.end()) return Failed("revoked");
+      return Visitor{member, found->second, "user"};
+    };
+    gate.join = [this](const Digest& key, const std::string&) -> Result<Visitor> {
+      const std::lock_guard lock(mutex_);
+      const auto token = tokens_.extract(key);
+      if (token.empty()) return BadInput("this farm does not know the token");
+      const MemberId id{++last_member_};
+      members_[id] = token.mapped();
+      return Visitor{id, token.mapped(), "user"};
+    };
+    gate.leave = [this](MemberId member, const std::string&) {
+      const std::lock_guard lock(mutex_);
+      members_.erase(member);
+    };
+    return gate;
+  }
+
+  std::string folder_;
+  std::mutex mutex_;
+  std::map<Digest, std::string> tokens_;     // guarded by mutex_
+  std::map<MemberId, std::string> members_;  // guarded by mutex_
+  uint64_t last_member_ = 100;               // guarded by mutex_
+  std::unique_ptr<WebServer> web_;
+};
+
+TEST_F(EncryptedWeb, AStrangerSeesAFormAndNothingAboutTheFarm) {
+  const WebClient stranger = Browser();
+  const WebAnswer page = stranger.Get("/");
+  EXPECT_EQ(page.status(), 303);
+  EXPECT_EQ(page.Header("Location"), "/login");
+  EXPECT_THAT(page.Body(), IsEmpty());
+  const WebAnswer form = stranger.Get("/login");
+  EXPECT_EQ(form.status(), 200);
+  EXPECT_THAT(form.Body(), AllOf(HasSubstr("<form"), Not(HasSubstr("workers")), Not(HasSubstr("Jobs"))));
+  for (const char* path : {"/metrics", "/logout", "/health", "/favicon.ico", "/../etc/passwd", "//"}) {
+    EXPECT_EQ(stranger.Get(path).status(), 401) << path;
+    EXPECT_THAT(stranger.Get(path).Body(), HasSubstr(kStrangerText)) << path;
+  }
+  EXPECT_EQ(stranger.Post("/", "a=b").status(), 401);
+  EXPECT_EQ(stranger.Post("/logout", "a=b").status(), 401);
+}
+
+TEST_F(EncryptedWeb, AMemberWithACertificateSeesPageAndMetrics) {
+  const WebClient member(port(), IdentityOf(Role::kViewer));
+  EXPECT_EQ(member.Get("/").status(), 200);
+  EXPECT_THAT(member.Get("/").Body(), AllOf(HasSubstr("somebody (viewer)"), Not(HasSubstr("Log out"))));
+  EXPECT_THAT(member.Get("/metrics").Body(), HasSubstr("tessera_workers 0"));
+  EXPECT_EQ(member.Get("/login").status(), 303);
+  EXPECT_EQ(member.Get("/nothing").status(), 404);
+  EXPECT_EQ(member.Post("/", "").status(), 405);
+}
+
+TEST_F(EncryptedWeb, ACertificateOfAnotherFarmEndsTheHandshake) {
+  const Authority other = Authority::Make("farm", UnixNow());
+  const WebClient stranger(port(), Identity(other, Subject{Role::kOperator, MemberId{1}, {}}.Uri()));
+  EXPECT_THAT(stranger.Get("/login").text, IsEmpty());
+}
+
+TEST_F(EncryptedWeb, ACertificateWhoseRoleIsNotEnoughIsToldSo) {
+  const WebClient worker(port(), IdentityOf(Role::kWorker));
+  for (const char* path : {"/", "/metrics"}) {
+    EXPECT_EQ(worker.Get(path).status(), 403);
+    EXPECT_EQ(worker.Get(path).Body(), "a worker may not see this\n");
+  }
+}
+
+TEST_F(EncryptedWeb, ATokenOpensASessionOnce) {
+  const std::string token = MakeToken("ada <b>");
+  WebClient browser = Browser();
+  const WebAnswer login = browser.LogIn(token);
+  EXPECT_EQ(login.status(), 303) << login.text;
+  EXPECT_EQ(login.Header("Location"), "/");
+  EXPECT_THAT(browser.Get("/").Body(), AllOf(HasSubstr("ada &lt;b&gt; (user)"), HasSubstr("Log out")));
+  EXPECT_EQ(browser.Get("/metrics").status(), 200);
+  WebClient other = Browser();
+  const WebAnswer again = other.LogIn(token);
+  EXPECT_EQ(again.status(), 403);
+  EXPECT_THAT(again.Body(), HasSubstr("this farm does not know the token"));
+  EXPECT_EQ(other.Get("/metrics").status(), 401);
+}
+
+TEST_F(EncryptedWeb, CookiesStayWithTheBrowserTheHostAndTls) {
+  WebClient browser = Browser();
+  const std::string form = browser.Get("/login").Header("Set-Cookie");
+  const std::string session = browser.LogIn(MakeToken()).Header("Set-Cookie");
+  for (const std::string& cookie : {form, session}) {
+    EXPECT_THAT(cookie, testing::StartsWith("__Host-tessera-"));
+    for (const char* flag : {"; Secure", "; HttpOnly", "; SameSite=Strict", "; Path=/;"})
+      EXPECT_THAT(cookie, HasSubstr(flag)) << cookie;
+    EXPECT_THAT(cookie, Not(HasSubstr("Domain")));
+  }
+  EXPECT_THAT(session, testing::ContainsRegex("__Host-tessera-session=[0-9a-f]{64};"));
+}
+
+TEST_F(EncryptedWeb, EveryAnswerForbidsWhatThePagesDoNotNeed) {
+  WebClient browser = Browser();
+  const WebAnswer form = browser.Get("/login"), refused = browser.Get("/metrics");
+  browser.LogIn(MakeToken());
+  for (const WebAnswer& answer : {form, refused, browser.Get("/"), browser.Get("/metrics")}) {
+    const std::string policy = answer.Header("Content-Security-Policy");
+    EXPECT_THAT(policy, AllOf(HasSubstr("default-src 'none'"), HasSubstr("frame-ancestors 'none'"),
+                              HasSubstr("form-action 'self'"), HasSubstr("base-uri 'none'"),
+                              Not(HasSubstr("unsafe"))));
+    EXPECT_EQ(answer.Header("X-Content-Type-Options"), "nosniff");
+    EXPECT_EQ(answer.Header("Referrer-Policy"), "same-origin");
+    EXPECT_EQ(answer.Header("Cache-Control"), "no-store");
+    EXPECT_THAT(answer.Body(), Not(HasSubstr("style=\"")));
+    EXPECT_THAT(answer.Body(), Not(HasSubstr("<script")));
+  }
+}
+
+TEST_F(EncryptedWeb, AFormFromAnotherSiteChangesNothing) {
+  WebClient browser = Browser();
+  const WebAnswer form = browser.Get("/login");
+  browser.cookie = form.Cookie();
+  const std::string token = MakeToken();
+  for (const char* origin : {"https://evil.example", "http://localhost", "https://localhost:1", "null", ""}) {
+    browser.origin = origin;
+    EXPECT_EQ(browser.Post("/login", "proof=" + form.Proof() + "&token=" + token).status(), 403) << origin;
+  }
+  browser.origin = "https://localhost";
+  for (const std::string& proof : {std::string(), std::string(64, '0'), Browser().Get("/login").Proof()}) {
+    const WebAnswer refused = browser.Post("/login", "proof=" + proof + "&token=" + token);
+    EXPECT_EQ(refused.status(), 403);
+    EXPECT_THAT(refused.Body(), HasSubstr("The form is too old"));
+  }
+  browser.cookie = "";
+  EXPECT_EQ(browser.Post("/login", "proof=" + form.Proof() + "&token=" + token).status(), 403);
+  browser.cookie = form.Cookie();
+  EXPECT_EQ(browser.Post("/login", "proof=" + form.Proof() + "&token=" + token).status(), 303)
+      << "the token has not been used";
+}
+
+TEST_F(EncryptedWeb, LoggingOutTakesTheFormOfThatSession) {
+  WebClient browser = Browser(), other = Browser();
+  browser.LogIn(MakeToken());
+  other.LogIn(MakeToken());
+  const std::string proof = browser.Get("/").Proof();
+  EXPECT_EQ(browser.Get("/logout").status(), 405);
+  EXPECT_EQ(browser.Post("/logout", "proof=" + other.Get("/").Proof()).status(), 403);
+  EXPECT_EQ(browser.Post("/logout", "").status(), 403);
+  browser.origin = "https://evil.example";
+  EXPECT_EQ(browser.Post("/logout", "proof=" + proof).status(), 403);
+  browser.origin = "https://localhost";
+  EXPECT_EQ(browser.Get("/").status(), 200);
+  const WebAnswer done = browser.Post("/logout", "proof=" + proof);
+  EXPECT_EQ(done.status(), 303);
+  EXPECT_THAT(done.Header("Set-Cookie"), HasSubstr("Max-Age=0"));
+  EXPECT_EQ(browser.Get("/metrics").status(), 401);
+  EXPECT_EQ(other.Get("/metrics").status(), 200);
+}
+
+TEST_F(EncryptedWeb, ASessionEndsWhenItsMemberIsRevoked) {
+  WebClient browser = Browser();
+  browser.LogIn(MakeToken());
+  EXPECT_EQ(browser.Get("/metrics").status(), 200);
+  Revoke();
+  EXPECT_EQ(browser.Get("/metrics").status(), 401);
+  EXPECT_EQ(browser.Get("/").Header("Location"), "/login");
+}
+
+TEST_F(EncryptedWeb, CookiesThatWereMadeUpOrAreHugeOpenNothing) {
+  WebClient browser = Browser();
+  for (const std::string& value :
+       {std::string(), std::string("x"), std::string(64, '0'), std::string(4000, 'a')}) {
+    browser.cookie = "__Host-tessera-session=" + value;
+    EXPECT_EQ(browser.Get("/metrics").status(), 401);
+  }
+  browser.cookie = "__Host-tessera-session=" + std::string(20'000, 'a');
+  EXPECT_EQ(browser.Get("/metrics").status(), 431);
+}
+
+TEST_F(EncryptedWeb, ATokenInAnAddressIsRefusedAndNotUsed) {
+  WebClient browser = Browser();
+  const std::string token = MakeToken();
+  for (const char* path : {"/login?token=", "/?"}) {
+    const WebAnswer refused = browser.Get(path + token);
+    EXPECT_EQ(refused.status(), 400);
+    EXPECT_THAT(refused.Body(), HasSubstr("Have it revoked"));
+    EXPECT_THAT(refused.text, Not(HasSubstr(token)));
+  }
+  EXPECT_EQ(browser.LogIn(token).status(), 303);
+}
+
+TEST_F(EncryptedWeb, LoginsThatFailAreLimitedForEachAddress) {
+  WebClient browser = Browser();
+  int refused = 0;
+  WebAnswer last;
+  for (int i = 0; i < 100 && last.status() != 429; ++i, ++refused)
+    last = browser.LogIn(JoinToken::Make("farm:1", {}).Text());
+  EXPECT_EQ(last.status(), 429);
+  EXPECT_LT(refused, 50);
+  WebClient elsewhere = Browser("127.0.0.2");
+  EXPECT_EQ(elsewhere.LogIn(MakeToken()).status(), 303);
+}
+
+TEST_F(EncryptedWeb, WhatIsNoTokenIsRefusedWithTheReason) {
+  for (const char* text : {"", "hello", "tessera-", "tessera-AAAA", "%3Cscript%3E"}) {
+    const WebAnswer refused = Browser().LogIn(text);
+    EXPECT_EQ(refused.status(), 403) << text;
+    EXPECT_THAT(refused.Body(), AllOf(HasSubstr("Login failed"), Not(HasSubstr("<script")))) << text;
+  }
+}
+
+TEST_F(EncryptedWeb, FormsThatAreMalformedOrTooLargeAreRefused) {
+  WebClient browser = Browser();
+  EXPECT_EQ(browser.Post("/login", "token=%4").status(), 400);
+  EXPECT_EQ(browser.Post("/login", "token=1&token=2").status(), 400);
+  EXPECT_EQ(browser.Post("/login", std::string(kHttpBodyBytesMax + 1, 'a')).status(), 413);
+  EXPECT_EQ(browser
+                .Send("POST /login HTTP/1.1\r\nHost: localhost\r\nOrigin: https://localhost\r\n"
+                      "Content-Type: text/plain\r\nContent-Length: 1\r\n\r\na")
+                .status(),
+            403);
+  EXPECT_EQ(browser.Send("PUT /login HTTP/1.1\r\nHost: localhost\r\n\r\n").status(), 405);
+}
+
+TEST_F(EncryptedWeb, OnlyTheNamesOfTheCertificateAreServed) {
+  WebClient browser = Browser();
+  for (const char* host :
+       {"localhost", "LOCALHOST:7780", "127.0.0.1", "[::1]:7780", "a.farm.example", "named.example"}) {
+    browser.host = host;
+    EXPECT_EQ(browser.Get("/login").status(), 200) << host;
+  }
+  for (const char* host :
+       {"", "evil.example", "10.1.2.3", "a.b.farm.example", ".farm.example", "localhost.evil.example"}) {
+    browser.host = host;
+    EXPECT_EQ(browser.Get("/login").status(), 403) << host;
+  }
+}
+
+TEST_F(EncryptedWeb, OlderVersionsOfTlsAreRefused) {
+  EXPECT_FALSE(TlsClient(port(), "", TLS1_2_VERSION).Handshake());
+  EXPECT_FALSE(TlsClient(port(), "", TLS1_1_VERSION).Handshake());
+  TlsClient client(port());
+  ASSERT_TRUE(client.Handshake());
+  EXPECT_EQ(SSL_version(client.ssl()), TLS1_3_VERSION);
+}
+
+// Each connection proves anew who is there.
+TEST_F(EncryptedWeb, SessionsOfTlsAreNotResumed) {
+  TlsClient client(port(), IdentityOf(Role::kViewer));
+  ASSERT_TRUE(client.Handshake());
+  EXPECT_TRUE(client.Send("GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n"));
+  EXPECT_THAT(client.ReadAll(), HasSubstr("HTTP/1.1 200"));
+  EXPECT_EQ(SSL_SESSION_is_resumable(SSL_get0_session(client.ssl())), 0);
+}
+
+TEST_F(EncryptedWeb, PlainHttpGetsNoAnswer) {
+  const int socket = ConnectTo(port());
+  const std::string request = "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  ::send(socket, request.data(), request.size(), MSG_NOSIGNAL);
+  EXPECT_THAT(ReadPlain(socket), Not(HasSubstr("HTTP/1.1")));
+  ::close(socket);
+}
+
+TEST_F(EncryptedWeb, AHandshakeThatDoesNotGoOnIsClosed) {
+  const int silent = ConnectTo(port()), slow = ConnectTo(port());
+  const std::string start("\x16\x03\x01\x02\x00\x01", 6);
+  ::send(slow, start.data(), start.size(), MSG_NOSIGNAL);
+  EXPECT_EQ(ReadPlain(silent), "") << "returns when the server closes the connection";
+  EXPECT_EQ(ReadPlain(slow), "");
+  ::close(silent);
+  ::close(slow);
+}
+
+TEST_F(EncryptedWeb, ACrowdOfUnfinishedHandshakesKeepsNobodyOut) {
+  std::vector<int> crowd;
+  for (int i = 0; i < 300; ++i) crowd.push_back(ConnectTo(port(), "127.0.0.2"));
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(Browser().Get("/login").status(), 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(4));
+  for (const int each : crowd) ::close(each);
+}
+
+TEST_F(EncryptedWeb, ALongPageArrivesWhole) {
+  const WebClient member(port(), IdentityOf(Role::kViewer));
+  const WebAnswer answer = member.Get("/metrics");
+  EXPECT_EQ(answer.Body().size(), std::stoul(answer.Header("Content-Length")));
+  EXPECT_THAT(member.Send("HEAD / HTTP/1.1\r\nHost: localhost\r\n\r\n").Body(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace tessera
