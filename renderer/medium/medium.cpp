@@ -16,7 +16,7 @@ constexpr Kind<MediumReader> kKinds[] = {
     {"uniformgrid", Support::kSupported, Read<UniformGridMedium>},
     {"rgbgrid", Support::kSupported, Read<RgbGridMedium>},
     {"cloud", Support::kSupported, Read<CloudMedium>},
-    {"nanovdb", Support::kNotSupported},
+    {"nanovdb", Support::kSupported, Read<NanoVdbMedium>},
 };
 constexpr KindTable<MediumReader> kTable("medium", kKinds);
 
@@ -27,23 +27,13 @@ KindList MediumKinds() {
 }
 
 Result<MediumTable> MediumTable::Build(const SceneDescription& scene, const Transform& render_from_world,
-                                       Unsupported unsupported, FileSource& files, Diagnostics& diagnostics) {
+                                       FileSource& files, Diagnostics& diagnostics) {
   MediumTable table;
   table.media_.reserve(scene.media.size());
   for (const MediumDescription& description : scene.media) {
     const Entity& entity = description.entity;
     const Kind<MediumReader>* kind = kTable.Find(entity.kind);
-    if (kind == nullptr && !kTable.IsKnown(entity.kind)) {
-      return ErrorAt(entity.location, kTable.Refusal(entity.kind));
-    }
-    if (kind == nullptr && unsupported == Unsupported::kRefuse) {
-      return ErrorAt(entity.location,
-                     kTable.Refusal(entity.kind) + " (integrator \"path\" renders the scene without media)");
-    }
-    if (kind == nullptr) {
-      table.media_.emplace_back();
-      continue;
-    }
+    if (kind == nullptr) return ErrorAt(entity.location, kTable.Refusal(entity.kind));
     ParameterReader reader(entity);
     const Transform render_from_medium = render_from_world * description.world_from_medium;
     table.media_.push_back(kind->reader(reader, render_from_medium, files, diagnostics));

@@ -11,6 +11,7 @@
 #include "renderer/medium/cloud_medium.h"
 #include "renderer/medium/grid_medium.h"
 #include "renderer/medium/homogeneous_medium.h"
+#include "renderer/medium/nanovdb_medium.h"
 #include "renderer/medium/rgb_grid_medium.h"
 #include "renderer/util/dispatch.h"
 
@@ -21,7 +22,8 @@ namespace tessera {
 //   Coefficients At(const SampledWavelengths&) const;     one of MediumCoefficients
 //   const PhaseFunction& phase() const;
 //   bool is_emissive() const;
-using MediumKind = std::variant<HomogeneousMedium, UniformGridMedium, RgbGridMedium, CloudMedium>;
+using MediumKind =
+    std::variant<HomogeneousMedium, UniformGridMedium, RgbGridMedium, CloudMedium, NanoVdbMedium>;
 
 // A medium of any kind at the wavelengths of a path. Every kind has
 //   MediumRay RayAlong(const Ray&) const;
@@ -59,13 +61,8 @@ class Medium {
 // By the index of SceneDescription::media. Immutable.
 class MediumTable {
  public:
-  // What to do with kinds of media that are known but not supported.
-  enum class Unsupported {
-    kRefuse,
-    kIgnore,  // for integrators that do not follow media: takes them for a vacuum, and checks the others
-  };
   static Result<MediumTable> Build(const SceneDescription& scene, const Transform& render_from_world,
-                                   Unsupported unsupported, FileSource& files, Diagnostics& diagnostics);
+                                   FileSource& files, Diagnostics& diagnostics);
 
   const Medium& operator[](int medium) const { return media_[static_cast<size_t>(medium)]; }
   bool empty() const { return media_.empty(); }

@@ -42,6 +42,14 @@ class VoxelGrid {
     return count;
   }
 
+  // The memory of stored blocks and the table of all.
+  uint64_t Bytes() const {
+    const auto stored =
+        std::count_if(values_.begin(), values_.end(), [](const auto& v) { return v != nullptr; });
+    const auto values = static_cast<uint64_t>(points_[0] * points_[1] * points_[2]);
+    return static_cast<uint64_t>(stored) * values * sizeof(T) + values_.size() * sizeof(values_[0]);
+  }
+
   const GridSize& size() const { return size_; }
   // Cells of interpolation along an axis: between the positions 0 and size + 1.
   int CellCount(int axis) const { return size_[axis] + 1; }

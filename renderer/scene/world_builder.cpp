@@ -46,10 +46,8 @@ class WorldBuilder {
 
 // Media are checked even where they are not followed.
 Result<void> WorldBuilder::AddMedia() {
-  using Unsupported = MediumTable::Unsupported;
-  const Unsupported unsupported = request_.with_media ? Unsupported::kRefuse : Unsupported::kIgnore;
   Result<MediumTable> media =
-      MediumTable::Build(scene_, render_from_world_, unsupported, request_.files, diagnostics_);
+      MediumTable::Build(scene_, render_from_world_, request_.files, diagnostics_);
   if (!media) return media.error();
   if (!request_.with_media) return {};
   for (const MediumDescription& medium : scene_.media) {

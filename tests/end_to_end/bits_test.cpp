@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <fstream>
+#include <iterator>
+
+#include "tests/build_paths.h"
 #include "tests/end_to_end/farm_fixture.h"
 
 namespace tessera {
@@ -33,6 +37,8 @@ TEST_F(Bits, AreTheSameForAnyNumberOfWorkersThreadsAndTiles) {
 }
 
 TEST_F(Bits, AreTheSameForMediaThatVary) {
+  std::ifstream fog(SourceDir() + "/tests/fuzz/corpus/nanovdb/two_grids.nvdb", std::ios::binary);
+  Write("fog.nvdb", std::string(std::istreambuf_iterator<char>(fog), {}));
   const std::string scene = Write("media.pbrt", R"(
 Film "rgb" "integer xresolution" 24 "integer yresolution" 16
 Sampler "zsobol" "integer pixelsamples" 8
@@ -56,6 +62,11 @@ AttributeBegin
   Translate -3 -1 7 Scale 6 3 2
   MakeNamedMedium "cloud" "string type" "cloud" "rgb sigma_a" [ 0 0 0 ]
   MediumInterface "cloud" "" Material "interface" Translate 0.5 0.5 0.5 Shape "sphere" "float radius" 0.5
+AttributeEnd
+AttributeBegin
+  Translate -3 -2 -24
+  MakeNamedMedium "fog" "string type" "nanovdb" "string filename" "fog.nvdb" "float scale" 0.2
+  MediumInterface "fog" "" Material "interface" Translate 2.7 3.5 29.8 Shape "sphere" "float radius" 1.5
 AttributeEnd
 )");
   const std::string oracle = Oracle(scene, {"--threads", "1"});

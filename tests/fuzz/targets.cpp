@@ -17,6 +17,8 @@ constexpr FuzzTarget kTargets[] = {
     {"jpeg", FuzzJpeg, PrepareImages},
     {"manifest", FuzzManifest},
     {"measured_brdf", FuzzMeasuredBrdf},
+    {"nanovdb", FuzzNanoVdb},
+    {"openvdb", FuzzOpenVdb},
     {"pfm", FuzzPfm},
     {"picture", FuzzPicture},
     {"ply", FuzzPly},

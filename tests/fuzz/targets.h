@@ -33,6 +33,8 @@ bool FuzzJournal(std::string_view bytes);
 bool FuzzJpeg(std::string_view bytes);
 bool FuzzManifest(std::string_view bytes);
 bool FuzzMeasuredBrdf(std::string_view bytes);
+bool FuzzNanoVdb(std::string_view bytes);
+bool FuzzOpenVdb(std::string_view bytes);
 bool FuzzPfm(std::string_view bytes);
 bool FuzzPicture(std::string_view bytes);
 bool FuzzPly(std::string_view bytes);

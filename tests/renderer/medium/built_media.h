@@ -16,9 +16,8 @@ struct BuiltMedia {
 };
 
 // `media` starts in line 3 of the file m.pbrt.
-inline BuiltMedia BuildMedia(const std::string& media,
-                             MediumTable::Unsupported unsupported = MediumTable::Unsupported::kRefuse,
-                             MemoryFiles files = {}) {
+inline BuiltMedia BuildMedia(const std::string& media, std::map<std::string, std::string> the_files = {}) {
+  MemoryFiles files(std::move(the_files));
   BuiltMedia built;
   Result<SceneDescription> scene =
       ParseSceneText(files, "m.pbrt", "Camera \"perspective\"\nWorldBegin\n" + media);
@@ -26,7 +25,7 @@ inline BuiltMedia BuildMedia(const std::string& media,
     built.error = scene.error().message;
     return built;
   }
-  Result<MediumTable> table = MediumTable::Build(*scene, Transform(), unsupported, files, built.diagnostics);
+  Result<MediumTable> table = MediumTable::Build(*scene, Transform(), files, built.diagnostics);
   if (table)
     built.table = std::move(*table);
   else

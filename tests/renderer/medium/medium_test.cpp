@@ -129,21 +129,9 @@ TEST(Medium, ErrorsNameTheirPlace) {
   EXPECT_NE(Homogeneous("\"string preset\" \"Marble\" \"rgb sigma_a\" [ 1 1 1 ]").error, "");
 }
 
-TEST(Medium, UnsupportedKindsAreNamedWithTheirPlace) {
-  for (const std::string kind : {"nanovdb"}) {
-    const std::string text =
-        "MakeNamedMedium \"m\" \"string type\" \"" + kind + "\" \"float density\" [ 1 2 ]";
-    EXPECT_EQ(BuildMedia(text).error,
-              "m.pbrt:3:1: medium \"" + kind +
-                  "\" is not supported yet (integrator \"path\" renders the scene without media)");
-    const BuiltMedia ignored = BuildMedia(text, MediumTable::Unsupported::kIgnore);
-    EXPECT_EQ(ignored.error, "");
-    EXPECT_EQ(ignored.table.size(), 1u);
-  }
-  for (const auto unsupported : {MediumTable::Unsupported::kRefuse, MediumTable::Unsupported::kIgnore}) {
-    EXPECT_EQ(BuildMedia("MakeNamedMedium \"m\" \"string type\" \"homogenous\"", unsupported).error,
-              "m.pbrt:3:1: unknown medium \"homogenous\" (did you mean \"homogeneous\"?)");
-  }
+TEST(Medium, UnknownKindsAreNamedWithTheirPlace) {
+  EXPECT_EQ(BuildMedia("MakeNamedMedium \"m\" \"string type\" \"homogenous\"").error,
+            "m.pbrt:3:1: unknown medium \"homogenous\" (did you mean \"homogeneous\"?)");
 }
 
 }  // namespace

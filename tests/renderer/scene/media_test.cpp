@@ -213,18 +213,5 @@ TEST(Media, PathIgnoresMedia) {
   EXPECT_NE(ignored, Sums(text, 16));
 }
 
-TEST(Media, UnsupportedKindsAreRefusedByVolpathAlone) {
-  const std::string text = Wide(kVolPath) + "WorldBegin\n" + kEvenLight +
-                           "MakeNamedMedium \"m\" \"string type\" \"nanovdb\"\n" + Ball("\"interface\"", "m");
-  const auto refused = LoadMedia(text);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().message,
-            "scene.pbrt:10:1: medium \"nanovdb\" is not supported yet (integrator \"path\" renders the scene "
-            "without media)");
-  RenderOptions path;
-  path.integrator = "path";
-  EXPECT_TRUE(LoadMedia(text, path));
-}
-
 }  // namespace
 }  // namespace tessera::media_scenes
