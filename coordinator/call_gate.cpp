@@ -92,6 +92,7 @@ grpc::Status CallGate::Admit(const grpc::CallbackServerContext& context, const C
                              Principal& caller) const {
   grpc::Status status = Identify(context, caller);
   if (status.ok()) {
+    if (on_identified_) on_identified_(caller.peer);
     const auto admitted = policy_(caller, rule);
     if (admitted) return CheckFarm(context, farm_);
     status = {grpc::StatusCode::PERMISSION_DENIED, admitted.error().message};

@@ -85,9 +85,11 @@ class UnaryCall {
 // Serve.
 class CallGate {
  public:
+  // Called for each call from a member or the holder of a token, with the address of its connection.
+  using OnIdentified = std::function<void(std::string_view peer)>;
   // `farm` is the one that the core thread runs. Calls that are meant for another are refused.
-  CallGate(const ChangePath& path, FarmId farm, AccessPolicy policy)
-      : path_(path), farm_(farm), policy_(std::move(policy)) {}
+  CallGate(const ChangePath& path, FarmId farm, AccessPolicy policy, OnIdentified on_identified = {})
+      : path_(path), farm_(farm), policy_(std::move(policy)), on_identified_(std::move(on_identified)) {}
   const ChangePath& path() const { return path_; }
   CoreThread& core() const { return path_.core; }
   FarmId farm() const { return farm_; }
@@ -147,6 +149,7 @@ class CallGate {
   const ChangePath path_;
   const FarmId farm_;
   const AccessPolicy policy_;
+  const OnIdentified on_identified_;
   mutable RareLog denied_{kLogInterval};
 };
 

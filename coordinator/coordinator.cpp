@@ -13,6 +13,7 @@
 #include "coordinator/farm_look.h"
 #include "coordinator/jobs_service.h"
 #include "coordinator/listener/listener.h"
+#include "coordinator/listener/pending_connections.h"
 #include "coordinator/membership/farm_identity.h"
 #include "coordinator/membership/peer_check.h"
 #include "coordinator/public_addresses.h"
@@ -58,6 +59,7 @@ struct Coordinator::Parts {
   FileThreads files;
   FarmId farm;
   std::unique_ptr<CoreThread> core;
+  const std::shared_ptr<PendingConnections> pending = std::make_shared<PendingConnections>();
   std::unique_ptr<CallGate> gate;
   std::unique_ptr<WorkService> work;
   std::unique_ptr<BlobService> blob_service;
@@ -108,6 +110,7 @@ ServerSecurity Coordinator::Parts::Security() const {
   security.socket_folder = LocalSocketFolder(Environment);
   if (!identity) return security;
   security.identity_path = identity->coordinator_path();
+  security.pending = pending;
   security.admit = [authority = identity->authority().certificate(),
                     board = core->shared_members()](const std::vector<Certificate>& chain) {
     return CheckPeer(chain, authority, *board, UnixNow());
@@ -140,7 +143,8 @@ Result<void> Coordinator::Parts::ServeWeb(const CoordinatorOptions& options, con
 
 Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, AccessPolicy policy) {
   const AccessPolicy web_policy = policy;
-  gate = std::make_unique<CallGate>(ChangePath{*core, files.brief, directory}, farm, std::move(policy));
+  gate = std::make_unique<CallGate>(ChangePath{*core, files.brief, directory}, farm, std::move(policy),
+                                    [this](std::string_view peer) { pending->Identified(peer); });
   work = std::make_unique<WorkService>(*gate);
   blob_service = std::make_unique<BlobService>(*gate, blobs, files);
   jobs = std::make_unique<JobsService>(*gate, blobs, pictures, options.data_dir, files);
@@ -223,6 +227,10 @@ std::optional<Address> Coordinator::https() const {
 
 const BlobStore& Coordinator::blobs() const {
   return parts_->blobs;
+}
+
+size_t Coordinator::pending_connections() const {
+  return parts_->pending->size();
 }
 
 size_t Coordinator::watcher_count() const {

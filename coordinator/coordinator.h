@@ -37,6 +37,8 @@ class Coordinator {
   std::optional<Address> https() const;
   const BlobStore& blobs() const;
   const ResultsIntake& intake() const;
+  // Encrypted connections whose other end has not shown that it belongs to the farm.
+  size_t pending_connections() const;
   // Clients that watch jobs.
   size_t watcher_count() const;
 

@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "coordinator/listener/listener.h"
+#include "coordinator/listener/pending_connections.h"
 #include "proto/wire/channel.h"
 #include "renderer/text/unicode.h"
 
@@ -45,7 +46,8 @@ Result<std::unique_ptr<CoordinatorServer>> CoordinatorServer::Start(
   server->server_ = builder.BuildAndStart();
   if (server->server_ == nullptr) return Failed("cannot start the gRPC server");
   server->listener_ = std::move(listener);
-  server->listener_->Start([raw = server.get()](int connection, Address::Kind kind) {
+  const auto pending = server->encrypted_ != nullptr ? security.pending : nullptr;
+  server->listener_->Start(pending, [raw = server.get()](int connection, Address::Kind kind) {
     const bool is_encrypted = kind == Address::Kind::kTcp && raw->encrypted_ != nullptr;
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
     parameters.fd = connection;

@@ -20,12 +20,15 @@ class ExternalConnectionAcceptor;
 namespace tessera {
 
 class Listener;
+class PendingConnections;
 
 // Of TCP connections; those to Unix sockets are plain.
 struct ServerSecurity {
   // Key and certificates of the coordinator (tls_credentials.h). Empty: TCP connections are plain too.
   std::string identity_path;
   AdmitPeer admit;
+  // Those of them that have not made a call yet.
+  std::shared_ptr<PendingConnections> pending;
   // Where to listen for programs of this user (local_socket.h); empty: nowhere.
   std::string socket_folder;
 };

@@ -20,6 +20,8 @@ namespace {
 
 // Between attempts to accept while there is no descriptor.
 constexpr int kRetryInterval_ms = 100;
+// Before it looks at the others again, however many come to one socket.
+constexpr int kAcceptedMax = 256;
 
 Error CannotListen(const Address& address) {
   return Failed(fmt::format("cannot listen on {}: the address is in use or does not belong to this machine",
@@ -70,7 +72,8 @@ Listener::~Listener() {
   if (stop_event_ >= 0) ::close(stop_event_);
 }
 
-void Listener::Start(OnConnection on_connection) {
+void Listener::Start(std::shared_ptr<PendingConnections> pending, OnConnection on_connection) {
+  pending_ = std::move(pending);
   thread_ = std::thread([this, on_connection = std::move(on_connection)] { Run(on_connection); });
 }
 
@@ -91,23 +94,39 @@ void Listener::Stop() {
 void Listener::Run(const OnConnection& on_connection) {
   std::vector<pollfd> polled{{stop_event_, POLLIN, 0}};
   for (const Socket& socket : sockets_) polled.push_back({socket.fd, POLLIN, 0});
+  polled.push_back({pending_ != nullptr ? pending_->events() : -1, POLLIN, 0});
   while (true) {
     if (::poll(polled.data(), polled.size(), -1) < 0 && errno != EINTR) return;
     if (polled.front().revents != 0) return;
+    if (polled.back().revents != 0) pending_->RemoveClosed();
     for (size_t i = 0; i < sockets_.size(); ++i) {
       if (polled[i + 1].revents != 0) AcceptAll(sockets_[i], on_connection);
     }
   }
 }
 
+bool Listener::MayPass(int connection, Address::Kind kind, const sockaddr_storage& peer) {
+  if (connection >= ConnectionDescriptorsMax()) {
+    refused_.Warn("connections_refused", "reason=\"the descriptors for connections are used up\"");
+  } else if (kind == Address::Kind::kUnix || pending_ == nullptr ||
+             pending_->Add(connection, peer, std::chrono::steady_clock::now())) {
+    return true;
+  } else {
+    crowded_.Warn("connections_refused",
+                  fmt::format("peer={} reason=\"too many handshakes from there\"", LogText(PeerText(peer))));
+  }
+  ::close(connection);
+  return false;
+}
+
 void Listener::AcceptAll(const Socket& socket, const OnConnection& on_connection) {
-  while (true) {
-    const int connection = ::accept4(socket.fd, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
-    if (connection >= ConnectionDescriptorsMax()) {
-      ::close(connection);
-      refused_.Warn("connections_refused", "reason=\"the descriptors for connections are used up\"");
-    } else if (connection >= 0) {
-      on_connection(connection, socket.kind);
+  for (int count = 0; count < kAcceptedMax; ++count) {
+    sockaddr_storage peer{};
+    socklen_t size = sizeof peer;
+    const int connection =
+        ::accept4(socket.fd, reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (connection >= 0) {
+      if (MayPass(connection, socket.kind, peer)) on_connection(connection, socket.kind);
     } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
       return;
     } else if (errno != EINTR && errno != ECONNABORTED && errno != EPROTO) {

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "coordinator/listener/pending_connections.h"
 #include "proto/shell/rare_log.h"
 #include "proto/wire/address.h"
 #include "renderer/util/result.h"
@@ -31,8 +32,9 @@ class Listener {
   // Also listens on a socket for each of these addresses for which there is one (local_socket.h). Returns why
   // that is not possible; then programs of this user need a login too. Call it before Start.
   Result<void> OpenLocalSockets(const std::string& folder);
-  // Accepts connections until Stop. Call it once.
-  void Start(OnConnection on_connection);
+  // Accepts connections until Stop. Call it once. TCP connections count as pending in `pending`, if it is not
+  // null, and those that it refuses are closed.
+  void Start(std::shared_ptr<PendingConnections> pending, OnConnection on_connection);
   // Accepts no more connections and removes the Unix sockets. The last call of `on_connection` has returned.
   void Stop();
 
@@ -48,11 +50,14 @@ class Listener {
   Result<void> Bind(Address& address);
   void Run(const OnConnection& on_connection);
   void AcceptAll(const Socket& socket, const OnConnection& on_connection);
+  // Whether the connection may be passed on. Closes it if not.
+  bool MayPass(int connection, Address::Kind kind, const sockaddr_storage& peer);
 
   std::vector<Address> addresses_, local_sockets_;
   std::vector<Socket> sockets_;
+  std::shared_ptr<PendingConnections> pending_;
   int stop_event_ = -1;
-  RareLog refused_{kLogInterval}, failed_{kLogInterval};
+  RareLog refused_{kLogInterval}, crowded_{kLogInterval}, failed_{kLogInterval};
   std::thread thread_;
 };
 

@@ -1,37 +1,12 @@
 // Members join over TLS with tokens; everybody else stays out.
 #include <gmock/gmock.h>
 
-#include "tests/end_to_end/farm_fixture.h"
+#include "tests/end_to_end/membership_fixture.h"
 
 namespace tessera {
 namespace {
 
 using testing::HasSubstr;
-
-class MembershipOfAFarm : public EndToEnd {
- protected:
-  MembershipOfAFarm() { StartCoordinator(); }
-
-  // A token as printed for this user.
-  std::string Token(std::vector<std::string> options) const {
-    options.insert(options.begin(), "token");
-    options.insert(options.end(), {"--coordinator", address()});
-    const Outcome outcome = RunProgram(folder(), "tessera-coordinator", options);
-    EXPECT_EQ(outcome.code, 0) << outcome.errors;
-    return outcome.output.substr(0, outcome.output.find('\n'));
-  }
-  // The client of a person whose logins are in a folder of this name.
-  Outcome As(const std::string& person, const std::string& command) const {
-    return RunShell(folder(), "XDG_CONFIG_HOME=" + Path(person) + " $tessera " + command);
-  }
-  void LogIn(const std::string& person, const std::string& role) const {
-    const Outcome outcome = As(person, "login " + Token({"--role", role, "--name", person}));
-    EXPECT_EQ(outcome.code, 0) << outcome.errors;
-  }
-  Process& JoinWorker(const std::string& name, const std::string& token) {
-    return StartUnaddressedWorker(name, {"--join", token, "--state-dir", Path("state-" + name)});
-  }
-};
 
 TEST_F(MembershipOfAFarm, AJobIsRenderedByAWorkerThatJoinedForAUserWhoLoggedIn) {
   const std::string oracle = Oracle(BoxScene(), {"--spp", "8"});
