@@ -106,7 +106,7 @@ const Certificate& TlsServer::certificate() const {
 }
 
 TlsStream::TlsStream(const TlsServer& server, int socket)
-    : state_(std::make_unique<State>(server, nullptr, "", "")) {
+    : state_(new State{server, nullptr, "", ""}) {
   state_->ssl.reset(SSL_new(server.state_->context.get()));
   TESSERA_CHECK(state_->ssl != nullptr);
   SSL_set_app_data(state_->ssl.get(), state_.get());
