@@ -15,15 +15,16 @@
 #include "renderer/bxdf/layered_conductor_bxdf.h"
 #include "renderer/bxdf/layered_diffuse_bxdf.h"
 #include "renderer/bxdf/measured_bxdf.h"
+#include "renderer/bxdf/normalized_fresnel_bxdf.h"
 #include "renderer/bxdf/thin_dielectric_bxdf.h"
 #include "renderer/util/dispatch.h"
 
 namespace tessera {
 
 // Every kind has the members flags, Evaluate and Sample of Bxdf below and is trivially copyable.
-using BxdfKind =
-    std::variant<DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf, ThinDielectricBxdf,
-                 CoatedDiffuseBxdf, LayeredDiffuseBxdf, LayeredConductorBxdf, HairBxdf, MeasuredBxdf>;
+using BxdfKind = std::variant<DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf,
+                              ThinDielectricBxdf, CoatedDiffuseBxdf, LayeredDiffuseBxdf, LayeredConductorBxdf,
+                              HairBxdf, MeasuredBxdf, NormalizedFresnelBxdf>;
 static_assert(std::is_trivially_copyable_v<BxdfKind>);
 // Every vertex of every path copies one: a larger kind would slow all others down.
 static_assert(sizeof(BxdfKind) <= 112);

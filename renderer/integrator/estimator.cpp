@@ -13,7 +13,8 @@ void Trace(const PathContext& context, const Estimator& estimator, const Ray& ca
     case IntegratorKind::kPath: return TracePath(context, camera_ray, sink);
     case IntegratorKind::kVolPath:
       // Without media both estimate the same radiance, and the first is faster.
-      if (context.world.media.empty()) return TracePath(context, camera_ray, sink);
+      if (context.world.media.empty() && !context.world.has_subsurface)
+        return TracePath(context, camera_ray, sink);
       return TraceVolumePath(context, camera_ray, sink);
     case IntegratorKind::kMixture: return TraceMixture(context, *estimator.lights, camera_ray, sink);
     case IntegratorKind::kSimplePath: return TraceSimplePath(context, estimator.techniques, camera_ray, sink);

@@ -50,6 +50,13 @@ class MediumTransport {
     weights_.r_l = weights_.r_u / pdf;
     medium_ = MediumTracker::Beyond(interaction, wi, medium_);
   }
+  // The path enters a surface and comes out of it elsewhere, on the same side: in the same medium. `weight`:
+  // the throughput of both. `densities`: with which each wavelength would have found the way, relative to the
+  // first.
+  void ScatterBelow(SampledSpectrum weight, SampledSpectrum densities) {
+    weights_.beta *= weight;
+    weights_.r_u *= densities;
+  }
   // The path leaves a point in the medium. beta does not change: the value of the phase function is its
   // density.
   void ScatterInMedium(float pdf) { weights_.r_l = weights_.r_u / pdf; }

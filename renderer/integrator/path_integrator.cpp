@@ -2,6 +2,7 @@
 
 #include "renderer/integrator/medium_transport.h"
 #include "renderer/integrator/path_vertex.h"
+#include "renderer/integrator/subsurface_probe.h"
 #include "renderer/integrator/vacuum_transport.h"
 #include "renderer/shape/shape_interaction.h"
 
@@ -31,6 +32,8 @@ class PathTracer {
   bool ScatterInMedium(float t);
   bool ScatterOnSurface(SurfaceInteraction& interaction);
   bool SampleDirection(const SurfaceInteraction& interaction, const Bsdf& bsdf);
+  void Leave(const SurfaceInteraction& interaction, const BsdfSample& sample);
+  bool ComeOut(const SurfaceInteraction& entry, const BsdfSample& entered);
   bool SurvivesRoulette();
 
   FlightEvent Fly(Hit* hit, float* t_event);
@@ -137,14 +140,46 @@ bool PathTracer<Transport, Sink>::SampleDirection(const SurfaceInteraction& inte
   const Point2 u_direction = context_.sampler.Get2D();
   const std::optional<BsdfSample> sample = bsdf.Sample(interaction.wo, u_component, u_direction);
   if (!sample) return false;
-  const float cosine = AbsDot(sample->wi, interaction.shading.n);
-  transport_.Scatter(interaction, sample->wi, sample->f * (cosine / sample->pdf), sample->pdf);
-  weigh_ = !sample->IsSpecular();
   if (sample->IsSpecular()) NoteScatter(FirstScatter::kSpecular);
-  if (sample->IsTransmission()) eta_scale_ *= Sqr(sample->eta);
-  previous_ = ReferenceAt(interaction);
-  ray_ = interaction.SpawnRay(sample->wi);
+  if constexpr (Transport::kHasMedia) {
+    if (sample->IsTransmission() && context_.world.materials.ScattersBelow(interaction.material))
+      return ComeOut(interaction, *sample);
+  }
+  Leave(interaction, *sample);
   return true;
+}
+
+template <typename Transport, typename Sink>
+void PathTracer<Transport, Sink>::Leave(const SurfaceInteraction& interaction, const BsdfSample& sample) {
+  const float cosine = AbsDot(sample.wi, interaction.shading.n);
+  transport_.Scatter(interaction, sample.wi, sample.f * (cosine / sample.pdf), sample.pdf);
+  weigh_ = !sample.IsSpecular();
+  if (sample.IsTransmission()) eta_scale_ *= Sqr(sample.eta);
+  previous_ = ReferenceAt(interaction);
+  ray_ = interaction.SpawnRay(sample.wi);
+}
+
+// The path entered the surface at `entry`; below it is scattered until it comes out. Both count as one event.
+template <typename Transport, typename Sink>
+bool PathTracer<Transport, Sink>::ComeOut(const SurfaceInteraction& entry, const BsdfSample& entered) {
+  if constexpr (Transport::kHasMedia) {
+    bool is_subsurface = false;
+    const std::optional<SubsurfaceExit> exit = SampleSubsurface(context_, entry, &is_subsurface);
+    if (!is_subsurface) Leave(entry, entered);
+    if (!exit) return !is_subsurface;
+    // Radiance is compressed by eta^2 inside; where it comes out it is no more.
+    const float factor = AbsDot(entered.wi, entry.shading.n) * Sqr(entered.eta) / entered.pdf;
+    transport_.ScatterBelow(entered.f * exit->weight * factor, exit->densities);
+    AddSurfaceLight(exit->interaction, exit->bsdf);
+    const float u_component = context_.sampler.Get1D();
+    const Point2 u_direction = context_.sampler.Get2D();
+    const std::optional<BsdfSample> sample =
+        exit->bsdf.Sample(exit->interaction.wo, u_component, u_direction);
+    if (!sample) return false;
+    Leave(exit->interaction, *sample);
+    return true;
+  }
+  return false;
 }
 
 // Ends paths of little throughput with a probability that keeps the mean.

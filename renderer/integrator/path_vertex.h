@@ -28,6 +28,18 @@ inline Bsdf BsdfAt(const PathContext& context, SurfaceInteraction& interaction) 
                                   context.wavelengths);
 }
 
+// For an interaction that BsdfAt has seen, where ScattersBelow.
+inline std::optional<Subsurface> SubsurfaceAt(const PathContext& context,
+                                              const SurfaceInteraction& interaction) {
+  const World& world = context.world;
+  const TextureContext place =
+      world.materials.NeedsFootprint(interaction.material)
+          ? MakeTextureContext(interaction, world.camera, context.settings.footprint_scale)
+          : PlaceOf(interaction);
+  return world.materials.SubsurfaceAt(interaction.material, world.textures, place, interaction,
+                                      context.wavelengths);
+}
+
 struct SampledLight {
   int index = 0;  // into World::lights
   LightSample light;

@@ -24,6 +24,7 @@ struct World {
   MediumTable media;            // empty if no ray can be in one, or the integrator does not follow them
   int camera_medium = -1;       // index into media; -1: vacuum
   bool has_interfaces = false;  // whether any surface is `interface`
+  bool has_subsurface = false;  // whether light is scattered below any surface; `volpath` alone follows it
   std::unique_ptr<Accelerator> accelerator;  // null if the scene is only checked
 };
 

@@ -1,5 +1,7 @@
 #include "renderer/material/material.h"
 
+#include <algorithm>
+
 #include "renderer/util/dispatch.h"
 
 namespace tessera {
@@ -8,13 +10,14 @@ Result<MaterialTable> MaterialTable::Build(const SceneDescription& scene, Textur
   MaterialTable table;
   CoatTableCache coats;
   MeasuredBrdfCache measured;
+  ProfileCache profiles;
   for (size_t i = 0; i < scene.materials.size(); ++i) {
     const Entity& entity = scene.materials[i].entity;
     const std::string name = entity.kind.empty() ? "interface" : entity.kind;
     const auto* kind = MaterialKinds().Find(name);
     if (kind == nullptr) return ErrorAt(entity.location, MaterialKinds().Refusal(name));
     ParameterReader parameters(entity);
-    MaterialReader reader{parameters, textures, coats, measured, scene, static_cast<int>(i)};
+    MaterialReader reader{parameters, textures, coats, measured, profiles, scene, static_cast<int>(i)};
     Material material = kind->reader(reader);
     if (const Result<void> finished = parameters.Finish(); !finished) return finished.error();
     table.materials_.push_back(std::move(material));
@@ -24,41 +27,60 @@ Result<MaterialTable> MaterialTable::Build(const SceneDescription& scene, Textur
 }
 
 MaterialTable::Traits MaterialTable::TraitsOf(const Material& material) const {
-  return Dispatch(material,
-                  Overloads{
-                      [](const SurfaceMaterial& surface) {
-                        const bool reads =
-                            Dispatch(surface.kind, [](const auto& kind) { return kind.ReadsTextures(); });
-                        return Traits{std::holds_alternative<InterfaceMaterial>(surface.kind),
-                                      reads || surface.relief.ReadsTextures()};
-                      },
-                      // A mix needs what the materials it chooses from need.
-                      [&](const MixMaterial& mix) {
-                        return Traits{false, mix.ReadsTextures() || traits_[mix.first].needs_footprint ||
-                                                 traits_[mix.second].needs_footprint};
-                      },
-                  });
+  return Dispatch(
+      material,
+      Overloads{
+          [](const SurfaceMaterial& surface) {
+            const bool reads = Dispatch(surface.kind, [](const auto& kind) { return kind.ReadsTextures(); });
+            return Traits{std::holds_alternative<InterfaceMaterial>(surface.kind),
+                          reads || surface.relief.ReadsTextures(),
+                          std::holds_alternative<SubsurfaceMaterial>(surface.kind)};
+          },
+          // A mix needs what the materials it chooses from need.
+          [&](const MixMaterial& mix) {
+            const Traits& first = traits_[mix.first];
+            const Traits& second = traits_[mix.second];
+            return Traits{false, mix.ReadsTextures() || first.needs_footprint || second.needs_footprint,
+                          first.scatters_below || second.scatters_below};
+          },
+      });
 }
 
 void MaterialTable::SetTraits() {
   // A mix without a name may choose from materials that come later in the table. Those count as needing it.
-  traits_.assign(materials_.size(), {false, true});
+  traits_.assign(materials_.size(), {false, true, true});
   for (size_t i = 0; i < materials_.size(); ++i) traits_[i] = TraitsOf(materials_[i]);
+}
+
+const SurfaceMaterial& MaterialTable::Chosen(int material, const TextureTable& textures,
+                                             const TextureContext& context,
+                                             const SurfaceInteraction& interaction) const {
+  for (;;) {
+    if (const auto* surface = std::get_if<SurfaceMaterial>(&materials_[material])) return *surface;
+    material = std::get<MixMaterial>(materials_[material]).Choose(textures, context, interaction);
+  }
+}
+
+bool MaterialTable::AnyScattersBelow() const {
+  return std::ranges::any_of(traits_, [](const Traits& traits) { return traits.scatters_below; });
+}
+
+std::optional<Subsurface> MaterialTable::SubsurfaceAt(int material, const TextureTable& textures,
+                                                      const TextureContext& context,
+                                                      const SurfaceInteraction& interaction,
+                                                      SampledWavelengths& wavelengths) const {
+  const SurfaceMaterial& surface = Chosen(material, textures, context, interaction);
+  const auto* subsurface = std::get_if<SubsurfaceMaterial>(&surface.kind);
+  if (subsurface == nullptr) return std::nullopt;
+  return subsurface->At({textures, context, wavelengths}, interaction.p, interaction.shading.n);
 }
 
 Bsdf MaterialTable::Evaluate(int material, const TextureTable& textures, const TextureContext& context,
                              SurfaceInteraction& interaction, SampledWavelengths& wavelengths) const {
-  const SurfaceMaterial* surface = nullptr;
-  while (surface == nullptr) {
-    Dispatch(materials_[material],
-             Overloads{
-                 [&](const SurfaceMaterial& chosen) { surface = &chosen; },
-                 [&](const MixMaterial& mix) { material = mix.Choose(textures, context, interaction); },
-             });
-  }
-  surface->relief.Apply(textures, context, interaction);
+  const SurfaceMaterial& surface = Chosen(material, textures, context, interaction);
+  surface.relief.Apply(textures, context, interaction);
   const MaterialContext at{textures, context, wavelengths};
-  const Bxdf bxdf = Dispatch(surface->kind, [&](const auto& kind) { return kind.MakeBxdf(at); });
+  const Bxdf bxdf = Dispatch(surface.kind, [&](const auto& kind) { return kind.MakeBxdf(at); });
   return Bsdf(interaction.shading.n, interaction.shading.dpdu, bxdf);
 }
 

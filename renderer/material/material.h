@@ -1,6 +1,7 @@
 // Materials: what a surface is made of, from textures to a Bsdf at one point.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "renderer/bxdf/bsdf.h"
@@ -31,15 +32,29 @@ class MaterialTable {
   Bsdf Evaluate(int material, const TextureTable& textures, const TextureContext& context,
                 SurfaceInteraction& interaction, SampledWavelengths& wavelengths) const;
 
+  // Whether light that enters the surface may come out elsewhere. Also true of a mix that may choose such a
+  // material.
+  bool ScattersBelow(int material) const { return traits_[material].scatters_below; }
+  bool AnyScattersBelow() const;
+  // Where such light comes out, for an interaction that Evaluate has seen. Returns nullopt if a mix chose
+  // another material.
+  std::optional<Subsurface> SubsurfaceAt(int material, const TextureTable& textures,
+                                         const TextureContext& context, const SurfaceInteraction& interaction,
+                                         SampledWavelengths& wavelengths) const;
+
   size_t size() const { return materials_.size(); }
 
  private:
   struct Traits {
     bool is_interface;
     bool needs_footprint;
+    bool scatters_below;
   };
   Traits TraitsOf(const Material& material) const;
   void SetTraits();
+  // The material itself, or the one that a mix chooses here.
+  const SurfaceMaterial& Chosen(int material, const TextureTable& textures, const TextureContext& context,
+                                const SurfaceInteraction& interaction) const;
 
   std::vector<Material> materials_;
   std::vector<Traits> traits_;  // by material

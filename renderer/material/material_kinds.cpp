@@ -34,10 +34,10 @@ constexpr Kind<Material (*)(MaterialReader&)> kKinds[] = {
     {"coatedconductor", Support::kSupported, ReadSurface<CoatedConductorMaterial>},
     {"hair", Support::kSupported, ReadHair},
     {"measured", Support::kSupported, ReadSurface<MeasuredMaterial>},
+    {"subsurface", Support::kSupported, ReadSurface<SubsurfaceMaterial>},
     {"mix", Support::kSupported, ReadMix},
     {"interface", Support::kSupported, ReadInterface},
     {"none", Support::kSupported, ReadInterface},
-    {"subsurface", Support::kNotSupported},
 };
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "renderer/material/measured_material.h"
 #include "renderer/material/mix_material.h"
 #include "renderer/material/relief.h"
+#include "renderer/material/subsurface_material.h"
 #include "renderer/material/thin_dielectric_material.h"
 
 namespace tessera {
@@ -26,7 +27,7 @@ namespace tessera {
 using SurfaceMaterialKind =
     std::variant<DiffuseMaterial, DiffuseTransmissionMaterial, ConductorMaterial, DielectricMaterial,
                  ThinDielectricMaterial, CoatedDiffuseMaterial, CoatedConductorMaterial, HairMaterial,
-                 MeasuredMaterial, InterfaceMaterial>;
+                 MeasuredMaterial, SubsurfaceMaterial, InterfaceMaterial>;
 
 // A material that scatters light.
 struct SurfaceMaterial {

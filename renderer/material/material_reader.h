@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "renderer/bssrdf/profile_cache.h"
 #include "renderer/bxdf/coat_table.h"
 #include "renderer/description/parameter_reader.h"
 #include "renderer/description/scene_description.h"
@@ -22,6 +23,7 @@ struct MaterialReader {
   TextureBuilder& textures;
   CoatTableCache& coats;
   MeasuredBrdfCache& measured;
+  ProfileCache& profiles;
   const SceneDescription& scene;
   int index;  // of the material in scene.materials
 

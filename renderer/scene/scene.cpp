@@ -137,6 +137,13 @@ Result<void> SceneBuilder::ReadSettings() {
                              data.estimator.integrator.follows_media};
   const Result<ShapeDescriptions> shapes = BuildWorld(request, &data.world, scene_.diagnostics);
   if (!shapes) return shapes.error();
+  if (data.world.has_subsurface && data.estimator.integrator.kind != IntegratorKind::kVolPath) {
+    scene_.diagnostics.Warn(
+        scene_.integrator.location,
+        fmt::format("\"subsurface\" materials are clear glass for integrator \"{}\", as in "
+                    "pbrt; \"volpath\" scatters light in them",
+                    integrator->name));
+  }
   if (data.estimator.integrator.kind == IntegratorKind::kMixture) data.estimator.lights.emplace(data.world);
   return CheckLightsFor(data.estimator, scene_, *shapes, data.world, scene_.diagnostics);
 }

@@ -149,6 +149,7 @@ Result<ShapeDescriptions> WorldBuilder::Build() {
   Result<MaterialTable> materials = MaterialTable::Build(scene_, textures_);
   if (!materials) return materials.error();
   world_.materials = std::move(*materials);
+  world_.has_subsurface = world_.materials.AnyScattersBelow();
   if (Result<void> added = AddShapes(); !added) return added.error();
   if (Result<void> added = AddGroups(); !added) return added.error();
   if (Result<void> added = AddInstances(); !added) return added.error();

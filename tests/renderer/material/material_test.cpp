@@ -214,7 +214,6 @@ struct BadMaterial {
 
 TEST(Material, ErrorsNameTheirPlace) {
   const BadMaterial bad[] = {
-      {R"(Material "subsurface")", "test.pbrt:2:1: material \"subsurface\" is not supported yet"},
       {R"(Material "difuse")", "test.pbrt:2:1: unknown material \"difuse\" (did you mean \"diffuse\"?)"},
       {R"(MakeNamedMaterial "x" "string type" "plastic")", "test.pbrt:2:1: unknown material \"plastic\""},
       {R"(Material "diffuse" "float roughness" 1)", "roughness"},
