@@ -6,11 +6,11 @@ namespace {
 constexpr std::string_view kIgnored = "ignored";
 
 constexpr Kind<std::string_view> kKinds[] = {
-    {"disablepixeljitter", Support::kMapped, "bool", kIgnored},
-    {"disabletexturefiltering", Support::kMapped, "bool", kIgnored},
-    {"disablewavelengthjitter", Support::kMapped, "bool", kIgnored},
+    {"disablepixeljitter", Support::kSupported, "bool"},
+    {"disabletexturefiltering", Support::kSupported, "bool"},
+    {"disablewavelengthjitter", Support::kSupported, "bool"},
+    {"forcediffuse", Support::kSupported, "bool"},
     {"displacementedgescale", Support::kMapped, "float", kIgnored},
-    {"forcediffuse", Support::kMapped, "bool", kIgnored},
     {"msereferenceimage", Support::kMapped, "string", kIgnored},
     {"msereferenceout", Support::kMapped, "string", kIgnored},
     {"seed", Support::kSupported, "integer"},

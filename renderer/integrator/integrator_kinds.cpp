@@ -22,8 +22,9 @@ constexpr Kind<IntegratorTraits> kIntegrators[] = {
     {"lightpath", Support::kMapped, kVolPath, "volpath"},
     {"mlt", Support::kMapped, kVolPath, "volpath"},
     {"sppm", Support::kMapped, kVolPath, "volpath"},
-    {"ambientocclusion", Support::kNotSupported},
-    {"function", Support::kNotSupported},
+    // Not of radiance: another picture.
+    {"ambientocclusion", Support::kMapped, kVolPath, "volpath"},
+    {"function", Support::kMapped, kVolPath, "volpath"},
 };
 
 }  // namespace

@@ -8,8 +8,9 @@
 namespace tessera {
 
 struct PathSettings {
-  int max_depth = 5;          // scattering events
-  float footprint_scale = 1;  // of texture footprints, for the samples per pixel
+  int max_depth = 5;           // scattering events
+  float footprint_scale = 1;   // of texture footprints, for the samples per pixel
+  bool force_diffuse = false;  // surfaces are Lambertian with the albedo of their material
 };
 
 // Rays traced, by kind.

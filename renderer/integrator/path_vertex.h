@@ -17,6 +17,18 @@ inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
   return {interaction.p, interaction.p_error, interaction.n, interaction.shading.n};
 }
 
+// A Lambertian surface with the albedo of another, estimated from one sample. Takes three dimensions of the
+// sampler.
+inline Bsdf DiffuseEquivalent(const PathContext& context, const SurfaceInteraction& interaction,
+                              const Bsdf& bsdf) {
+  const float u_component = context.sampler.Get1D();
+  const Point2 u_direction = context.sampler.Get2D();
+  const std::optional<BsdfSample> sample = bsdf.Sample(interaction.wo, u_component, u_direction);
+  SampledSpectrum albedo(0.0f);
+  if (sample) albedo = sample->f * (AbsDot(sample->wi, interaction.shading.n) / sample->pdf);
+  return Bsdf(interaction.shading.n, interaction.shading.dpdu, DiffuseBxdf(albedo));
+}
+
 // May change the shading normal and drop wavelengths.
 inline Bsdf BsdfAt(const PathContext& context, SurfaceInteraction& interaction) {
   const World& world = context.world;
@@ -24,8 +36,9 @@ inline Bsdf BsdfAt(const PathContext& context, SurfaceInteraction& interaction) 
       world.materials.NeedsFootprint(interaction.material)
           ? MakeTextureContext(interaction, world.camera, context.settings.footprint_scale)
           : PlaceOf(interaction);
-  return world.materials.Evaluate(interaction.material, world.textures, place, interaction,
-                                  context.wavelengths);
+  const Bsdf bsdf =
+      world.materials.Evaluate(interaction.material, world.textures, place, interaction, context.wavelengths);
+  return context.settings.force_diffuse ? DiffuseEquivalent(context, interaction, bsdf) : bsdf;
 }
 
 // For an interaction that BsdfAt has seen, where ScattersBelow.

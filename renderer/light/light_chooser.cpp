@@ -37,7 +37,8 @@ constexpr Kind<LightSamplerKind> kLightSamplers[] = {
     {"uniform", Support::kSupported, LightSamplerKind::kUniform},
     {"power", Support::kSupported, LightSamplerKind::kPower},
     {"bvh", Support::kSupported, LightSamplerKind::kTree},
-    {"exhaustive", Support::kNotSupported},
+    // The same choice, by the importance of every light instead of a tree of them.
+    {"exhaustive", Support::kMapped, LightSamplerKind::kTree, "bvh"},
 };
 
 }  // namespace

@@ -15,24 +15,13 @@ constexpr std::array<std::string_view, 13> kTypeWords{"bool",   "float",     "in
                                                       "point3", "vector3",   "normal",  "string", "texture",
                                                       "rgb",    "blackbody", "spectrum"};
 
-// What older versions of the language called some types; empty for others.
-std::string_view NewWord(std::string_view type) {
-  if (type == "point") return "point3";
-  if (type == "vector") return "vector3";
-  if (type == "color" || type == "xyz") return "rgb";
-  if (type == "normal3") return "normal";
-  return {};
-}
-
 bool IsType(std::string_view type) {
   return std::find(kTypeWords.begin(), kTypeWords.end(), type) != kTypeWords.end();
 }
 
 std::string UnknownType(std::string_view type) {
-  const std::string_view renamed = NewWord(type);
-  std::string message = "unknown parameter type " + Quoted(type);
-  message += renamed.empty() ? DidYouMean(type, kTypeWords) : fmt::format(" (did you mean \"{}\"?)", renamed);
-  return message + fmt::format(", expected one of {}", fmt::join(kTypeWords, " "));
+  return fmt::format("unknown parameter type {}{}, expected one of {}", Quoted(type),
+                     DidYouMean(type, kTypeWords), fmt::join(kTypeWords, " "));
 }
 
 std::string_view TakeWord(std::string_view* text) {

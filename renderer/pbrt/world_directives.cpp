@@ -105,10 +105,8 @@ bool SceneParser::Texture(const Statement& statement) {
   const std::optional<std::string> type = ReadName(statement, "type, \"float\" or \"spectrum\",");
   if (!type) return false;
   if (std::find(kTextureTypes.begin(), kTextureTypes.end(), *type) == kTextureTypes.end()) {
-    const std::string hint =
-        *type == "color" ? " (did you mean \"spectrum\"?)" : DidYouMean(*type, kTextureTypes);
     return Fail(type_location, fmt::format("unknown texture type {}{}, expected \"float\" or \"spectrum\"",
-                                           Quoted(*type), hint));
+                                           Quoted(*type), DidYouMean(*type, kTextureTypes)));
   }
   std::optional<Entity> entity = ReadEntity(statement, AttributeTarget::kTexture);
   return entity && builder_->AddTexture({*std::move(name), *type == "spectrum", *std::move(entity),

@@ -9,13 +9,26 @@ namespace {
 
 constexpr int kMaxDepthMax = 1 << 20;  // scattering events; roulette ends paths long before
 
-void ReadLightSampler(ParameterReader& reader, IntegratorChoice* choice) {
+// Whether an integrator of pbrt estimates something else than radiance.
+bool ShowsOtherThanRadiance(std::string_view name) {
+  return name == "ambientocclusion" || name == "function";
+}
+
+void ReadLightSampler(ParameterReader& reader, IntegratorChoice* choice, Diagnostics& diagnostics) {
   const std::string name = reader.String("lightsampler", "bvh");
   const Kind<LightSamplerKind>* kind = LightSamplers().Find(name);
-  if (kind != nullptr)
-    choice->light_sampler = kind->reader;
-  else
+  if (kind == nullptr) {
     reader.FailAt("lightsampler", LightSamplers().Refusal(name));
+    return;
+  }
+  choice->light_sampler = kind->reader;
+  if (kind->support == Support::kMapped) {
+    diagnostics.Warn(
+        reader.LocationOf("lightsampler"),
+        fmt::format("light sampler \"{}\" is not available: \"{}\", which chooses the same lights "
+                    "with less work, is used instead",
+                    kind->name, kind->instead));
+  }
 }
 
 // The parameters of a supported kind.
@@ -23,13 +36,13 @@ void ReadKind(ParameterReader& reader, IntegratorChoice* choice, Diagnostics& di
   switch (choice->integrator.kind) {
     case IntegratorKind::kPath:
     case IntegratorKind::kVolPath:
-      ReadLightSampler(reader, choice);
+      ReadLightSampler(reader, choice, diagnostics);
       if (reader.Bool("regularize", false)) {
         diagnostics.Warn(reader.entity().location,
                          "\"regularize\" is not available: the picture is not biased by it");
       }
       break;
-    case IntegratorKind::kMixture: ReadLightSampler(reader, choice); break;
+    case IntegratorKind::kMixture: ReadLightSampler(reader, choice, diagnostics); break;
     case IntegratorKind::kSimplePath:
       choice->sample_lights = reader.Bool("samplelights", true);
       choice->sample_bsdf = reader.Bool("samplebsdf", true);
@@ -76,10 +89,12 @@ Result<IntegratorChoice> ChooseIntegrator(const SceneDescription& scene, const R
   }
   if (kind->support == Support::kMapped) {
     reader.IgnoreRest();
+    const std::string_view picture = ShowsOtherThanRadiance(kind->name)
+                                         ? "which shows radiance and so another picture"
+                                         : "which converges to the same picture";
     diagnostics.Warn(entity.location,
-                     fmt::format("integrator \"{}\" is not available: \"{}\", which converges to the same "
-                                 "picture, renders instead",
-                                 kind->name, kind->instead));
+                     fmt::format("integrator \"{}\" is not available: \"{}\", {}, renders instead",
+                                 kind->name, kind->instead, picture));
   } else {
     ReadKind(reader, &choice, diagnostics);
   }

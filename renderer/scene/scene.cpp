@@ -105,6 +105,8 @@ Result<void> SceneBuilder::ReadSettings() {
   const Result<SceneOptions> scene_options = ReadSceneOptions(scene_, scene_.diagnostics);
   if (!scene_options) return scene_options.error();
   wavefront_ = scene_options->wavefront;
+  data.pixel_jitter = !scene_options->disable_pixel_jitter;
+  data.wavelength_jitter = !scene_options->disable_wavelength_jitter;
   const Result<FilmSettings> film = ReadFilm(scene_.film, options_, scene_.diagnostics);
   if (!film) return film.error();
   Result<Camera> camera =
@@ -129,7 +131,8 @@ Result<void> SceneBuilder::ReadSettings() {
                             ? kSpacingMin
                             : 1 / std::sqrt(static_cast<float>(data.sampler.samples_per_pixel));
   data.estimator.integrator = integrator->integrator;
-  data.estimator.path = {integrator->max_depth, std::max(kSpacingMin, spacing)};
+  const float footprint = scene_options->disable_texture_filtering ? 0 : std::max(kSpacingMin, spacing);
+  data.estimator.path = {integrator->max_depth, footprint, scene_options->force_diffuse};
   data.estimator.techniques = {integrator->sample_lights, integrator->sample_bsdf};
 
   if (Result<void> described = DescribeFrame(*film, *integrator); !described) return described;

@@ -25,7 +25,9 @@ struct Scene::Data {
   FilmSensor sensor = FilmSensor::Observer(ColorSpace::Srgb(), {}, 0);
   FrameSpec frame;
   SpectralBuckets buckets;
-  std::set<std::string> layers;  // in the frame: names in Layers()
+  bool pixel_jitter = true;       // else samples are at the centres of pixels and of the lens
+  bool wavelength_jitter = true;  // else all samples have the same wavelengths
+  std::set<std::string> layers;   // in the frame: names in Layers()
   SceneSummary summary;
 };
 

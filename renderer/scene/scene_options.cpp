@@ -29,6 +29,16 @@ bool IsFalse(const Parameter& option) {
   return option.bools.size() == 1 && !option.bools[0];
 }
 
+// Null for an option that is none.
+bool* FlagOf(std::string_view name, SceneOptions* options) {
+  if (name == "wavefront") return &options->wavefront;
+  if (name == "disablepixeljitter") return &options->disable_pixel_jitter;
+  if (name == "disablewavelengthjitter") return &options->disable_wavelength_jitter;
+  if (name == "disabletexturefiltering") return &options->disable_texture_filtering;
+  if (name == "forcediffuse") return &options->force_diffuse;
+  return nullptr;
+}
+
 }  // namespace
 
 Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics& diagnostics) {
@@ -41,7 +51,7 @@ Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics
       diagnostics.Warn(option.location,
                        fmt::format("option \"{}\" is not available and is ignored", kind->name));
     }
-    if (option.name == "wavefront") options.wavefront = !IsFalse(option);
+    if (bool* const flag = FlagOf(option.name, &options)) *flag = !IsFalse(option);
     if (option.name == "seed") {
       const Result<uint64_t> seed = ReadSeed(option);
       if (!seed) return seed.error();

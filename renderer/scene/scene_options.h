@@ -13,6 +13,10 @@ namespace tessera {
 struct SceneOptions {
   uint64_t seed = 0;
   bool wavefront = false;
+  bool disable_pixel_jitter = false;       // every sample is at the centre of its pixel and of the lens
+  bool disable_wavelength_jitter = false;  // every sample has the same four wavelengths
+  bool disable_texture_filtering = false;  // textures are looked up at points
+  bool force_diffuse = false;              // surfaces are Lambertian with the albedo of their material
 };
 
 // Options that are not available are warnings, values that make no sense are errors.

@@ -38,10 +38,16 @@ class PixelRenderer {
  private:
   void Sample(int x, int y, uint32_t index, float* values) {
     sampler_.StartSample(x, y, index);
-    const FilterSample filter = data_.filter.Sample(sampler_.Get2D());
-    SampledWavelengths wavelengths = SampledWavelengths::SampleVisible(sampler_.Get1D());
+    FilterSample filter = data_.filter.Sample(sampler_.Get2D());
+    const float u_wavelengths = sampler_.Get1D();
+    SampledWavelengths wavelengths =
+        SampledWavelengths::SampleVisible(data_.wavelength_jitter ? u_wavelengths : 0.5f);
     const Camera& camera = data_.world.camera;
-    const Point2 u_lens = camera.has_lens() ? sampler_.Get2D() : Point2{0.5f, 0.5f};
+    Point2 u_lens = camera.has_lens() ? sampler_.Get2D() : Point2{0.5f, 0.5f};
+    if (!data_.pixel_jitter) {
+      filter = {{0, 0}, 1};
+      u_lens = {0.5f, 0.5f};
+    }
     const Point2 film{static_cast<float>(x) + 0.5f + filter.offset.x,
                       static_cast<float>(y) + 0.5f + filter.offset.y};
     const CameraSample seen = camera.GenerateRay(film, u_lens, 0.5f);

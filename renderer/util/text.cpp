@@ -1,5 +1,7 @@
 #include "renderer/util/text.h"
 
+#include "renderer/util/former_words.h"
+
 #include <algorithm>
 #include <cctype>
 #include <utility>
@@ -75,6 +77,8 @@ std::string NearestWord(std::string_view word, std::span<const std::string_view>
 }
 
 std::string DidYouMean(std::string_view word, std::span<const std::string_view> candidates) {
+  const std::string_view successor = SuccessorOf(word, candidates);
+  if (!successor.empty()) return " (pbrt-v4 calls it \"" + std::string(successor) + "\")";
   const std::string nearest = NearestWord(word, candidates);
   return nearest.empty() ? std::string() : " (did you mean \"" + nearest + "\"?)";
 }

@@ -11,7 +11,8 @@ namespace tessera {
 // otherwise an empty string.
 std::string NearestWord(std::string_view word, std::span<const std::string_view> candidates);
 
-// " (did you mean \"x\"?)" for the nearest candidate, or "".
+// " (pbrt-v4 calls it \"x\")" for a word of pbrt-v3, " (did you mean \"x\"?)" for the nearest candidate, or
+// "".
 std::string DidYouMean(std::string_view word, std::span<const std::string_view> candidates);
 
 // `text` with control characters and bytes that are not UTF-8 replaced by '?'.

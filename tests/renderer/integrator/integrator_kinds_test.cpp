@@ -17,12 +17,6 @@ TEST(IntegratorKinds, MappedIntegratorHasTheTraitsOfWhatRendersInstead) {
   }
 }
 
-TEST(IntegratorKinds, UnsupportedIntegratorIsRefusedByName) {
-  EXPECT_EQ(Integrators().Find("ambientocclusion"), nullptr);
-  EXPECT_THAT(Integrators().Refusal("ambientocclusion"),
-              testing::HasSubstr("integrator \"ambientocclusion\" is not supported"));
-}
-
 TEST(IntegratorKinds, MisspelledIntegratorIsAnsweredWithTheNearestName) {
   EXPECT_EQ(Integrators().Find("volpaht"), nullptr);
   EXPECT_THAT(Integrators().Refusal("volpaht"), testing::HasSubstr("\"volpath\""));

@@ -105,7 +105,7 @@ const BadScene kSyntax[] = {
      "cameraworld "
      "world"},
     {"WorldBegin Texture \"t\" \"color\" \"constant\"",
-     "a.pbrt:1:24: unknown texture type \"color\" (did you mean \"spectrum\"?), expected \"float\" or "
+     "a.pbrt:1:24: unknown texture type \"color\" (pbrt-v4 calls it \"spectrum\"), expected \"float\" or "
      "\"spectrum\""},
 };
 
@@ -117,7 +117,7 @@ const BadScene kParameters[] = {
      "integer point2 "
      "vector2 point3 vector3 normal string texture rgb blackbody spectrum"},
     {"Camera \"p\" \"color L\" 1",
-     "a.pbrt:1:12: unknown parameter type \"color\" (did you mean \"rgb\"?), expected one of bool float "
+     "a.pbrt:1:12: unknown parameter type \"color\" (pbrt-v4 calls it \"rgb\"), expected one of bool float "
      "integer point2 "
      "vector2 point3 vector3 normal string texture rgb blackbody spectrum"},
     {"Camera \"p\" \"float fov\" [ 1 2",

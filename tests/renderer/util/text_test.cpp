@@ -29,5 +29,16 @@ TEST(Text, SuggestionsAreQuestionsOrNothing) {
   EXPECT_EQ(DidYouMean("xyzzy", kWords), "");
 }
 
+TEST(Text, FormerWordsAreAnsweredWithThoseOfToday) {
+  constexpr std::array<std::string_view, 4> kMaterials{"conductor", "dielectric", "coateddiffuse", "glas"};
+  EXPECT_EQ(DidYouMean("glass", kMaterials), " (pbrt-v4 calls it \"dielectric\")");
+  EXPECT_EQ(DidYouMean("plastic", kMaterials), " (pbrt-v4 calls it \"coateddiffuse\")");
+  constexpr std::array<std::string_view, 2> kTypes{"float", "spectrum"}, kValues{"rgb", "spectrum"};
+  EXPECT_EQ(DidYouMean("color", kTypes), " (pbrt-v4 calls it \"spectrum\")");
+  EXPECT_EQ(DidYouMean("color", kValues), " (pbrt-v4 calls it \"rgb\")");
+  // Only where the word of today is one of those that are expected.
+  EXPECT_EQ(DidYouMean("matte", kWords), "");
+}
+
 }  // namespace
 }  // namespace tessera

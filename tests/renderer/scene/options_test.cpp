@@ -1,0 +1,132 @@
+// The Option directives that change pictures, and integrators that are replaced.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "renderer/film/merger.h"
+#include "renderer/scene/scene.h"
+#include "tests/renderer/memory_files.h"
+
+namespace tessera::scene_options {
+namespace {
+
+struct Outcome {
+  std::vector<std::string> warnings;
+  std::vector<float> values;  // of the picture
+};
+
+// `settings` come before, `world` after WorldBegin of a picture of 8 x 8 pixels.
+Outcome Render(const std::string& settings, const std::string& world) {
+  MemoryFiles files(
+      {{"a.pbrt",
+        "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 \"bool savefp16\" false\n"
+        "Camera \"perspective\"\nSampler \"independent\" \"integer pixelsamples\" 64\n" +
+            settings + "\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n" + world}});
+  const Result<std::unique_ptr<Scene>> scene = Scene::Load(files, "a.pbrt", {}, Scene::Depth::kRender);
+  if (!scene) {
+    ADD_FAILURE() << scene.error().message;
+    return {};
+  }
+  const FrameSpec& frame = (*scene)->frame();
+  Merger merger(frame);
+  for (int tile = 0; tile < frame.TileCount(); ++tile) {
+    for (const SampleRange range : DyadicPartition(frame.samples_per_pixel))
+      EXPECT_TRUE(merger.Add(tile, *(*scene)->Render(frame.TileBounds(tile), {}, range, nullptr)));
+  }
+  return {(*scene)->summary().warnings, merger.Picture().values};
+}
+
+double MeanOf(const std::vector<float>& values) {
+  double sum = 0;
+  for (const float value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+// The edge of a black half-plane runs through the middle of the pixels of column 4.
+constexpr const char* kEdge = R"(
+  Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+  Translate 0.125 0 1
+  Shape "trianglemesh" "point3 P" [ 0.005 -9 0  9 -9 0  9 9 0  0.005 9 0 ] "integer indices" [ 0 1 2 0 2 3 ])";
+
+TEST(Options, DisablePixelJitterPutsSamplesAtPixelCentres) {
+  const Outcome jittered = Render("PixelFilter \"box\"", kEdge);
+  const Outcome centred = Render("PixelFilter \"box\" Option \"disablepixeljitter\" true", kEdge);
+  EXPECT_THAT(centred.warnings, testing::IsEmpty());
+  const size_t channels = jittered.values.size() / 64;
+  const float at_edge = jittered.values[4 * channels];
+  EXPECT_GT(at_edge, 0.1f);
+  EXPECT_LT(at_edge, 0.9f);
+  EXPECT_NEAR(centred.values[4 * channels], 1, 0.1f);
+  EXPECT_EQ(centred.values[5 * channels], 0);
+}
+
+TEST(Options, DisableWavelengthJitterGivesAllSamplesTheSameWavelengths) {
+  const Outcome fixed = Render("Option \"disablewavelengthjitter\" true", "");
+  EXPECT_THAT(fixed.warnings, testing::IsEmpty());
+  for (size_t i = 3; i < fixed.values.size(); i += 3) EXPECT_NEAR(fixed.values[i], fixed.values[0], 1e-4f);
+  const Outcome jittered = Render("", "");
+  EXPECT_GT(std::abs(jittered.values[3] - jittered.values[0]), 1e-4f);
+}
+
+TEST(Options, DisableTextureFilteringLooksTexturesUpAtPoints) {
+  // A fine checkerboard far away: filtered it is grey.
+  const std::string far_checker = R"(
+    Texture "c" "spectrum" "imagemap" "string filename" "checker.pfm" "float uscale" 500 "float vscale" 500
+    "string filter" "trilinear"
+    Material "diffuse" "texture reflectance" "c"
+    Translate 0 0 9
+    Shape "bilinearmesh" "point3 P" [ -40 -40 0  40 -40 0  -40 40 0  40 40 0 ])";
+  const auto contrast = [&](const std::string& option) {
+    MemoryFiles files(
+        {{"a.pbrt",
+          "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nCamera \"perspective\"\n"
+          "Sampler \"zsobol\" \"integer pixelsamples\" 1\n" +
+              option + "\nWorldBegin\nLightSource \"infinite\"\n" + far_checker},
+         {"checker.pfm", std::string("Pf\n2 2\n-1.0\n\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f\0\0\0\0", 28)}});
+    const Result<std::unique_ptr<Scene>> scene = Scene::Load(files, "a.pbrt", {}, Scene::Depth::kRender);
+    EXPECT_TRUE(scene) << scene.error().message;
+    if (!scene) return 0.0;
+    const RadianceTile tile = *(*scene)->Render({0, 0, 8, 8}, {}, {0, 1}, nullptr, nullptr);
+    double low = 1e9, high = 0;
+    for (size_t i = 0; i < 64; ++i) {
+      low = std::min(low, static_cast<double>(tile.sums[i * 4 + 1]));
+      high = std::max(high, static_cast<double>(tile.sums[i * 4 + 1]));
+    }
+    return high - low;
+  };
+  EXPECT_LT(contrast(""), 0.3);
+  EXPECT_GT(contrast("Option \"disabletexturefiltering\" true"), 0.6);
+}
+
+TEST(Options, ForceDiffuseKeepsTheAlbedoOfMaterials) {
+  const std::string wall = R"(
+    Material "conductor" "rgb reflectance" [ 0.6 0.6 0.6 ] "float roughness" 0.02
+    Shape "bilinearmesh" "point3 P" [ -9 -9 1  9 -9 1  -9 9 1  9 9 1 ])";
+  const Outcome diffuse = Render("Option \"forcediffuse\" true", wall), metal = Render("", wall);
+  EXPECT_THAT(diffuse.warnings, testing::IsEmpty());
+  // Under uniform light both show their albedo.
+  EXPECT_NEAR(MeanOf(diffuse.values), MeanOf(metal.values), 0.05);
+  EXPECT_NE(diffuse.values, metal.values);
+}
+
+TEST(Options, IntegratorsOfOtherPicturesAreReplacedWithAWarningThatSaysSo) {
+  for (const std::string name : {"ambientocclusion", "function"}) {
+    const Outcome outcome = Render("Integrator \"" + name + "\"", "");
+    ASSERT_EQ(outcome.warnings.size(), 1u);
+    EXPECT_EQ(outcome.warnings[0],
+              "a.pbrt:4:1: integrator \"" + name +
+                  "\" is not available: \"volpath\", which shows radiance and so another "
+                  "picture, renders instead");
+  }
+  EXPECT_THAT(Render("Integrator \"bdpt\"", "").warnings[0],
+              testing::HasSubstr("\"volpath\", which converges to the same picture, renders instead"));
+}
+
+TEST(Options, ExhaustiveLightSamplerIsReplacedWithAWarning) {
+  const Outcome outcome = Render("Integrator \"path\" \"string lightsampler\" \"exhaustive\"", "");
+  ASSERT_EQ(outcome.warnings.size(), 1u);
+  EXPECT_THAT(outcome.warnings[0],
+              testing::HasSubstr("light sampler \"exhaustive\" is not available: \"bvh\""));
+}
+
+}  // namespace
+}  // namespace tessera::scene_options
