@@ -17,6 +17,7 @@ class ProbeFiles : public FileSource {
     if (name == "probe.pbrt") return scene_;
     if (name == "probe.ply") return std::string(kProbeMesh);
     if (name == "probe.pfm") return ProbeImage();
+    if (name == "probe.ies") return std::string(kProbeLuminaire);
     if (name == "probe.lens") return std::string(kProbeLens);
     return BadInput(name + ": is not a file of the probe");
   }

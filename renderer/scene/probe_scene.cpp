@@ -63,6 +63,11 @@ AttributeBegin
 AttributeEnd
 LightSource "infinite" "blackbody L" [ 6500 ] "float scale" 0.1
 AttributeBegin
+  Rotate 70 1 0 1
+  LightSource "infinite" "string filename" "probe.pfm" "float illuminance" 2
+    "point3 portal" [ -6 -1 -3  -6 5 -3  -6 5 3  -6 -1 3 ]
+AttributeEnd
+AttributeBegin
   AreaLightSource "diffuse" "blackbody L" [ 3200 ] "float scale" 4
   Translate -3 3.6 0 Shape "sphere" "float radius" 0.4
 AttributeEnd
@@ -156,6 +161,10 @@ AttributeBegin Translate -2.8 0 -2.4 Material "hair" "float eumelanin" 0.6
     "point3 P" [ 0 -1 0  0.3 -0.4 0.2  -0.3 0.1 0  0.2 0.5 -0.2  0 1.2 0  0.1 1.6 0 ]
   Scale 1 0.7 1.3 Shape "curve" "integer degree" 2 "float width" 0.2 "point3 P" [ -0.7 -0.6 0  -0.2 0.8 0.1  -0.6 1.4 0 ]
 AttributeEnd
+AttributeBegin Translate 2.4 -0.2 -3.6 Material "subsurface" "texture reflectance" "flat" "rgb mfp" [ 0.2 0.1 0.05 ]
+  "float roughness" 0.1 "float g" 0.3 Shape "sphere" "float radius" 0.3 AttributeEnd
+AttributeBegin Translate -2.4 -0.2 -3.6 Material "subsurface" "string name" "Skin1" "float scale" 9
+  Shape "sphere" "float radius" 0.3 AttributeEnd
 AttributeBegin Translate 2.8 0 -2.4 Material "diffuse" "texture reflectance" "checker"
   Shape "curve" "string type" "ribbon" "string basis" "bspline" "integer degree" 2 "float width" 0.4
     "normal N" [ 0.4 0 -1  -0.5 0.3 -1  0 0 1 ] "point3 P" [ 0 -1 0  0.3 -0.2 0  -0.2 0.5 0.3  0 1.5 0 ]
@@ -171,6 +180,7 @@ LightSource "distant" "rgb L" [ 0.2 0.2 0.1 ] "point3 from" [ 1 3 -2 ] "point3 t
 AttributeBegin
   Translate 0 4.5 -3
   LightSource "goniometric" "string filename" "probe.pfm" "rgb I" [ 4 4 5 ]
+  LightSource "goniometric" "string filename" "probe.ies" "blackbody I" [ 4500 ] "float power" 60
   Rotate 50 1 0 0
   LightSource "projection" "string filename" "probe.pfm" "float fov" 60 "float power" 30
 AttributeEnd
@@ -181,6 +191,10 @@ const char* const kProbeMesh =
     "element face 3\nproperty list uchar int vertex_indices\nend_header\n"
     "-0.4 -0.3 0\n0.4 -0.3 0.1\n0.4 0.3 -0.1\n-0.4 0.3 0\n0 0.1 -0.5\n"
     "4 0 1 2 3\n3 0 1 4\n3 2 3 4\n";
+
+const char* const kProbeLuminaire =
+    "IESNA:LM-63-2002\nTILT=NONE\n1 800 1 4 3 1 2 0 0 0\n1 1 60\n0 30 60 120\n0 45 90\n"
+    "900 700 200 0\n900 800 300 0\n900 850 350 0\n";
 
 // Two elements and a stop.
 const char* const kProbeLens = "30 6 1.6 26\n-60 2 1 26\n0 4 0 20\n-25 2 1.7 20\n-40 30 1 20\n";

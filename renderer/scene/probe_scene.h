@@ -20,6 +20,7 @@ extern const char* const kProbeHead;            // film and camera; variants may
 extern const char* const kProbeWorld;           // with WorldBegin
 extern const char* const kProbeLightsOfNoSize;  // comes after it
 extern const char* const kProbeMesh;            // "probe.ply"
+extern const char* const kProbeLuminaire;       // "probe.ies"
 extern const char* const kProbeLens;            // "probe.lens"
 std::string ProbeImage();                       // "probe.pfm": square, in colour
 
