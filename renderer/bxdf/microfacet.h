@@ -31,6 +31,12 @@ class MicrofacetDistribution {
   // pbrt-v4's remapping of the perceived roughness.
   static float AlphaFromRoughness(float roughness) { return SafeSqrt(roughness); }
 
+  // As pbrt-v4's `regularize`: smooth surfaces become so rough that light sampling finds what they reflect.
+  MicrofacetDistribution Regularized() const {
+    const auto wider = [](float alpha) { return alpha < 0.3f ? std::clamp(2 * alpha, 0.1f, 0.3f) : alpha; };
+    return {wider(alpha_x_), wider(alpha_y_)};
+  }
+
   bool IsSmooth() const { return smooth_; }
   float alpha_x() const { return alpha_x_; }
   float alpha_y() const { return alpha_y_; }

@@ -10,6 +10,7 @@ namespace tessera {
 struct PathSettings {
   int max_depth = 5;           // scattering events
   float footprint_scale = 1;   // of texture footprints, for the samples per pixel
+  bool regularize = false;     // path and volpath: surfaces after a bounce that is not specular are rougher
   bool force_diffuse = false;  // surfaces are Lambertian with the albedo of their material
 };
 

@@ -57,7 +57,8 @@ class PathTracer {
   int depth_ = 0;       // scattering events
   int interfaces_ = 0;  // crossed since the last of them
   FirstScatter first_ = FirstScatter::kNone;
-  bool weigh_ = false;  // whether light sampling could have found what the current ray hits
+  bool was_spread_ = false;  // whether any event was not specular
+  bool weigh_ = false;       // whether light sampling could have found what the current ray hits
   // Radiance is compressed inside denser media; roulette looks at what will leave them.
   float eta_scale_ = 1;
   ReferencePoint previous_;  // where the path last scattered: at the camera or a vertex
@@ -115,7 +116,7 @@ bool PathTracer<Transport, Sink>::ScatterInMedium(float t) {
     AddMediumLight(wo, phase);
     const PhaseSample sample = phase.Sample(wo, context_.sampler.Get2D());
     transport_.ScatterInMedium(sample.pdf);
-    weigh_ = true;
+    weigh_ = was_spread_ = true;
     ray_ = {previous_.p, sample.wi, std::numeric_limits<float>::infinity(), ray_.time};
     return SurvivesRoulette();
   }
@@ -127,7 +128,7 @@ bool PathTracer<Transport, Sink>::ScatterOnSurface(SurfaceInteraction& interacti
   if (depth_++ == context_.settings.max_depth) return false;
   interfaces_ = 0;
   const bool had_all_wavelengths = !context_.wavelengths.SecondaryTerminated();
-  const Bsdf bsdf = BsdfAt(context_, interaction);
+  const Bsdf bsdf = BsdfAt(context_, interaction, context_.settings.regularize && was_spread_);
   if (had_all_wavelengths && context_.wavelengths.SecondaryTerminated()) transport_.FollowFirstWavelength();
   NoteScatter(FirstScatter::kNonSpecular);
   if (bsdf.HasNonSpecular()) AddSurfaceLight(interaction, bsdf);
@@ -154,6 +155,7 @@ void PathTracer<Transport, Sink>::Leave(const SurfaceInteraction& interaction, c
   const float cosine = AbsDot(sample.wi, interaction.shading.n);
   transport_.Scatter(interaction, sample.wi, sample.f * (cosine / sample.pdf), sample.pdf);
   weigh_ = !sample.IsSpecular();
+  was_spread_ |= weigh_;
   if (sample.IsTransmission()) eta_scale_ *= Sqr(sample.eta);
   previous_ = ReferenceAt(interaction);
   ray_ = interaction.SpawnRay(sample.wi);

@@ -30,14 +30,14 @@ inline Bsdf DiffuseEquivalent(const PathContext& context, const SurfaceInteracti
 }
 
 // May change the shading normal and drop wavelengths.
-inline Bsdf BsdfAt(const PathContext& context, SurfaceInteraction& interaction) {
+inline Bsdf BsdfAt(const PathContext& context, SurfaceInteraction& interaction, bool regularizes = false) {
   const World& world = context.world;
   const TextureContext place =
       world.materials.NeedsFootprint(interaction.material)
           ? MakeTextureContext(interaction, world.camera, context.settings.footprint_scale)
           : PlaceOf(interaction);
-  const Bsdf bsdf =
-      world.materials.Evaluate(interaction.material, world.textures, place, interaction, context.wavelengths);
+  const Bsdf bsdf = world.materials.Evaluate(interaction.material, world.textures, place, interaction,
+                                             context.wavelengths, regularizes);
   return context.settings.force_diffuse ? DiffuseEquivalent(context, interaction, bsdf) : bsdf;
 }
 

@@ -40,8 +40,11 @@ Bxdf CoatedDiffuseMaterial::MakeBxdf(const MaterialContext& at) const {
   const DielectricBxdf coat(at(roughness), eta_here);
   const SampledSpectrum reflectance_here = Clamp(at(reflectance), 0, 1);
   const float alpha = coat.facets().alpha_x();
-  const bool in_table =
-      table_kind != Table::kNone && (table_kind != Table::kAlpha || alpha <= CoatTable::kAlphaRowMax);
+  // The other tables are of the alpha that the material asks for.
+  const bool has_alpha = table_kind == Table::kAlpha
+                             ? alpha <= CoatTable::kAlphaRowMax
+                             : !at.regularizes || alpha == roughness.constant.alpha_x();
+  const bool in_table = table_kind != Table::kNone && has_alpha;
   if (in_table) {
     const float parameter = table_kind == Table::kAlpha ? alpha : eta_here;
     return CoatedDiffuseBxdf(coat, table->At(parameter), reflectance_here,

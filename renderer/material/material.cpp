@@ -76,10 +76,11 @@ std::optional<Subsurface> MaterialTable::SubsurfaceAt(int material, const Textur
 }
 
 Bsdf MaterialTable::Evaluate(int material, const TextureTable& textures, const TextureContext& context,
-                             SurfaceInteraction& interaction, SampledWavelengths& wavelengths) const {
+                             SurfaceInteraction& interaction, SampledWavelengths& wavelengths,
+                             bool regularizes) const {
   const SurfaceMaterial& surface = Chosen(material, textures, context, interaction);
   surface.relief.Apply(textures, context, interaction);
-  const MaterialContext at{textures, context, wavelengths};
+  const MaterialContext at{textures, context, wavelengths, regularizes};
   const Bxdf bxdf = Dispatch(surface.kind, [&](const auto& kind) { return kind.MakeBxdf(at); });
   return Bsdf(interaction.shading.n, interaction.shading.dpdu, bxdf);
 }

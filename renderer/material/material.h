@@ -29,8 +29,10 @@ class MaterialTable {
   // The Bsdf of `material` at a surface point. Chooses among mixed materials by a hash of the point, changes
   // `interaction.shading` by bump or normal maps, and drops secondary wavelengths where the material
   // disperses. `context` holds the texture footprint if NeedsFootprint.
+  // `regularizes`: MaterialContext.
   Bsdf Evaluate(int material, const TextureTable& textures, const TextureContext& context,
-                SurfaceInteraction& interaction, SampledWavelengths& wavelengths) const;
+                SurfaceInteraction& interaction, SampledWavelengths& wavelengths,
+                bool regularizes = false) const;
 
   // Whether light that enters the surface may come out elsewhere. Also true of a mix that may choose such a
   // material.

@@ -53,13 +53,15 @@ struct MaterialContext {
   const TextureTable& textures;
   const TextureContext& texture_context;
   SampledWavelengths& wavelengths;
+  bool regularizes = false;  // whether surfaces are rougher than their parameters ask for
 
   float operator()(const FloatInput& input) const { return textures.Evaluate(input, texture_context); }
   SampledSpectrum operator()(const SpectrumInput& input) const {
     return textures.Evaluate(input, texture_context, wavelengths);
   }
   MicrofacetDistribution operator()(const RoughnessInput& input) const {
-    return input.Evaluate(textures, texture_context);
+    const MicrofacetDistribution facets = input.Evaluate(textures, texture_context);
+    return regularizes ? facets.Regularized() : facets;
   }
   float operator()(const EtaInput& input) const { return input.Evaluate(wavelengths); }
 };

@@ -37,10 +37,7 @@ void ReadKind(ParameterReader& reader, IntegratorChoice* choice, Diagnostics& di
     case IntegratorKind::kPath:
     case IntegratorKind::kVolPath:
       ReadLightSampler(reader, choice, diagnostics);
-      if (reader.Bool("regularize", false)) {
-        diagnostics.Warn(reader.entity().location,
-                         "\"regularize\" is not available: the picture is not biased by it");
-      }
+      choice->regularize = reader.Bool("regularize", false);
       break;
     case IntegratorKind::kMixture: ReadLightSampler(reader, choice, diagnostics); break;
     case IntegratorKind::kSimplePath:

@@ -15,6 +15,7 @@ struct IntegratorChoice {
   std::string name;                               // of the kind
   int max_depth = 5;                              // scattering events
   bool sample_lights = true, sample_bsdf = true;  // of simplepath
+  bool regularize = false;                        // of path and volpath
   LightSamplerKind light_sampler = LightSamplerKind::kTree;
 };
 

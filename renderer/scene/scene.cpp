@@ -132,7 +132,8 @@ Result<void> SceneBuilder::ReadSettings() {
                             : 1 / std::sqrt(static_cast<float>(data.sampler.samples_per_pixel));
   data.estimator.integrator = integrator->integrator;
   const float footprint = scene_options->disable_texture_filtering ? 0 : std::max(kSpacingMin, spacing);
-  data.estimator.path = {integrator->max_depth, footprint, scene_options->force_diffuse};
+  data.estimator.path = {integrator->max_depth, footprint, integrator->regularize,
+                         scene_options->force_diffuse};
   data.estimator.techniques = {integrator->sample_lights, integrator->sample_bsdf};
 
   if (Result<void> described = DescribeFrame(*film, *integrator); !described) return described;

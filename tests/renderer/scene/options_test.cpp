@@ -108,6 +108,44 @@ TEST(Options, ForceDiffuseKeepsTheAlbedoOfMaterials) {
   EXPECT_NE(diffuse.values, metal.values);
 }
 
+// Light from a point that reaches the wall by way of a mirror alone, which no path can find.
+TEST(Options, RegularizeShowsCausticsOfPointLights) {
+  const std::string scene = R"(
+    Material "diffuse" "rgb reflectance" [ 0.8 0.8 0.8 ]
+    Shape "bilinearmesh" "point3 P" [ -4 -4 5  4 -4 5  -4 4 5  4 4 5 ]
+    Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+    AttributeBegin Translate 0 3 2.5 Shape "disk" "float radius" 2.5 AttributeEnd
+    Material "MATERIAL" "float roughness" 0
+    Shape "bilinearmesh" "point3 P" [ -6 -6 -1  6 -6 -1  -6 6 -1  6 6 -1 ])";
+  const auto mean = [&](const std::string& material, const std::string& parameters) {
+    std::string text = scene;
+    text.replace(text.find("MATERIAL"), 8, material);
+    MemoryFiles files(
+        {{"a.pbrt",
+          "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
+          "LookAt 0 0 0  0 -1 5  0 1 0 Camera \"perspective\" \"float fov\" 30\n"
+          "Sampler \"independent\" \"integer pixelsamples\" 256 Integrator " +
+              parameters + "\nWorldBegin LightSource \"point\" \"point3 from\" [ 0 3 2 ]\n" + text}});
+    const Result<std::unique_ptr<Scene>> loaded = Scene::Load(files, "a.pbrt", {}, Scene::Depth::kRender);
+    EXPECT_TRUE(loaded) << loaded.error().message;
+    if (!loaded) return 0.0;
+    EXPECT_THAT((*loaded)->summary().warnings, testing::IsEmpty());
+    const RadianceTile tile = *(*loaded)->Render({0, 0, 8, 8}, {}, {0, 256}, nullptr, nullptr);
+    double sum = 0;
+    for (size_t i = 0; i < 64; ++i) sum += tile.sums[i * 4 + 1] / (64 * 256);
+    return sum;
+  };
+  for (const std::string integrator : {"\"path\"", "\"volpath\""}) {
+    EXPECT_EQ(mean("conductor", integrator + " \"bool regularize\" false"), 0);
+    const double metal = mean("conductor", integrator + " \"bool regularize\" true");
+    EXPECT_GT(metal, 1e-4);
+    EXPECT_LT(metal, 1);
+    // The coat is one of the interfaces that become rough, whatever closed form the smooth one has.
+    EXPECT_GT(mean("coateddiffuse", integrator + " \"bool regularize\" true"),
+              1.001 * mean("coateddiffuse", integrator));
+  }
+}
+
 TEST(Options, IntegratorsOfOtherPicturesAreReplacedWithAWarningThatSaysSo) {
   for (const std::string name : {"ambientocclusion", "function"}) {
     const Outcome outcome = Render("Integrator \"" + name + "\"", "");
