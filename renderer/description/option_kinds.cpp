@@ -10,9 +10,9 @@ constexpr Kind<std::string_view> kKinds[] = {
     {"disabletexturefiltering", Support::kSupported, "bool"},
     {"disablewavelengthjitter", Support::kSupported, "bool"},
     {"forcediffuse", Support::kSupported, "bool"},
-    {"displacementedgescale", Support::kMapped, "float", kIgnored},
     {"msereferenceimage", Support::kMapped, "string", kIgnored},
     {"msereferenceout", Support::kMapped, "string", kIgnored},
+    {"displacementedgescale", Support::kSupported, "float"},
     {"seed", Support::kSupported, "integer"},
     // These change how pbrt works, not what it computes: whatever their value, they are satisfied.
     {"pixelstats", Support::kSupported, "bool"},

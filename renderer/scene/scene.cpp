@@ -105,6 +105,7 @@ Result<void> SceneBuilder::ReadSettings() {
   const Result<SceneOptions> scene_options = ReadSceneOptions(scene_, scene_.diagnostics);
   if (!scene_options) return scene_options.error();
   wavefront_ = scene_options->wavefront;
+  ScaleDisplacementEdges(scene_options->displacement_edge_scale, scene_);
   data.pixel_jitter = !scene_options->disable_pixel_jitter;
   data.wavelength_jitter = !scene_options->disable_wavelength_jitter;
   const Result<FilmSettings> film = ReadFilm(scene_.film, options_, scene_.diagnostics);

@@ -52,6 +52,11 @@ Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics
                        fmt::format("option \"{}\" is not available and is ignored", kind->name));
     }
     if (bool* const flag = FlagOf(option.name, &options)) *flag = !IsFalse(option);
+    if (option.name == "displacementedgescale") {
+      options.displacement_edge_scale = option.floats.empty() ? 1 : option.floats[0];
+      if (!(options.displacement_edge_scale > 0))
+        return ErrorAt(option.location, "option \"displacementedgescale\" must be above 0");
+    }
     if (option.name == "seed") {
       const Result<uint64_t> seed = ReadSeed(option);
       if (!seed) return seed.error();
@@ -59,6 +64,30 @@ Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics
     }
   }
   return options;
+}
+
+void ScaleDisplacementEdges(float factor, SceneDescription& scene) {
+  if (factor == 1) return;
+  const auto scale = [factor](std::vector<ShapeDescription>& shapes) {
+    for (ShapeDescription& shape : shapes) {
+      if (shape.entity.kind != "plymesh") continue;
+      // The default comes first, so that what is written takes precedence.
+      Parameter length;
+      length.type = "float";
+      length.name = "edgelength";
+      length.location = shape.entity.location;
+      length.floats = {1};
+      length.is_default = true;
+      std::vector<Parameter>& parameters = shape.entity.parameters;
+      parameters.insert(parameters.begin(), std::move(length));
+      for (Parameter& parameter : parameters) {
+        if (parameter.type == "float" && parameter.name == "edgelength")
+          for (float& value : parameter.floats) value *= factor;
+      }
+    }
+  };
+  scale(scene.shapes);
+  for (ObjectDescription& object : scene.objects) scale(object.shapes);
 }
 
 KindList SceneAcceleratorKinds() {

@@ -13,6 +13,7 @@ namespace tessera {
 struct SceneOptions {
   uint64_t seed = 0;
   bool wavefront = false;
+  float displacement_edge_scale = 1;
   bool disable_pixel_jitter = false;       // every sample is at the centre of its pixel and of the lens
   bool disable_wavelength_jitter = false;  // every sample has the same four wavelengths
   bool disable_texture_filtering = false;  // textures are looked up at points
@@ -21,6 +22,9 @@ struct SceneOptions {
 
 // Options that are not available are warnings, values that make no sense are errors.
 Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics& diagnostics);
+
+// Multiplies `edgelength` of every plymesh that is displaced.
+void ScaleDisplacementEdges(float factor, SceneDescription& scene);
 
 // Those that the Accelerator directive may name.
 KindList SceneAcceleratorKinds();

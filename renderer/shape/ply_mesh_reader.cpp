@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "renderer/shape/displaced_mesh.h"
 #include "renderer/shape/ply_reader.h"
 #include "renderer/shape/shape_directive.h"
 #include "renderer/util/file.h"
@@ -57,14 +58,57 @@ std::vector<Form> MakeForms(const PlyMesh& ply, const Placement& placement) {
   return forms;
 }
 
+// Quads become two triangles each.
+MeshData TrianglesOf(const PlyMesh& ply) {
+  MeshData lists = ListsOf(ply, ply.triangles);
+  for (size_t i = 0; i < ply.quads.size(); i += 4) {
+    const uint32_t* q = &ply.quads[i];
+    lists.indices.insert(lists.indices.end(), {q[0], q[1], q[3], q[0], q[3], q[2]});
+  }
+  return lists;
+}
+
+// Constants are not accepted, as in pbrt.
+std::optional<FloatInput> ReadDisplacement(const ShapeDirective& directive) {
+  if (!directive.reader.FindTexture("displacement")) return std::nullopt;
+  return directive.textures.FindFloat(directive.reader, "displacement");
+}
+
+// Reports errors to the reader; the result is then ignored.
+std::vector<Form> MakeDisplaced(const PlyMesh& ply, const FloatInput& height, float edge_length,
+                                const ShapeDirective& directive) {
+  if (ply.uv.empty()) {
+    directive.reader.FailAt("displacement", "displacement needs a mesh with texture coordinates");
+    return {};
+  }
+  const Transform& transform = directive.placement.render_from_object;
+  const TextureTable textures = directive.textures.Snapshot();
+  const auto height_at = [&](Point3 p, Normal3 n, Point2 uv) {
+    TextureContext place;
+    place.p = transform.ToPoint(p);
+    place.n = transform.ToNormal(n);
+    place.uv = uv;
+    return textures.Evaluate(height, place);
+  };
+  Result<MeshData> displaced = Displace(TrianglesOf(ply), {edge_length, transform, height_at});
+  if (!displaced) {
+    directive.reader.FailAt("edgelength", displaced.error().message);
+    return {};
+  }
+  std::vector<Form> forms;
+  forms.emplace_back(MakeTriangleMesh(std::move(*displaced), directive.placement));
+  return forms;
+}
+
 }  // namespace
 
 std::vector<Form> ReadPlyMesh(const ShapeDirective& directive) {
   ParameterReader& reader = directive.reader;
   const std::string name = reader.String("filename", "");
   if (name.empty()) reader.Fail("plymesh needs \"string filename\"");
-  if (reader.FindTexture("displacement")) reader.FailAt("displacement", "displacement is not supported yet");
-  reader.Float("edgelength", 1);
+  const std::optional<FloatInput> displacement = ReadDisplacement(directive);
+  const float edge_length = reader.Float("edgelength", 1);
+  if (displacement && !(edge_length > 0)) reader.FailAt("edgelength", "edgelength must be above 0");
   if (reader.failed()) return {};
   const Result<std::shared_ptr<const PlyMesh>> read = ReadPlyFile(name, directive.files);
   if (!read) {
@@ -77,6 +121,7 @@ std::vector<Form> ReadPlyMesh(const ShapeDirective& directive) {
     directive.Warn("filename", fmt::format("{}: {} faces of neither three nor four vertices are ignored",
                                            name, ply.skipped_faces));
   }
+  if (displacement) return MakeDisplaced(ply, *displacement, edge_length, directive);
   return MakeForms(ply, directive.placement);
 }
 

@@ -41,6 +41,7 @@ Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, Surfa
                                           {render_from_object, description.reverse_orientation},
                                           files,
                                           diagnostics,
+                                          textures,
                                           description.mesh.get()});
   if (Result<void> done = reader.Finish(); !done) return done.error();
   std::vector<Shape> shapes;

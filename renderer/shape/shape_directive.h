@@ -10,6 +10,7 @@
 #include "renderer/description/parameter_reader.h"
 #include "renderer/shape/form.h"
 #include "renderer/shape/mesh_builder.h"
+#include "renderer/texture/texture_builder.h"
 
 namespace tessera {
 
@@ -18,6 +19,7 @@ struct ShapeDirective {
   Placement placement;
   FileSource& files;
   Diagnostics& diagnostics;
+  TextureBuilder& textures;
   const MeshData* mesh = nullptr;  // of a kind that is a mesh; null: the parameters give it
 
   void Warn(std::string_view parameter, const std::string& text) const {

@@ -46,6 +46,7 @@ class TextureAssembly {
   std::optional<SpectrumInput> Scaled(const SpectrumInput& input, const FloatInput& factor);
 
   TextureNodes Take() { return std::move(nodes_); }
+  const TextureNodes& nodes() const { return nodes_; }
 
  private:
   // The cost of looking up a node with all its operands.

@@ -144,6 +144,10 @@ SpectrumInput TextureBuilder::SpectrumOf(ParameterReader& reader, std::string_vi
   return FindSpectrum(reader, name, use).value_or(SpectrumInput{default_value, -1});
 }
 
+TextureTable TextureBuilder::Snapshot() const {
+  return TextureTable(state_->assembly.nodes());
+}
+
 TextureTable TextureBuilder::Finish() {
   TextureTable table(state_->assembly.Take());
   state_ = std::make_unique<State>();

@@ -38,6 +38,8 @@ class TextureBuilder {
   ImageCache& images() { return images_; }
   Diagnostics& diagnostics() { return diagnostics_; }
 
+  // The textures so far, for those who look them up before all is built.
+  TextureTable Snapshot() const;
   // Must be called once, last: the builder is empty afterwards.
   TextureTable Finish();
 

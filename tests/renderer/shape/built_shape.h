@@ -24,10 +24,17 @@ inline constexpr char kQuadPly[] =
     "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
     "0 0 0 1 0 0 1 1 0 0 1 0 5 5 5 6 6 7\n4 0 1 2 3\n3 0 4 5\n";
 
+// A square with texture coordinates.
+inline constexpr char kUvPly[] =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    "property float u\nproperty float v\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n4 0 1 2 3\n";
+
 // Builds the first shape of a world that consists of `text`.
 inline Built Build(const std::string& text) {
   MemoryFiles files;
   files.files["quad.ply"] = kQuadPly;
+  files.files["uv.ply"] = kUvPly;
   files.files["half.ply"] = std::string(kQuadPly, sizeof kQuadPly - 5);
   std::string packed(1000, '\0');
   z_stream stream{};
