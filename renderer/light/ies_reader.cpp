@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "renderer/description/number.h"
+#include "renderer/description/source_location.h"
 #include "renderer/light/ies_profile.h"
 
 namespace tessera {
