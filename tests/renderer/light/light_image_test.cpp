@@ -1,4 +1,6 @@
 // The colour spaces of images that lights emit.
+#include "renderer/util/file.h"
+#include "tests/build_paths.h"
 #include "tests/renderer/exr_bytes.h"
 #include "tests/renderer/light/light_scene.h"
 
@@ -78,6 +80,37 @@ TEST(ImagesOfLights, OfAnUnknownColorSpaceAreSrgbWithAWarning) {
       adobe.diagnostics.warnings()[0].Text(),
       "lights.pbrt:6:28: the image has the chromaticities red 0.64 0.33, green 0.21 0.71, blue 0.15 0.06, "
       "white 0.3127 0.329, which are those of none of the supported colour spaces; it is read as sRGB");
+}
+
+// The same picture of 7 x 5 pixels in each of them, or a smaller one.
+TEST(ImagesOfLights, AreReadFromEveryFormat) {
+  for (const std::string name : {"png/3.png", "jpeg/3.jpg", "bmp/3.bmp", "webp/3.webp", "tiff/3.tif",
+                                 "hdr/3.hdr", "tga/3.tga", "exr/4.exr", "qoi/all.qoi", "pfm/rgb.pfm"}) {
+    const Result<std::string> bytes = ReadFile(SourceDir() + "/tests/fuzz/corpus/" + name, size_t{1} << 20);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    LightScene lights;
+    lights.files.files[name] = *bytes;
+    lights.Build("LightSource \"projection\" \"string filename\" \"" + name + R"("
+      AreaLightSource "diffuse" "string filename" ")" +
+                     name + "\"\nShape \"sphere\"",
+                 {SphereShape({0, 0, 9}, 1)});
+    ASSERT_EQ(lights.error, "") << name;
+    TestRandom random(1);
+    float projected = 0, emitted = 0;
+    for (int i = 0; i < 100; ++i) {
+      const Point2 u = random.Next2<Point2>();
+      projected += SampleLuminance(lights.table, 0, At({u.x - 0.5f, u.y - 0.5f, 1}), u);
+      emitted += SampleLuminance(lights.table, 1, At({0, 0, 0}), u);
+    }
+    EXPECT_GT(projected, 0) << name;
+    EXPECT_GT(emitted, 0) << name;
+    // Only its shape stands in the way of a goniometric light.
+    LightScene gonio;
+    gonio.files.files[name] = *bytes;
+    gonio.Build("LightSource \"goniometric\" \"string filename\" \"" + name + "\"");
+    const bool is_accepted = gonio.error.empty();
+    EXPECT_TRUE(is_accepted || gonio.error.find("is not square") != std::string::npos) << gonio.error;
+  }
 }
 
 }  // namespace
