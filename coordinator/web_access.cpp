@@ -18,6 +18,9 @@ namespace {
 // The name of a member whose token has none.
 constexpr const char* kBrowserName = "browser";
 
+// The use of the token may be written later.
+constexpr const char* kRemedy = "if the token counts as used afterwards, ask for another";
+
 class WebAccess {
  public:
   WebAccess(const CallGate& gate, const ChangePath& path, AccessPolicy policy)
@@ -89,10 +92,14 @@ Result<void> WebAccess::Store(const MemberStatus& member, const std::string& pee
     if (!joined) return promise->set_value(joined);
     spdlog::info("member_joined {} token={} by=\"a browser\"",
                  MemberText(member.id, member.role, member.name, peer), TokenIdText(member.token));
-    core.answers.AfterSync([promise](const Result<void>& synced) { promise->set_value(synced); });
+    core.answers.AfterSync([promise](const Result<void>& synced) {
+      if (synced) return promise->set_value({});
+      promise->set_value(Failed(
+          fmt::format("the coordinator cannot write its data: {}; {}", synced.error().message, kRemedy)));
+    });
   });
   if (answer.wait_for(kCorePatience) != std::future_status::ready)
-    return Failed("the coordinator is busy; if the token counts as used now, ask for another");
+    return Failed(fmt::format("the coordinator is busy; {}", kRemedy));
   return answer.get();
 }
 

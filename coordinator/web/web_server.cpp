@@ -31,7 +31,6 @@ constexpr seconds kClosePatience{1};       // for the peer to close after it
 constexpr size_t kDroppedBytesMax = 1 << 20;
 constexpr milliseconds kPollInterval{500};
 constexpr milliseconds kDescriptorPause{250};
-constexpr seconds kReloadInterval{30};
 // A handshake costs some 0.3 ms. Those of members are given back.
 constexpr PeerBudget::Limits kHandshakeLimits{100, 50};
 constexpr std::string_view kHeadEnd = "\r\n\r\n";
@@ -158,7 +157,7 @@ Result<void> WebServer::LoadCertificate() {
 
 void WebServer::ReloadCertificate() {
   if (!tls_ || Clock::now() < reload_due_) return;
-  reload_due_ = Clock::now() + kReloadInterval;
+  reload_due_ = Clock::now() + tls_->reload_interval;
   if (const auto loaded = LoadCertificate(); !loaded)
     failed_.Warn("web_certificate_not_reloaded", "reason=" + LogText(loaded.error().message));
 }

@@ -25,6 +25,7 @@ struct WebTls {
   std::string key_path, certificate_path;
   std::vector<Certificate> authorities;  // of client certificates
   TlsServer::CheckClient check;
+  std::chrono::milliseconds reload_interval{30'000};  // between looks at the files
 };
 
 // One thread serves a bounded number of connections, each for a bounded time and with a bounded request.

@@ -1,13 +1,12 @@
 // Calls that change something while the disk of the coordinator takes nothing: the client gets the reason.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/resource.h>
 
 #include <chrono>
 #include <functional>
 #include <thread>
 
+#include "tests/coordinator/no_file_grows.h"
 #include "tests/coordinator/services_fixture.h"
 
 namespace tessera {
@@ -15,21 +14,6 @@ namespace {
 
 using grpc::StatusCode;
 using testing::HasSubstr;
-
-// Files of this process cannot grow, as on a disk with a quota that is used up, though the disk has space.
-class NoFileGrows {
- public:
-  NoFileGrows() {
-    ::signal(SIGXFSZ, SIG_IGN);
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit none{0, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &none);
-  }
-  ~NoFileGrows() { ::setrlimit(RLIMIT_FSIZE, &before_); }
-
- private:
-  rlimit before_{};
-};
 
 class FullDisk : public Services {
  protected:

@@ -1,7 +1,8 @@
 // Members of a real farm at its web pages.
 #include <gmock/gmock.h>
 
-#include <map>
+#include <chrono>
+#include <thread>
 
 #include "proto/access.grpc.pb.h"
 #include "proto/identity/authority.h"
@@ -9,6 +10,7 @@
 #include "proto/identity/private_file.h"
 #include "proto/identity/subject.h"
 #include "proto/wire/convert_access.h"
+#include "tests/coordinator/no_file_grows.h"
 #include "tests/coordinator/services_fixture.h"
 #include "tests/coordinator/web/tls_client.h"
 
@@ -143,6 +145,24 @@ TEST_F(WebPagesOfAFarm, WhoeverLogsOutIsNoMemberAnyMore) {
   browser.LogIn(Token(Role::kUser, "ada"));
   EXPECT_EQ(browser.Post("/logout", "proof=" + browser.Get("/").Proof()).status(), 303);
   EXPECT_TRUE(Members().members(0).revoked());
+}
+
+TEST_F(WebPagesOfAFarm, ALoginThatCannotBeStoredOpensNoSessionAndNamesTheReason) {
+  const std::string first = Token(Role::kViewer), second = Token(Role::kViewer);
+  WebClient browser = Browser();
+  {
+    const NoFileGrows full;
+    for (const std::string& token : {first, second}) {
+      const WebAnswer refused = browser.LogIn(token);
+      EXPECT_EQ(refused.status(), 403);
+      EXPECT_THAT(refused.Body(), HasSubstr("Login failed"));
+      EXPECT_EQ(browser.Get("/metrics").status(), 401);
+    }
+  }
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (browser.LogIn(second).status() != 303 && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(milliseconds(1000));
+  EXPECT_EQ(browser.Get("/metrics").status(), 200) << "the reason was known, so the second was not used";
 }
 
 // Such as Prometheus.
