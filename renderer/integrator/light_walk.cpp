@@ -78,12 +78,13 @@ bool LightWalk<Sink>::Collides(const Coefficients& medium, float t_max) {
   while (t < t_max && medium_ray.Next(&segment)) {
     const float end = std::min(segment.t_end, t_max);
     const float majorant = MaxElement(segment.sigma_maj);
-    for (;;) {
-      t += depth.Advance(majorant, end - t);
+    for (float rest = end - t;;) {
+      rest -= depth.Advance(majorant, rest);
       if (!depth.Collided()) break;
+      t = end - rest;
       const MediumPoint point = medium_ray.At(t);
       throughput_ /= majorant;
-      Add(point.emission, LightPath::kMediumEmission);
+      if (AnyNonZero(point.emission)) Add(point.emission, LightPath::kMediumEmission);
       const SampledSpectrum scattered = throughput_ * point.sigma_s;
       const SampledSpectrum passed =
           throughput_ * Max(SampledSpectrum(majorant) - point.sigma_a - point.sigma_s, SampledSpectrum(0.0f));

@@ -68,6 +68,7 @@ CloudMedium CloudMedium::Read(ParameterReader& reader, const Transform& render_f
     // A grid of one column: position y + 0.5 is where layer y begins.
     const GridSize layers{1, kLayers, 1};
     cloud->placement = GridPlacement::Over(bounds, layers, render_from_medium);
+    CheckMeanFreePaths(cloud->placement, LargestSum(cloud->sigma_a, cloud->sigma_s), reader);
     const Vec3 sides = bounds.Diagonal();
     cloud->per_position = {sides.x, sides.y / kLayers, sides.z};
     cloud->origin = bounds.min - cloud->per_position * 0.5f;

@@ -173,16 +173,19 @@ inline FlightEnd FlyThroughUniform(const MajorantSegment& segment, float end, Fl
   return FlightEnd::kScattered;
 }
 
-// The same within a stretch that varies.
+// The same within a stretch that varies. A function of its own, like TrackRatio, so that callers stay fast in
+// uniform media.
 template <typename MediumRay>
-FlightEnd FlyThroughVarying(const MediumRay& medium, const MajorantSegment& segment, float end,
-                            CollisionDepth& depth, FlightRandom& random, float* t, PathWeights* weights,
-                            SampledSpectrum* emitted) {
+[[gnu::noinline]] FlightEnd FlyThroughVarying(const MediumRay& medium, const MajorantSegment& segment,
+                                              float end, CollisionDepth& depth, FlightRandom& random,
+                                              float* t, PathWeights* weights, SampledSpectrum* emitted) {
+  float rest = end - *t;  // shrinks by steps that would be lost in a large t
   for (;;) {
-    const float step = depth.Advance(segment.sigma_maj[0], end - *t);
+    const float step = depth.Advance(segment.sigma_maj[0], rest);
     PassVarying(segment, step, weights);
     if (!depth.Collided()) return FlightEnd::kPassed;
-    *t += step;
+    rest -= step;
+    *t = end - rest;
     const MediumPoint point = medium.At(*t);
     if (emitted != nullptr && AnyNonZero(point.emission)) {
       *emitted += weights->beta * point.emission / Average(weights->r_u * segment.sigma_maj);
@@ -195,16 +198,17 @@ FlightEnd FlyThroughVarying(const MediumRay& medium, const MajorantSegment& segm
 // Ratio tracking from t to `end`: every collision is null and reduces the transmittance. Russian roulette
 // ends rays with little of it left.
 template <typename MediumRay>
-void TrackRatio(const MediumRay& medium, const MajorantSegment& segment, float t, float end,
-                CollisionDepth& depth, FlightRandom& random, PathWeights* weights) {
+[[gnu::noinline]] void TrackRatio(const MediumRay& medium, const MajorantSegment& segment, float t, float end,
+                                  CollisionDepth& depth, FlightRandom& random, PathWeights* weights) {
   constexpr float kLittle = 0.05f, kEndProbability = 0.75f;
   const float majorant = segment.sigma_maj[0];
+  float rest = end - t;
   for (;;) {
-    const float step = depth.Advance(majorant, end - t);
+    const float step = depth.Advance(majorant, rest);
     PassVarying(segment, step, weights);
     if (!depth.Collided()) return;
-    t += step;
-    const MediumPoint point = medium.At(t);
+    rest -= step;
+    const MediumPoint point = medium.At(end - rest);
     const SampledSpectrum sigma_n =
         Max(segment.sigma_maj - point.sigma_a - point.sigma_s, SampledSpectrum(0.0f)) * (1 / majorant);
     weights->beta *= sigma_n;

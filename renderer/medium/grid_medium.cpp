@@ -79,6 +79,7 @@ void ReadGridCoefficients(ParameterReader& reader, FileSource& files, GridConten
   const float density = std::max(grid.density_max.Max(), 1.0f);
   CheckCoefficients(grid.sigma_a, density, "sigma_a", reader);
   CheckCoefficients(grid.sigma_s, density, "sigma_s", reader);
+  CheckMeanFreePaths(grid.placement, LargestSum(grid.sigma_a, grid.sigma_s) * grid.density_max.Max(), reader);
 }
 
 UniformGridMedium UniformGridMedium::Read(ParameterReader& reader, const Transform& render_from_medium,
@@ -90,11 +91,9 @@ UniformGridMedium UniformGridMedium::Read(ParameterReader& reader, const Transfo
   if (!reader.failed()) grid->density = ReadGrid(reader, "density", size);
   if (!grid->density) grid->density = std::make_shared<FloatGrid>(GridSize{1, 1, 1});
   grid->density_max = MajorantsOf(*grid->density, [](float density) { return density; });
+  if (!reader.failed()) grid->placement = GridPlacement::Over(bounds, size, render_from_medium);
   ReadGridCoefficients(reader, files, *grid);
-  if (!reader.failed()) {
-    ReadEmission(reader, files, size, *grid);
-    grid->placement = GridPlacement::Over(bounds, size, render_from_medium);
-  }
+  if (!reader.failed()) ReadEmission(reader, files, size, *grid);
   UniformGridMedium medium;
   medium.phase_ = PhaseFunction(ReadAsymmetry(reader));
   medium.grid_ = std::move(grid);

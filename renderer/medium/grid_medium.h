@@ -79,8 +79,8 @@ class UniformGridMedium {
   PhaseFunction phase_;
 };
 
-// Reads `sigma_a`, `sigma_s` and `scale` into the grid. Remembers an error if the coefficients are too large
-// at the largest density.
+// Reads `sigma_a`, `sigma_s` and `scale` into a grid whose density and placement are known. Remembers an
+// error if the coefficients are too large at the largest density.
 void ReadGridCoefficients(ParameterReader& reader, FileSource& files, GridContents& grid);
 
 }  // namespace tessera

@@ -23,6 +23,23 @@ GridPlacement GridPlacement::Over(const Bounds3& bounds, const GridSize& size,
   return {position_from_medium * render_from_medium.Inverse(), box};
 }
 
+float GridPlacement::LongestDiagonal() const {
+  const Vec3 d = box_.Diagonal();
+  const Transform render_from_position = position_from_render_.Inverse();
+  float longest = 0;
+  for (const Vec3& diagonal : {d, Vec3{-d.x, d.y, d.z}, Vec3{d.x, -d.y, d.z}, Vec3{d.x, d.y, -d.z}})
+    longest = std::max(longest, Length(render_from_position.ToVector(diagonal)));
+  return longest;
+}
+
+void CheckMeanFreePaths(const GridPlacement& placement, float sigma_max, ParameterReader& reader) {
+  const float count = placement.LongestDiagonal() * sigma_max;
+  if (count <= kMeanFreePathsMax) return;
+  reader.Fail(
+      fmt::format("the medium is too dense: up to {:.3g} mean free paths across, at most {:.3g} are followed",
+                  count, kMeanFreePathsMax));
+}
+
 Bounds3 ReadGridBounds(ParameterReader& reader, const Transform& render_from_medium) {
   const Point3 p0 = reader.Point3Value("p0", {0, 0, 0}), p1 = reader.Point3Value("p1", {1, 1, 1});
   const Bounds3 bounds{Min(p0, p1), Max(p0, p1)};

@@ -17,15 +17,15 @@ namespace tessera {
 template <typename Field>
 class GridRay {
  public:
-  // `field` must outlive this.
-  GridRay(const Field& field, const Ray& ray)
+  // `field` must outlive this. Not inlined, so that callers stay fast in uniform media.
+  [[gnu::noinline]] GridRay(const Field& field, const Ray& ray)
       : field_(field),
         o_(field.placement().PositionOf(ray.o)),
         d_(field.placement().DirectionOf(ray.d)),
         walk_(field.majorants().Walk(o_, d_, field.placement().box())),
         t_empty_(walk_.t_enter()) {}
 
-  bool Next(MajorantSegment* segment) {
+  [[gnu::noinline]] bool Next(MajorantSegment* segment) {
     if (has_next_) {
       has_next_ = false;
       SetTo(next_.t_end, field_.majorants()[next_.cell], segment);

@@ -20,6 +20,12 @@ void CheckCoefficients(const DenseTable& table, float factor, std::string_view n
   if (!fine) reader.FailAt(name, std::string(name) + " is too large: at most 1e20 per scene unit");
 }
 
+float LargestSum(const DenseTable& sigma_a, const DenseTable& sigma_s) {
+  float largest = 0;
+  for (size_t i = 0; i < sigma_a.size(); ++i) largest = std::max(largest, sigma_a[i] + sigma_s[i]);
+  return largest;
+}
+
 float ReadFactor(ParameterReader& reader, std::string_view name) {
   const float factor = reader.Float(name, 1);
   if (factor < 0) reader.FailAt(name, std::string(name) + " must not be negative");

@@ -16,6 +16,9 @@ DenseTable Tabulate(const Spectrum& spectrum);
 // Remembers an error at the parameter `name` if a coefficient times `factor` exceeds kCoefficientMax.
 void CheckCoefficients(const DenseTable& table, float factor, std::string_view name, ParameterReader& reader);
 
+// The largest sum of two coefficients over the wavelengths.
+float LargestSum(const DenseTable& sigma_a, const DenseTable& sigma_s);
+
 // A factor of the medium's coefficients or emission; 1 by default, not negative.
 float ReadFactor(ParameterReader& reader, std::string_view name);
 

@@ -100,6 +100,7 @@ RgbGridMedium RgbGridMedium::Read(ParameterReader& reader, const Transform& rend
     if (!(grid->sigma_max.Max() * grid->scale <= kCoefficientMax))
       reader.FailAt("scale", "the coefficients are too large: at most 1e20 per scene unit");
     grid->placement = GridPlacement::Over(bounds, size, render_from_medium);
+    CheckMeanFreePaths(grid->placement, grid->sigma_max.Max() * grid->scale, reader);
   }
   RgbGridMedium medium;
   medium.phase_ = PhaseFunction(ReadAsymmetry(reader));

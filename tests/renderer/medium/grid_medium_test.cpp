@@ -205,6 +205,33 @@ TEST(GridMedia, FlightsAndShadowRaysHaveTheMeansOfQuadrature) {
   }
 }
 
+// Beside one dense voxel lie empty ones under the same bound, where every collision is null. So far from the
+// start of the ray, the steps between them are smaller than the spacing of floats.
+TEST(GridMedia, FlightsThroughEmptyPartsOfDenseCellsEnd) {
+  std::string densities = "1 ";
+  for (int i = 1; i < 200; ++i) densities += "0 ";
+  const BuiltMedia built = BuildMedia(
+      "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 200 \"float density\" [ " +
+      densities + "] \"spectrum sigma_s\" [ 300 1e5 900 1e5 ] \"spectrum sigma_a\" [ 300 0 900 0 ]");
+  ASSERT_EQ(built.error, "");
+  const MediumCoefficients at = built.table[0].At(kGridWavelengths);
+  const auto& coefficients = std::get<GridCoefficients>(at);
+  const Ray ray{{0.0125f, -1e4f, 0.5f}, {0, 1, 0}};  // through the third voxel
+  MajorantSegment segment;
+  auto medium = coefficients.RayAlong(ray);
+  ASSERT_TRUE(medium.Next(&segment) && medium.Next(&segment));
+  ASSERT_GT(segment.sigma_maj[0], 9e4f);
+  for (int i = 0; i < 10; ++i) {
+    const Ray seed{{static_cast<float>(i), 0, 0}, {0, 0, 1}};
+    FlightRandom numbers(seed), shadow_numbers(seed);
+    PathWeights path, passage;
+    float t = 0;
+    EXPECT_EQ(Fly(coefficients.RayAlong(ray), 2e4f, numbers, &path, nullptr, &t), FlightEnd::kPassed);
+    FlyShadow(coefficients.RayAlong(ray), 2e4f, shadow_numbers, &passage);
+    EXPECT_NEAR(passage.beta[0] / passage.r_l[0], 1, 1e-3);
+  }
+}
+
 TEST(GridMedia, DensityIsInterpolatedBetweenTheCentresOfVoxels) {
   const BuiltMedia built = BuildMedia(
       "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"float density\" [ 1 3 ] "
@@ -293,6 +320,8 @@ TEST(GridMedia, HostileGridsAreRefusedWithTheirPlace) {
             "p0 and p1 must be corners of a box"},
            {one + "\"float scale\" -1", "scale must not be negative"},
            {"\"float density\" 1e15 \"float scale\" 1e10", "sigma_a is too large"},
+           {"\"float density\" 1e4 \"float scale\" 1e3",
+            "the medium is too dense: up to 3.46e+07 mean free paths"},
            {one + "\"float g\" 2", "g must lie between -1 and 1"},
            {one + "\"string preset\" \"Apple\"", "unknown parameter \"string preset\""},
        }) {
@@ -311,6 +340,7 @@ TEST(GridMedia, HostileGridsAreRefusedWithTheirPlace) {
     EXPECT_THAT(GridError("rgbgrid", parameters), HasSubstr(message)) << parameters;
   }
   EXPECT_THAT(GridError("cloud", "\"float density\" -1"), HasSubstr("density must not be negative"));
+  EXPECT_THAT(GridError("cloud", "\"rgb sigma_s\" [ 1e9 0 0 ]"), HasSubstr("the medium is too dense"));
   EXPECT_THAT(GridError("cloud", "\"point3 p1\" [ 0 1 1 ]"), HasSubstr("p0 and p1 must be corners of a box"));
 }
 

@@ -67,6 +67,21 @@ TEST(GridMedia, GridInsideADielectricInsideAnotherGridLooksLikeTheHomogeneousMed
   ExpectMean(found, expected, 1, 0.01);
 }
 
+// The camera is in the middle of a grid, and the wall at a distance of 9 in its even part.
+TEST(GridMedia, CameraCanBeInsideAGrid) {
+  std::string grid = EvenGrid("m", 2, 0.05, 0);
+  const auto replace = [&grid](const std::string& from, const std::string& to) {
+    grid.replace(grid.find(from), from.size(), to);
+  };
+  replace("AttributeBegin\n", "");  // which is not allowed before the world
+  replace("AttributeEnd\n", "");
+  replace("-3 -3 1", "-20 -20 -20");
+  replace("3 3 7", "20 20 20");
+  const std::string head = Wide(kVolPath), world = std::string("WorldBegin\n") + kWall;
+  ExpectMean(Render(grid + "MediumInterface \"\" \"m\"\n" + head + world, 1024), Render(head + world, 1024),
+             std::exp(-0.1 * 9), 0.02);
+}
+
 TEST(GridMedia, EmissionOfAnAbsorbingGridIsTheClosedForm) {
   const std::string head = Narrow(kVolPath) + "WorldBegin\n", ball = Ball("\"interface\"", "m");
   const Pixels light = Render(head + kEvenLight, 4096);
