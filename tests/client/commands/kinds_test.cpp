@@ -23,9 +23,12 @@ std::string Output(const std::vector<std::string>& words) {
 
 TEST(KindsCommand, ListsTheKindsOfEachFamilyByTheirSupport) {
   const std::string text = Output({"kinds"});
-  EXPECT_THAT(text, HasSubstr("sampler\n"
-                              "  supported      independent, stratified, sobol, paddedsobol, zsobol\n"
-                              "  not supported  halton, pmj02bn\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("spectrum texture\n"
+                "  supported      bilerp, checkerboard, constant, directionmix, dots, imagemap, marble, "
+                "mix, scale\n"
+                "  not supported  ptex\n"));
   EXPECT_THAT(text, HasSubstr("  replaced       bdpt (volpath), "));
 }
 
@@ -33,7 +36,7 @@ TEST(KindsCommand, PrintsJson) {
   const std::string json = Output({"kinds", "--json"});
   EXPECT_THAT(json, HasSubstr(R"("camera":[{"name":"perspective","support":"supported"},)"));
   EXPECT_THAT(json, HasSubstr(R"({"name":"bdpt","support":"replaced","instead":"volpath"})"));
-  EXPECT_THAT(json, HasSubstr(R"({"name":"halton","support":"not supported"})"));
+  EXPECT_THAT(json, HasSubstr(R"({"name":"ptex","support":"not supported"})"));
 }
 
 }  // namespace
