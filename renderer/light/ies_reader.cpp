@@ -6,7 +6,6 @@
 
 #include "renderer/description/number.h"
 #include "renderer/description/source_location.h"
-#include "renderer/description/source_location.h"
 #include "renderer/light/ies_profile.h"
 
 namespace tessera {
