@@ -61,7 +61,7 @@ void PrintText(const SceneJob& job) {
   for (const PrimitiveTotal& total : scene.primitives) fmt::print("{} {}, ", total.count, total.name);
   fmt::print("{} bytes\n", scene.geometry_bytes);
   fmt::print("instances   {} of {} groups\n", scene.instances, scene.groups);
-  if (scene.moving > 0) fmt::print("moving      {} of camera, shapes and instances\n", scene.moving);
+  if (scene.moving > 0) fmt::print("moving      {} of camera, shapes, instances and lights\n", scene.moving);
   fmt::print("lights      {}\nmaterials   {}\nmedia       {}\n", scene.lights, scene.materials, scene.media);
   fmt::print("textures    {}, images of {} bytes\n", scene.textures, scene.image_bytes);
   fmt::print("files       {}, {} bytes\n", job.packed.package.files.size(), FileBytes(job.packed.package));

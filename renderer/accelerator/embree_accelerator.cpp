@@ -2,10 +2,12 @@
 
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <utility>
 
 #include "renderer/accelerator/embree_callbacks.h"
 #include "renderer/accelerator/embree_device.h"
+#include "renderer/accelerator/embree_moving_instance.h"
 #include "renderer/accelerator/embree_scene.h"
 #include "renderer/shape/hit_refinement.h"
 
@@ -70,15 +72,33 @@ class EmbreeAccelerator : public Accelerator {
       rtcCommitScene(group->handle());
     }
     if (group->geometry_count() == 0) return;
-    const EmbreeGeometryHandle geometry(rtcNewGeometry(device_->handle(), RTC_GEOMETRY_TYPE_INSTANCE));
-    rtcSetGeometryInstancedScene(geometry.get(), group->handle());
-    rtcSetGeometryMask(geometry.get(), kAllMask);
-    rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
-                            instance.render_from_group.matrix().m.data());
-    rtcCommitGeometry(geometry.get());
     const uint32_t id = static_cast<uint32_t>(top_.geometry_count() + instances_.size());
+    const EmbreeGeometryHandle geometry =
+        instance.motion < 0 ? MakeInstance(instance, *group) : MakeMovingInstance(index, id, *group);
+    rtcSetGeometryMask(geometry.get(), kAllMask);
+    rtcCommitGeometry(geometry.get());
     rtcAttachGeometryByID(top_.handle(), geometry.get(), id);
     instances_.push_back(index);
+  }
+
+  EmbreeGeometryHandle MakeInstance(const Instance& instance, const EmbreeScene& group) const {
+    EmbreeGeometryHandle geometry(rtcNewGeometry(device_->handle(), RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(geometry.get(), group.handle());
+    rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
+                            instance.render_from_group.matrix().m.data());
+    return geometry;
+  }
+
+  EmbreeGeometryHandle MakeMovingInstance(uint32_t index, unsigned id, const EmbreeScene& group) {
+    const Instance& instance = geometry_.instances[index];
+    RTCBounds bounds;
+    rtcGetSceneBounds(group.handle(), &bounds);
+    const Bounds3 of_group{{bounds.lower_x, bounds.lower_y, bounds.lower_z},
+                           {bounds.upper_x, bounds.upper_y, bounds.upper_z}};
+    moving_.push_back({index, id, group.handle(), geometry_.InstanceBounds(instance, of_group)});
+    EmbreeGeometryHandle geometry(rtcNewGeometry(device_->handle(), RTC_GEOMETRY_TYPE_USER));
+    SetMovingInstance(geometry.get(), &moving_.back());
+    return geometry;
   }
 
   EmbreeRayContext MakeContext(const Ray& ray) const {
@@ -129,6 +149,7 @@ class EmbreeAccelerator : public Accelerator {
   EmbreeScene top_;
   std::vector<std::unique_ptr<EmbreeScene>> groups_;  // null if it has no instance
   std::vector<uint32_t> instances_;                   // those that are not empty
+  std::deque<EmbreeMovingInstance> moving_;           // callbacks hold pointers to them
   double build_seconds_ = 0;
 };
 

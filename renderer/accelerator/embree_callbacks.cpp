@@ -30,7 +30,9 @@ bool IntersectUserPrimitive(const EmbreeRayContext& context, const EmbreeGeometr
   hit->shape = record.shape_index;
   hit->primitive = record.Primitive(embree_primitive);
   hit->instance = context.InstanceOf(context.base.instID[0]);
-  const DoubleRay ray = RayInShapeSpace(*context.geometry, hit->instance, *context.ray);
+  const DoubleRay ray = context.ray_in_instance
+                            ? *context.ray_in_instance
+                            : RayInShapeSpace(*context.geometry, hit->instance, *context.ray);
   const SurfaceProperties& surface = record.shape->surface;
   Crossing found;
   bool is_found = NearestCrossing(*record.shape, hit->primitive, ray, t_max, &found);

@@ -15,6 +15,8 @@ struct EmbreeRayContext {
   // Maps a geometry id at the top level, less first_instance, to an index in Geometry::instances.
   const uint32_t* instances;
   uint32_t first_instance;  // geometry id of the first instance
+  // `ray` in the space of the moving instance that is searched; null outside of one.
+  const DoubleRay* ray_in_instance = nullptr;
 
   uint32_t InstanceOf(uint32_t embree_instance) const {
     return embree_instance == RTC_INVALID_GEOMETRY_ID ? Hit::kNoInstance

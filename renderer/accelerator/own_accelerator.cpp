@@ -69,7 +69,7 @@ class OwnAccelerator : public Accelerator {
       PrimitiveName name;
       name.shape = static_cast<uint32_t>(i);
       name.kind = PrimitiveKind::kInstance;
-      primitives->push_back({instance.render_from_group.ToBounds(group.bounds), name});
+      primitives->push_back({geometry_.InstanceBounds(instance, group.bounds), name});
     }
   }
 
@@ -151,8 +151,11 @@ class OwnAccelerator : public Accelerator {
   void SearchInstance(const OtherPrimitive& instance, float entry, HitSearch<kAny>* search) const {
     const SearchSpace& group = GroupOf(instance);
     const uint32_t index = instance.name.shape;
+    const InstancePlace place(geometry_, index, search->ray().time);
+    if (place.is_flat()) return;
+    const DoubleRay ray = HitRay{search->ray(), place.render_from_group()}.InShapeSpace();
     search->EnterInstance(index, entry);
-    SearchIn(group, TracedRay(RayInShapeSpace(geometry_, index, search->ray()), group.bounds), search);
+    SearchIn(group, TracedRay(ray, group.bounds), search);
     search->LeaveInstance();
   }
 

@@ -1,5 +1,7 @@
 #include "renderer/camera/camera.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace tessera {
@@ -20,26 +22,46 @@ constexpr Kind<CameraReader> kCameras[] = {
 };
 constexpr KindTable<CameraReader> kCameraTable("camera", kCameras);
 
+CameraSample PlacedSample(const CameraRay& in_camera_space, const Transform& render_from_camera,
+                          float time_s) {
+  CameraSample sample;
+  sample.ray.o = render_from_camera.ToPoint(in_camera_space.o);
+  sample.ray.d = Normalize(render_from_camera.ToVector(in_camera_space.d));
+  sample.ray.time = time_s;
+  sample.weight = in_camera_space.weight;
+  return sample;
+}
+
 }  // namespace
 
-Result<Camera> Camera::Read(const Entity& entity, const Transform& camera_from_world, const CameraFilm& film,
-                            ImageCache& images, Diagnostics& diagnostics) {
+void Camera::Place(const AnimatedTransform& camera_from_world) {
+  // The camera moves, not the world around it: the keys of its own map are those to interpolate.
+  const AnimatedTransform world_from_camera = camera_from_world.Inverse();
+  const double middle_s = (static_cast<double>(shutter_open_) + static_cast<double>(shutter_close_)) / 2;
+  const Transform in_the_middle = world_from_camera.At(middle_s).value_or(world_from_camera.First());
+  render_from_world_ = Translate(-in_the_middle.ToPoint({0, 0, 0}));
+  render_from_camera_ = render_from_world_ * in_the_middle;
+  if (!world_from_camera.IsAnimated()) return;
+  const AnimatedTransform factors[] = {AnimatedTransform(render_from_world_), world_from_camera};
+  motion_ = std::make_shared<const MovingTransform>(factors);
+}
+
+Result<Camera> Camera::Read(const Entity& entity, const AnimatedTransform& camera_from_world,
+                            const CameraFilm& film, ImageCache& images, Diagnostics& diagnostics) {
   const Kind<CameraReader>* kind = kCameraTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kCameraTable.Refusal(entity.kind));
   ParameterReader reader(entity);
   Camera camera;
   camera.shutter_open_ = reader.Float("shutteropen", 0);
   camera.shutter_close_ = reader.Float("shutterclose", 1);
-  if (!(camera.shutter_close_ > camera.shutter_open_)) {
+  if (!(camera.shutter_close_ > camera.shutter_open_))
     reader.FailAt("shutterclose", "shutterclose must be later than shutteropen");
-  }
+  if (!std::isfinite(camera.exposure_time()))
+    reader.FailAt("shutterclose", "the shutter is open for too long");
   camera.kind_ = kind->reader({reader, film, images, diagnostics});
   if (Result<void> done = reader.Finish(); !done) return done.error();
 
-  const Transform world_from_camera = camera_from_world.Inverse();
-  const Point3 eye = world_from_camera.ToPoint({0, 0, 0});
-  camera.render_from_world_ = Translate(-eye);
-  camera.render_from_camera_ = camera.render_from_world_ * world_from_camera;
+  camera.Place(camera_from_world);
   camera.forward_ = Normalize(camera.render_from_camera_.ToVector({0, 0, 1}));
   camera.spread_x_ = camera.MeasureSpread(film, {1, 0});
   camera.spread_y_ = camera.MeasureSpread(film, {0, 1});
@@ -65,12 +87,9 @@ Camera::Spread Camera::MeasureSpread(const CameraFilm& film, Vec2 pixel) const {
 CameraSample Camera::GenerateRay(Point2 film, Point2 u_lens, float u_time) const {
   const CameraRay in_camera_space =
       Dispatch(kind_, [=](const auto& kind) { return kind.GenerateRay(film, u_lens); });
-  CameraSample sample;
-  sample.ray.o = render_from_camera_.ToPoint(in_camera_space.o);
-  sample.ray.d = Normalize(render_from_camera_.ToVector(in_camera_space.d));
-  sample.ray.time = Lerp(u_time, shutter_open_, shutter_close_);
-  sample.weight = in_camera_space.weight;
-  return sample;
+  const float time_s = std::min(Lerp(u_time, shutter_open_, shutter_close_), shutter_close_);
+  if (motion_ == nullptr) return PlacedSample(in_camera_space, render_from_camera_, time_s);
+  return PlacedSample(in_camera_space, motion_->At(time_s), time_s);
 }
 
 Footprint Camera::ApproximateFootprint(Point3 p, Normal3 n, float scale) const {

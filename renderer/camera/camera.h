@@ -5,6 +5,7 @@
 #pragma once
 
 #include <concepts>
+#include <memory>
 #include <variant>
 
 #include "renderer/camera/camera_directive.h"
@@ -14,6 +15,7 @@
 #include "renderer/camera/spherical_camera.h"
 #include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
+#include "renderer/math/moving_transform.h"
 #include "renderer/math/ray.h"
 #include "renderer/math/transform.h"
 #include "renderer/util/dispatch.h"
@@ -48,12 +50,13 @@ struct CameraSample {
 };
 
 // Rendering space has the axes of world space and its origin at the camera (pbrt's "cameraworld"):
-// coordinates near the camera keep the most digits. Immutable.
+// coordinates near the camera keep the most digits. Of a camera that moves, the origin is where it is in the
+// middle of the shutter. Immutable.
 class Camera {
  public:
-  // Reads a Camera directive, and the files that it names from those of `images`. The camera must not move.
-  static Result<Camera> Read(const Entity& entity, const Transform& camera_from_world, const CameraFilm& film,
-                             ImageCache& images, Diagnostics& diagnostics);
+  // Reads a Camera directive, and the files that it names from those of `images`.
+  static Result<Camera> Read(const Entity& entity, const AnimatedTransform& camera_from_world,
+                             const CameraFilm& film, ImageCache& images, Diagnostics& diagnostics);
 
   const Transform& render_from_world() const { return render_from_world_; }
   bool has_lens() const {
@@ -61,6 +64,10 @@ class Camera {
   }
   // Time for which the shutter is open, seconds.
   float exposure_time() const { return shutter_close_ - shutter_open_; }
+  // Seconds: the times of all rays lie in between.
+  float shutter_open() const { return shutter_open_; }
+  float shutter_close() const { return shutter_close_; }
+  bool moves() const { return motion_ != nullptr; }
 
   // The ray through the film at `film` (pixels from the upper left corner) and the lens at `u_lens` in [0,
   // 1)^2. `u_time` in [0, 1) chooses the time.
@@ -77,9 +84,13 @@ class Camera {
     float origin = 0;     // scene units
   };
   Spread MeasureSpread(const CameraFilm& film, Vec2 pixel) const;
+  void Place(const AnimatedTransform& camera_from_world);
 
   AnyCamera kind_;
-  Transform render_from_world_, render_from_camera_;
+  Transform render_from_world_;
+  Transform render_from_camera_;  // in the middle of the shutter
+  std::shared_ptr<const MovingTransform>
+      motion_;                                  // render_from_camera_ at other times; null: it stands still
   float shutter_open_ = 0, shutter_close_ = 1;  // seconds
   Vec3 forward_{0, 0, 1};                       // in rendering space
   Spread spread_x_, spread_y_;                  // the smallest of the film

@@ -115,7 +115,9 @@ bool DescriptionBuilder::AddObject(ObjectDescription object) {
 }
 
 bool DescriptionBuilder::AddLight(LightDescription light) {
-  if (!Charge(light.entity.location, sizeof light + light.outside_medium.size())) return false;
+  if (!Charge(light.entity.location,
+              sizeof light + light.outside_medium.size() + light.world_from_light.bytes()))
+    return false;
   scene_.lights.push_back(std::move(light));
   return true;
 }
@@ -132,8 +134,6 @@ bool DescriptionBuilder::AddShape(ShapeDescription shape, std::optional<size_t> 
     diagnostics().Warn(where, "the area light is ignored: shapes in object definitions cannot emit");
     shape.area_light = nullptr;
   }
-  if (shape.area_light && shape.world_from_object.IsAnimated())
-    return Fail(where, "a moving shape has an area light, expected one that stands still");
   const uint64_t names =
       shape.material.name.size() + shape.inside_medium.size() + shape.outside_medium.size();
   if (!Charge(where, sizeof shape + names + shape.world_from_object.bytes())) return false;

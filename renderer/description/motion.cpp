@@ -7,75 +7,95 @@
 namespace tessera {
 namespace {
 
-float CameraParameter(const Entity& camera, std::string_view name, float default_value) {
-  for (const Parameter& parameter : camera.parameters) {
-    if (parameter.name == name && parameter.floats.size() == 1) return parameter.floats[0];
+// Calls visit(transform, location) for all transforms that may move, but not for the camera's.
+template <typename Scene, typename Visit>
+void ForEachPlaced(Scene& scene, const Visit& visit) {
+  for (auto& shape : scene.shapes) visit(shape.world_from_object, shape.entity.location);
+  for (auto& object : scene.objects) {
+    for (auto& shape : object.shapes) visit(shape.world_from_object, shape.entity.location);
   }
-  return default_value;
+  for (auto& instance : scene.instances) visit(instance.world_from_object, instance.location);
+  for (auto& light : scene.lights) visit(light.world_from_light, light.entity.location);
 }
 
-double MiddleOfShutter(const Entity& camera) {
-  return (static_cast<double>(CameraParameter(camera, "shutteropen", 0)) +
-          static_cast<double>(CameraParameter(camera, "shutterclose", 1))) /
-         2;
+bool IsAffine(const Transform& transform) {
+  return transform.matrix().m[3] == std::array<float, 4>{0, 0, 0, 1};
 }
 
-class MotionStopper {
+class MotionChecker {
  public:
-  MotionStopper(double time_s, Diagnostics& diagnostics) : time_s_(time_s), diagnostics_(diagnostics) {}
-
-  // Between a map and its mirror image there is a moment without volume: what is flat then is not seen.
-  void Stop(AnimatedTransform& transform, const SourceLocation& place) {
+  void Check(const AnimatedTransform& transform, const SourceLocation& place) {
     if (!transform.IsAnimated()) return;
     ++count_;
-    const std::optional<Transform> fixed = transform.At(time_s_);
-    if (!fixed) {
-      diagnostics_.Warn(place,
-                        fmt::format("what moves here has no volume at {} s and is not shown", time_s_));
+    const auto is_affine = [](const TransformKey& key) { return IsAffine(key.transform); };
+    if (!error_ && !std::ranges::all_of(transform.keys(), is_affine)) {
+      error_ = ErrorAt(place, "what moves has a projective transformation, expected an affine one");
     }
-    transform = AnimatedTransform(fixed ? *fixed : Transform(ZeroMatrix(), ZeroMatrix()));
   }
-  // The camera is moved, not the world around it.
-  void StopCamera(AnimatedTransform& camera_from_world, const SourceLocation& place) {
-    AnimatedTransform world_from_camera = camera_from_world.Inverse();
-    if (!world_from_camera.IsAnimated()) return;
-    ++count_;
-    const std::optional<Transform> fixed = world_from_camera.At(time_s_);
-    if (!fixed) {
-      error_ = ErrorAt(
-          place, fmt::format("the camera has no volume at {} s: the transformations before and after are "
-                             "mirror images, expected a motion that can be inverted",
-                             time_s_));
-      return;
+  // Between a map and its mirror image there is a moment without volume.
+  void CheckCamera(const AnimatedTransform& transform, const SourceLocation& place) {
+    Check(transform, place);
+    const auto is_mirrored = [&](const TransformKey& key) {
+      return key.transform.SwapsHandedness() != transform.First().SwapsHandedness();
+    };
+    if (!error_ && std::ranges::any_of(transform.keys(), is_mirrored)) {
+      error_ =
+          ErrorAt(place,
+                  "the camera turns into its mirror image, expected a motion that can be inverted at all "
+                  "times");
     }
-    camera_from_world = AnimatedTransform(fixed->Inverse());
   }
-  Result<int> Answer() const {
+  Result<int> Count() const {
     if (error_) return *error_;
     return count_;
   }
 
  private:
-  double time_s_;
-  Diagnostics& diagnostics_;
   int count_ = 0;
   std::optional<Error> error_;
 };
 
 }  // namespace
 
-Result<int> StopMotion(std::optional<double> time_s, SceneDescription& scene) {
-  MotionStopper stopper(time_s.value_or(MiddleOfShutter(scene.camera)), scene.diagnostics);
-  stopper.StopCamera(scene.camera_from_world, scene.camera.location);
-  for (ShapeDescription& shape : scene.shapes) stopper.Stop(shape.world_from_object, shape.entity.location);
-  for (ObjectDescription& object : scene.objects) {
-    for (ShapeDescription& shape : object.shapes)
-      stopper.Stop(shape.world_from_object, shape.entity.location);
+Result<int> CheckMotion(const SceneDescription& scene) {
+  MotionChecker checker;
+  checker.CheckCamera(scene.camera_from_world, scene.camera.location);
+  ForEachPlaced(scene, [&checker](const AnimatedTransform& transform, const SourceLocation& place) {
+    checker.Check(transform, place);
+  });
+  return checker.Count();
+}
+
+void StartTimeAt(double time_s, SceneDescription& scene) {
+  scene.camera_from_world = scene.camera_from_world.Delayed(-time_s);
+  ForEachPlaced(scene, [time_s](AnimatedTransform& transform, const SourceLocation&) {
+    transform = transform.Delayed(-time_s);
+  });
+}
+
+Result<void> StopMotion(double time_s, SceneDescription& scene) {
+  if (scene.camera_from_world.IsAnimated()) {
+    // The camera moves, not the world around it.
+    const std::optional<Transform> fixed = scene.camera_from_world.Inverse().At(time_s);
+    if (!fixed) {
+      return ErrorAt(
+          scene.camera.location,
+          fmt::format("the camera has no volume at {} s, expected a motion that can be inverted", time_s));
+    }
+    scene.camera_from_world = AnimatedTransform(fixed->Inverse());
   }
-  for (InstanceDescription& instance : scene.instances) {
-    stopper.Stop(instance.world_from_object, instance.location);
-  }
-  return stopper.Answer();
+  ForEachPlaced(scene, [&](AnimatedTransform& transform, const SourceLocation& place) {
+    if (!transform.IsAnimated()) return;
+    const std::optional<Transform> fixed = transform.At(time_s);
+    if (!fixed) {
+      scene.diagnostics.Warn(place,
+                             fmt::format("what moves here has no volume at {} s and is not shown", time_s));
+    }
+    transform = AnimatedTransform(fixed ? *fixed : Transform(ZeroMatrix(), ZeroMatrix()));
+  });
+  std::erase_if(scene.lights,
+                [](const LightDescription& light) { return IsFlat(light.world_from_light.Fixed()); });
+  return {};
 }
 
 }  // namespace tessera

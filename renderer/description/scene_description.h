@@ -59,7 +59,7 @@ struct MediumDescription {
 
 struct LightDescription {
   Entity entity;
-  Transform world_from_light;
+  AnimatedTransform world_from_light;
   std::string outside_medium;
 };
 

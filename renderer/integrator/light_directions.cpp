@@ -1,26 +1,37 @@
 #include "renderer/integrator/light_directions.h"
 
+#include "renderer/shape/moved_sampling.h"
 #include "renderer/shape/ray_crossings.h"
 #include "renderer/shape/shape_interaction.h"
-#include "renderer/shape/shape_sampling.h"
 
 namespace tessera {
 
 LightDirections::LightDirections(const World& world) : world_(world) {
   std::vector<Bounds3> boxes;
-  const std::vector<Shape>& shapes = world.geometry.shapes;
-  for (uint32_t s = 0; s < shapes.size(); ++s) {
-    const int light = shapes[s].surface.area_light;
-    if (light < 0) continue;
-    const uint32_t count = shapes[s].PrimitiveCount();
-    for (uint32_t i = 0; i < count; ++i) {
-      emitters_.push_back({s, i, light + static_cast<int>(i)});
-      boxes.push_back(ShapeBounds(shapes[s], i));
-    }
+  const Geometry& geometry = world.geometry;
+  for (uint32_t s = 0; s < geometry.shapes.size(); ++s) AddShape(Hit::kNoInstance, s, &boxes);
+  for (uint32_t i = 0; i < geometry.instances.size(); ++i) {
+    if (geometry.instances[i].motion < 0) continue;
+    const size_t count = geometry.groups[geometry.instances[i].group].shapes.size();
+    for (uint32_t s = 0; s < count; ++s) AddShape(i, s, &boxes);
   }
   tree_ = EmitterTree(boxes);
   constexpr float kAnyChoice = 0.5f;
   empty_ = emitters_.empty() && !world.lights.Choose({}, kAnyChoice);
+}
+
+void LightDirections::AddShape(uint32_t instance, uint32_t index, std::vector<Bounds3>* boxes) {
+  const Shape& shape = ShapeOf(world_.geometry, instance, index);
+  const int light = shape.surface.area_light;
+  if (light < 0) return;
+  const uint32_t count = shape.PrimitiveCount();
+  for (uint32_t i = 0; i < count; ++i) {
+    emitters_.push_back({index, i, light + static_cast<int>(i), instance});
+    const Bounds3 bounds = ShapeBounds(shape, i);
+    boxes->push_back(instance == Hit::kNoInstance
+                         ? bounds
+                         : world_.geometry.InstanceBounds(world_.geometry.instances[instance], bounds));
+  }
 }
 
 std::optional<LightDirections::Drawn> LightDirections::Sample(const ReferencePoint& reference, float u_choice,
@@ -34,8 +45,13 @@ std::optional<LightDirections::Drawn> LightDirections::Sample(const ReferencePoi
     return Drawn{sample->wi, chosen->pmf * sample->pdf};
   }
   const Emitter& emitter = emitters_[static_cast<size_t>(chosen->light - emitters_.front().light)];
-  const Shape& shape = world_.geometry.shapes[emitter.shape];
-  const std::optional<ShapeSample> on_shape = SampleShape(shape, emitter.primitive, reference, u);
+  const Shape& shape = ShapeOf(world_.geometry, emitter.instance, emitter.shape);
+  const InstancePlace place(world_.geometry, emitter.instance, reference.time);
+  if (place.is_flat()) return std::nullopt;
+  const Transform* const moved = place.render_from_group();
+  const std::optional<ShapeSample> on_shape =
+      moved == nullptr ? SampleShape(shape, emitter.primitive, reference, u)
+                       : SampleMovedShape(shape, emitter.primitive, *moved, reference, u);
   if (!on_shape || !(on_shape->pdf > 0)) return std::nullopt;
   const Vec3 to_light = on_shape->p - reference.p;
   if (!(LengthSquared(to_light) > 0)) return std::nullopt;
@@ -51,10 +67,16 @@ std::optional<LightDirections::Drawn> LightDirections::Sample(const ReferencePoi
 
 float LightDirections::EmitterPdf(const Emitter& emitter, const ReferencePoint& reference, const Ray& ray,
                                   const SampledWavelengths& wavelengths) const {
-  const Shape& shape = world_.geometry.shapes[emitter.shape];
+  const Shape& shape = ShapeOf(world_.geometry, emitter.instance, emitter.shape);
+  const InstancePlace place(world_.geometry, emitter.instance, reference.time);
+  if (place.is_flat()) return 0;
+  const Transform* const moved = place.render_from_group();
   Hit hits[kCrossingsMax];
-  int count = RayCrossings(shape, emitter.shape, emitter.primitive, ray, hits);
-  if (count > 1 && SamplesNearestOnly(shape, reference)) count = 1;
+  int count = RayCrossings(
+      shape, {ray, moved},
+      {.shape = emitter.shape, .primitive = emitter.primitive, .instance = emitter.instance}, hits);
+  const ReferencePoint there = moved == nullptr ? reference : MoveReference(*moved, reference);
+  if (count > 1 && SamplesNearestOnly(shape, there)) count = 1;
   float pdf = 0;
   for (int i = 0; i < count; ++i) {
     const SurfaceInteraction on_light = MakeInteraction(world_.geometry, hits[i], ray);
@@ -70,7 +92,7 @@ float LightDirections::Pdf(const ReferencePoint& reference, const Ray& ray,
   tree_.ForEachAlong(
       ray, [&](uint32_t index) { pdf += EmitterPdf(emitters_[index], reference, ray, wavelengths); });
   for (const int light : world_.lights.infinite_lights()) {
-    const float infinite_pdf = world_.lights.InfiniteLightPdf(light, reference.p, ray.d);
+    const float infinite_pdf = world_.lights.InfiniteLightPdf(light, reference.p, ray.d, ray.time);
     if (infinite_pdf > 0) pdf += infinite_pdf * world_.lights.ChoosePmf(reference, light);
   }
   return pdf;

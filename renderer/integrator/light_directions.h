@@ -40,7 +40,9 @@ class LightDirections {
   struct Emitter {
     uint32_t shape = 0, primitive = 0;
     int light = 0;
+    uint32_t instance = Hit::kNoInstance;  // of a shape that moves
   };
+  void AddShape(uint32_t instance, uint32_t shape, std::vector<Bounds3>* boxes);
 
   float EmitterPdf(const Emitter& emitter, const ReferencePoint& reference, const Ray& ray,
                    const SampledWavelengths& wavelengths) const;

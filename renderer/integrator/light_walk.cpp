@@ -128,7 +128,7 @@ void LightWalk<Sink>::AddSurfaceEmission() {
 
 template <typename Sink>
 void LightWalk<Sink>::AddInfiniteEmission(int light) {
-  Add(context_.world.lights.InfiniteRadiance(light, origin_, ray.d, context_.wavelengths), light);
+  Add(context_.world.lights.InfiniteRadiance(light, origin_, ray.d, ray.time, context_.wavelengths), light);
 }
 
 template <typename Sink>

@@ -85,7 +85,7 @@ float MixturePdf(const LightDirections& lights, const SurfaceInteraction& intera
 std::optional<MixtureSample> SampleMixture(const LightDirections& lights, const Ray& ray,
                                            const PhaseFunction& phase, float u_choice, Point2 u,
                                            const SampledWavelengths& wavelengths) {
-  const MixtureVertex vertex{lights, wavelengths, {ray.o, {}, {}, {}}, LightShare(lights)};
+  const MixtureVertex vertex{lights, wavelengths, {ray.o, {}, {}, {}, ray.time}, LightShare(lights)};
   if (u_choice < vertex.light_share) {
     const auto drawn = vertex.DrawLight(u_choice, u);
     if (!drawn) return std::nullopt;
@@ -98,7 +98,7 @@ std::optional<MixtureSample> SampleMixture(const LightDirections& lights, const 
 
 float MixturePdf(const LightDirections& lights, const Ray& ray, const PhaseFunction& phase, Vec3 wi,
                  const SampledWavelengths& wavelengths) {
-  const MixtureVertex vertex{lights, wavelengths, {ray.o, {}, {}, {}}, LightShare(lights)};
+  const MixtureVertex vertex{lights, wavelengths, {ray.o, {}, {}, {}, ray.time}, LightShare(lights)};
   return vertex.Density(RayFrom(ray, wi), phase.Pdf(-ray.d, wi), 0);
 }
 

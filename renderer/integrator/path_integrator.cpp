@@ -112,7 +112,7 @@ bool PathTracer<Transport, Sink>::ScatterInMedium(float t) {
     interfaces_ = 0;
     const PhaseFunction& phase = transport_.phase();
     const Vec3 wo = -ray_.d;
-    previous_ = {ray_.At(t), {}, {}, {}};
+    previous_ = {ray_.At(t), {}, {}, {}, ray_.time};
     AddMediumLight(wo, phase);
     const PhaseSample sample = phase.Sample(wo, context_.sampler.Get2D());
     transport_.ScatterInMedium(sample.pdf);
@@ -200,7 +200,7 @@ void PathTracer<Transport, Sink>::AddInfiniteLights() {
   const World& world = context_.world;
   for (const int light : world.lights.infinite_lights()) {
     const SampledSpectrum emitted =
-        world.lights.InfiniteRadiance(light, previous_.p, ray_.d, context_.wavelengths);
+        world.lights.InfiniteRadiance(light, previous_.p, ray_.d, ray_.time, context_.wavelengths);
     std::optional<float> light_pdf;
     if (weigh_) light_pdf = InfiniteLightPdf(world, previous_, ray_.d, light);
     Add(transport_.HitContribution(emitted, light_pdf), light);

@@ -14,7 +14,7 @@ namespace tessera {
 constexpr int kInterfacesMax = 1000;
 
 inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
-  return {interaction.p, interaction.p_error, interaction.n, interaction.shading.n};
+  return {interaction.p, interaction.p_error, interaction.n, interaction.shading.n, interaction.time};
 }
 
 // A Lambertian surface with the albedo of another, estimated from one sample. Takes three dimensions of the
@@ -86,7 +86,8 @@ inline float EmitterPdf(const World& world, const ReferencePoint& reference, Vec
   return choice * world.lights.AreaLightPdf(emitter.area_light, reference, wi, emitter);
 }
 inline float InfiniteLightPdf(const World& world, const ReferencePoint& reference, Vec3 wi, int light) {
-  return world.lights.ChoosePmf(reference, light) * world.lights.InfiniteLightPdf(light, reference.p, wi);
+  return world.lights.ChoosePmf(reference, light) *
+         world.lights.InfiniteLightPdf(light, reference.p, wi, reference.time);
 }
 
 // The probability of ending a path whose next ray is expected to bring the share `expected` of the radiance

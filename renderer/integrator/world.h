@@ -25,6 +25,7 @@ struct World {
   int camera_medium = -1;       // index into media; -1: vacuum
   bool has_interfaces = false;  // whether any surface is `interface`
   bool has_subsurface = false;  // whether light is scattered below any surface; `volpath` alone follows it
+  bool moves = false;           // whether the picture depends on the times of rays
   std::unique_ptr<Accelerator> accelerator;  // null if the scene is only checked
 };
 

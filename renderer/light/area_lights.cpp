@@ -1,6 +1,7 @@
 #include "renderer/light/area_lights.h"
 
 #include "renderer/light/emission.h"
+#include "renderer/shape/moved_sampling.h"
 
 namespace tessera {
 namespace {
@@ -17,6 +18,30 @@ float MeanStrength(const AreaEmitter& emitter) {
   if (emitter.image.empty()) return strength;
   const Rgb mean = emitter.image.Mean();
   return strength * (mean.x + mean.y + mean.z) / 3;
+}
+
+// The area of a primitive in rendering space; of a shape that moves, at the start. Returns nullopt if that
+// depends on the place.
+std::optional<float> AreaOf(const AreaEmitter& emitter, uint32_t primitive) {
+  if (emitter.render_from_shape == nullptr) return ShapeArea(*emitter.shape, primitive);
+  return MovedShapeArea(*emitter.shape, primitive, emitter.render_from_shape->At(emitter.times.start));
+}
+
+// For the choice between lights: never zero if the area is not.
+float StrengthArea(const AreaEmitter& emitter, uint32_t primitive) {
+  const float area = ShapeArea(*emitter.shape, primitive);
+  const float at_start = AreaOf(emitter, primitive).value_or(area);
+  return at_start > 0 ? at_start : area;
+}
+
+// At all times.
+Bounds3 BoundsOf(const AreaEmitter& emitter, uint32_t primitive) {
+  const Bounds3 bounds = ShapeBounds(*emitter.shape, primitive);
+  if (emitter.render_from_shape == nullptr) return bounds;
+  return emitter.render_from_shape->BoundsOf(bounds, emitter.times.start, emitter.times.end);
+}
+NormalCone NormalsOf(const AreaEmitter& emitter, uint32_t primitive) {
+  return emitter.render_from_shape == nullptr ? ShapeNormals(*emitter.shape, primitive) : NormalCone();
 }
 
 AreaEmitter ReadEmitter(ParameterReader& reader, const Shape& shape, FileSource& files, ImageCache& images,
@@ -57,13 +82,19 @@ KindList AreaLightKinds() {
   return kAreaLightTable.List();
 }
 
-Result<void> AreaLights::Add(const Entity& entity, const Shape& shape, FileSource& files, ImageCache& images,
-                             Diagnostics& diagnostics) {
+Result<void> AreaLights::Add(const EmittingShape& emitting, const Geometry& geometry, FileSource& files,
+                             ImageCache& images, Diagnostics& diagnostics) {
+  const Entity& entity = *emitting.description->area_light;
+  const Shape& shape = ShapeOf(geometry, emitting.instance, emitting.shape);
   const Kind<EmitterReader>* kind = kAreaLightTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kAreaLightTable.Refusal(entity.kind));
   ParameterReader reader(entity);
   emitters_.push_back(kind->reader(reader, shape, files, images, diagnostics));
-  const AreaEmitter& emitter = emitters_.back();
+  AreaEmitter& emitter = emitters_.back();
+  if (emitting.instance != Hit::kNoInstance) {
+    emitter.render_from_shape = &geometry.motions[geometry.instances[emitting.instance].motion];
+    emitter.times = geometry.times;
+  }
   if (reader.failed()) return reader.Finish();
   const std::optional<float> power = ReadTotal(reader, "power");
   const float unit_exitance = MeanLuminance(emitter) * kPi * (emitter.two_sided ? 2.0f : 1.0f);
@@ -74,12 +105,35 @@ Result<void> AreaLights::Add(const Entity& entity, const Shape& shape, FileSourc
   for (uint32_t i = 0; i < count; ++i) {
     AreaLight light{static_cast<uint32_t>(emitters_.size() - 1), i, 1};
     if (power) {
-      const float area = ShapeArea(shape, i);
-      light.scale = area > 0 ? *power / (unit_exitance * area) : 0;
+      const std::optional<float> area = AreaOf(emitter, i);
+      if (!area) {
+        return ErrorAt(entity.location,
+                       "\"power\" of a curved shape that moves requires the same scale along all axes");
+      }
+      light.scale = *area > 0 ? *power / (unit_exitance * *area) : 0;
     }
     lights_.push_back(light);
   }
   return {};
+}
+
+std::optional<ShapeSample> AreaLights::SampleEmitter(const AreaEmitter& emitter, uint32_t primitive,
+                                                     const ReferencePoint& reference, Point2 u) {
+  if (emitter.render_from_shape == nullptr) return SampleShape(*emitter.shape, primitive, reference, u);
+  const Transform render_from_shape = emitter.render_from_shape->At(reference.time);
+  if (IsFlat(render_from_shape)) return std::nullopt;
+  return SampleMovedShape(*emitter.shape, primitive, render_from_shape, reference, u);
+}
+
+float AreaLights::Pdf(size_t light, const ReferencePoint& reference, Vec3 wi,
+                      const SurfaceInteraction& on_light) const {
+  const AreaLight& area = lights_[light];
+  const AreaEmitter& emitter = emitters_[area.emitter];
+  if (emitter.render_from_shape == nullptr)
+    return ShapePdf(*emitter.shape, area.primitive, reference, wi, on_light);
+  const Transform render_from_shape = emitter.render_from_shape->At(reference.time);
+  if (IsFlat(render_from_shape)) return 0;
+  return MovedShapePdf(*emitter.shape, area.primitive, render_from_shape, reference, wi, on_light);
 }
 
 std::optional<LightSample> AreaLights::Sample(size_t light, const ReferencePoint& reference, Point2 u,
@@ -87,7 +141,7 @@ std::optional<LightSample> AreaLights::Sample(size_t light, const ReferencePoint
                                               const TextureTable& textures) const {
   const AreaLight& area = lights_[light];
   const AreaEmitter& emitter = emitters_[area.emitter];
-  const std::optional<ShapeSample> on_shape = SampleShape(*emitter.shape, area.primitive, reference, u);
+  const std::optional<ShapeSample> on_shape = SampleEmitter(emitter, area.primitive, reference, u);
   if (!on_shape || !(on_shape->pdf > 0)) return std::nullopt;
   const Vec3 to_light = on_shape->p - reference.p;
   const float distance_squared = LengthSquared(to_light);
@@ -129,12 +183,12 @@ void AreaLights::AddProfiles(std::vector<LightProfile>* profiles) const {
       measured = light.emitter;
     }
     LightBounds bounds;
-    bounds.box = ShapeBounds(*emitter.shape, light.primitive);
-    const NormalCone cone = ShapeNormals(*emitter.shape, light.primitive);
+    bounds.box = BoundsOf(emitter, light.primitive);
+    const NormalCone cone = NormalsOf(emitter, light.primitive);
     bounds.axis = cone.axis;
     bounds.cos_theta_o = cone.cos_angle;
     bounds.cos_theta_e = 0;
-    bounds.strength = strength * std::abs(light.scale) * ShapeArea(*emitter.shape, light.primitive);
+    bounds.strength = strength * std::abs(light.scale) * StrengthArea(emitter, light.primitive);
     bounds.two_sided = emitter.two_sided;
     if (cone.cos_angle >= 1 && !emitter.two_sided) bounds.plane_min = SupportMin(bounds.box, cone.axis);
     profiles->push_back({true, bounds.strength * kPi * (emitter.two_sided ? 2.0f : 1.0f), bounds, 0});

@@ -14,8 +14,10 @@ namespace tessera {
 // What the primitives of one shape share.
 struct AreaEmitter {
   const Shape* shape = nullptr;
-  Spectrum L;      // radiance; with a picture: of its white
-  RgbImage image;  // over (u, 1 - v); empty: L alone
+  const MovingTransform* render_from_shape = nullptr;  // null: the shape lies in rendering space
+  TimeRange times;                                     // of all rays
+  Spectrum L;                                          // radiance; with a picture: of its white
+  RgbImage image;                                      // over (u, 1 - v); empty: L alone
   float image_scale = 1;
   bool two_sided = false;
   bool has_alpha = false;  // alpha lets only a part of the light out
@@ -32,19 +34,15 @@ struct AreaLight {
 
 class AreaLights {
  public:
-  // Reads the AreaLightSource of `shape` and adds a light for each of its primitives.
-  Result<void> Add(const Entity& entity, const Shape& shape, FileSource& files, ImageCache& images,
-                   Diagnostics& diagnostics);
+  // Reads the AreaLightSource of a shape and adds a light for each of its primitives.
+  Result<void> Add(const EmittingShape& emitting, const Geometry& geometry, FileSource& files,
+                   ImageCache& images, Diagnostics& diagnostics);
 
   size_t size() const { return lights_.size(); }
   std::optional<LightSample> Sample(size_t light, const ReferencePoint& reference, Point2 u,
                                     const SampledWavelengths& wavelengths,
                                     const TextureTable& textures) const;
-  float Pdf(size_t light, const ReferencePoint& reference, Vec3 wi,
-            const SurfaceInteraction& on_light) const {
-    const AreaLight& area = lights_[light];
-    return ShapePdf(*emitters_[area.emitter].shape, area.primitive, reference, wi, on_light);
-  }
+  float Pdf(size_t light, const ReferencePoint& reference, Vec3 wi, const SurfaceInteraction& on_light) const;
   // Radiance along wo from a point that a ray hit.
   SampledSpectrum Radiance(size_t light, const SurfaceInteraction& on_light, Vec3 wo,
                            const SampledWavelengths& wavelengths) const {
@@ -66,6 +64,9 @@ class AreaLights {
   }
   static SampledSpectrum ImageEmission(const AreaEmitter& emitter, Point2 uv,
                                        const SampledWavelengths& wavelengths);
+
+  static std::optional<ShapeSample> SampleEmitter(const AreaEmitter& emitter, uint32_t primitive,
+                                                  const ReferencePoint& reference, Point2 u);
 
   std::vector<AreaEmitter> emitters_;
   std::vector<AreaLight> lights_;

@@ -32,11 +32,17 @@ struct LightSample {
   bool is_delta = false;
 };
 
+// A shape with an AreaLightSource.
+struct EmittingShape {
+  const ShapeDescription* description = nullptr;
+  uint32_t shape = 0;                    // as Hit::shape
+  uint32_t instance = Hit::kNoInstance;  // of one that moves
+};
+
 // What a LightTable is built from.
 struct LightInputs {
   const SceneDescription& scene;
-  // The description of each entry of Geometry::shapes.
-  std::span<const ShapeDescription* const> shape_sources;
+  std::span<const EmittingShape> emitters;
   const Transform& render_from_world;
   LightSamplerKind light_sampler = LightSamplerKind::kTree;
   FileSource& files;
@@ -62,9 +68,8 @@ class LightTable {
   LightTable(LightTable&&) noexcept;
   LightTable& operator=(LightTable&&) noexcept;
 
-  // Builds the LightSource directives in their order, then one area light per primitive of every shape with
-  // an AreaLightSource. The shapes of `geometry` must outlive the table and stay where they are; their
-  // area_light is not used.
+  // Builds the LightSource directives in their order, then one area light per primitive of every emitter.
+  // `geometry` must outlive the table and stay where it is; the area_light of its shapes is not used.
   static Result<BuiltLights> Build(const LightInputs& inputs, const Geometry& geometry,
                                    Diagnostics& diagnostics);
 
@@ -79,14 +84,14 @@ class LightTable {
   // The density per solid angle with which Sample would find the hit emitter along wi.
   float AreaLightPdf(int light, const ReferencePoint& reference, Vec3 wi,
                      const SurfaceInteraction& on_light) const;
-  float InfiniteLightPdf(int light, Point3 from, Vec3 wi) const;
+  float InfiniteLightPdf(int light, Point3 from, Vec3 wi, float time_s) const;
 
   // Radiance that the emitter at a hit sends along wo.
   SampledSpectrum EmittedRadiance(int light, const SurfaceInteraction& on_light, Vec3 wo,
                                   const SampledWavelengths& wavelengths) const;
   // Radiance that arrives at `from`, where the path last scattered, against unit direction d from a light at
   // infinity.
-  SampledSpectrum InfiniteRadiance(int light, Point3 from, Vec3 d,
+  SampledSpectrum InfiniteRadiance(int light, Point3 from, Vec3 d, float time_s,
                                    const SampledWavelengths& wavelengths) const;
   // Whether rays can find the light; if not, only light sampling can.
   bool IsHitByRays(int light) const;
@@ -101,7 +106,7 @@ class LightTable {
 
 struct BuiltLights {
   LightTable table;
-  // For each shape of the geometry: SurfaceProperties::area_light.
+  // For each emitter: SurfaceProperties::area_light.
   std::vector<int> area_lights;
 };
 

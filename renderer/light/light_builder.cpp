@@ -63,8 +63,9 @@ class LightBuilder {
   Result<SourceLight> ReadSource(const LightDescription& description);
   Result<void> AddSources();
   Result<void> AddAreas(std::vector<int>* area_lights);
-  // Returns the first light of the shape, or -1 if it does not emit.
-  Result<int> AddArea(const Shape& shape, const Entity& entity);
+  // Returns the first light of the emitter, or -1 if it does not emit.
+  Result<int> AddArea(const EmittingShape& emitter);
+  void AddSourceProfiles(std::vector<LightProfile>* profiles);
 
   const LightInputs& inputs_;
   const Geometry& geometry_;
@@ -78,7 +79,7 @@ Result<SourceLight> LightBuilder::ReadSource(const LightDescription& description
   if (kind == nullptr) return ErrorAt(entity.location, kSourceTable.Refusal(entity.kind));
   ParameterReader reader(entity);
   SourceLight light =
-      kind->reader(reader, {inputs_.render_from_world * description.world_from_light,
+      kind->reader(reader, {inputs_.render_from_world * description.world_from_light.First(),
                             inputs_.render_from_world, inputs_.files, inputs_.images, diagnostics_});
   if (const Result<void> finished = reader.Finish(); !finished) return finished.error();
   return light;
@@ -88,6 +89,9 @@ Result<void> LightBuilder::AddSources() {
   for (const LightDescription& description : inputs_.scene.lights) {
     Result<SourceLight> light = ReadSource(description);
     if (!light) return light.error();
+    if (std::holds_alternative<PortalInfiniteLight>(*light) && description.world_from_light.IsAnimated())
+      return ErrorAt(description.entity.location,
+                     "a light with a portal moves, expected one that stands still");
     const bool is_hit = Dispatch(*light, []<typename Light>(Light&) { return HitByRays<Light>; });
     if (is_hit) data_->infinite.push_back(static_cast<int>(data_->sources.size()));
     data_->sources.push_back(std::move(*light));
@@ -95,14 +99,22 @@ Result<void> LightBuilder::AddSources() {
   return {};
 }
 
-Result<int> LightBuilder::AddArea(const Shape& shape, const Entity& entity) {
+Result<int> LightBuilder::AddArea(const EmittingShape& emitter) {
+  const Shape& shape = ShapeOf(geometry_, emitter.instance, emitter.shape);
+  const Entity& entity = *emitter.description->area_light;
+  if (std::holds_alternative<CurveSet>(shape.form)) {
+    return ErrorAt(
+        emitter.description->entity.location,
+        fmt::format("a curve cannot be an area light (it has that of {})", entity.location.Text()));
+  }
   if (shape.surface.is_interface) {
     diagnostics_.Warn(entity.location, "the area light of a shape with an \"interface\" material is ignored");
     return -1;
   }
   const size_t first = data_->sources.size() + data_->areas.size();
   if (first + shape.PrimitiveCount() > kLightsMax) return ErrorAt(entity.location, "too many area lights");
-  if (const Result<void> added = data_->areas.Add(entity, shape, inputs_.files, inputs_.images, diagnostics_);
+  if (const Result<void> added =
+          data_->areas.Add(emitter, geometry_, inputs_.files, inputs_.images, diagnostics_);
       !added) {
     return added.error();
   }
@@ -110,19 +122,28 @@ Result<int> LightBuilder::AddArea(const Shape& shape, const Entity& entity) {
 }
 
 Result<void> LightBuilder::AddAreas(std::vector<int>* area_lights) {
-  TESSERA_CHECK(inputs_.shape_sources.size() == geometry_.shapes.size());
-  for (size_t i = 0; i < geometry_.shapes.size(); ++i) {
-    const std::shared_ptr<const Entity>& entity = inputs_.shape_sources[i]->area_light;
-    if (entity && std::holds_alternative<CurveSet>(geometry_.shapes[i].form)) {
-      return ErrorAt(
-          inputs_.shape_sources[i]->entity.location,
-          fmt::format("a curve cannot be an area light (it has that of {})", entity->location.Text()));
-    }
-    const Result<int> first = entity ? AddArea(geometry_.shapes[i], *entity) : Result<int>(-1);
+  for (const EmittingShape& emitter : inputs_.emitters) {
+    const Result<int> first = AddArea(emitter);
     if (!first) return first.error();
     area_lights->push_back(*first);
   }
   return {};
+}
+
+void LightBuilder::AddSourceProfiles(std::vector<LightProfile>* profiles) {
+  for (size_t i = 0; i < data_->sources.size(); ++i) {
+    LightProfile profile =
+        Dispatch(data_->sources[i], [&](const auto& light) { return light.Profile(data_->scene_radius); });
+    const AnimatedTransform& world_from_light = inputs_.scene.lights[i].world_from_light;
+    if (world_from_light.IsAnimated()) {
+      auto motion =
+          std::make_unique<LightMotion>(inputs_.render_from_world, world_from_light, !profile.bounds);
+      profile = motion->AtAllTimes(profile, geometry_.times);
+      data_->motions.resize(data_->sources.size());
+      data_->motions[i] = std::move(motion);
+    }
+    profiles->push_back(profile);
+  }
 }
 
 Result<void> LightBuilder::Build(LightTable::Data& data, std::vector<int>* area_lights) {
@@ -133,9 +154,7 @@ Result<void> LightBuilder::Build(LightTable::Data& data, std::vector<int>* area_
   const Bounds3 bounds = geometry_.Bounds();
   data.scene_radius = bounds.empty() ? 0 : Length(bounds.Diagonal()) / 2;
   std::vector<LightProfile> profiles;
-  for (const SourceLight& source : data.sources) {
-    profiles.push_back(Dispatch(source, [&](const auto& light) { return light.Profile(data.scene_radius); }));
-  }
+  AddSourceProfiles(&profiles);
   data.areas.AddProfiles(&profiles);
   for (LightProfile& profile : profiles) profile = Bounded(profile);
   data.chooser = LightChooser(inputs_.light_sampler, profiles);

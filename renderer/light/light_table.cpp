@@ -1,8 +1,27 @@
 #include "renderer/light/light.h"
 #include "renderer/light/light_data.h"
+#include "renderer/math/flat_transform.h"
+#include "renderer/shape/moved_sampling.h"
 #include "renderer/util/dispatch.h"
 
 namespace tessera {
+namespace {
+
+template <typename Light>
+std::optional<LightSample> SampleMoving(const Light& light, const LightMotion& motion,
+                                        const LightQuery& query) {
+  const Transform render_from_base = motion.RenderFromBase(query.reference.time);
+  if (IsFlat(render_from_base)) return std::nullopt;
+  const ReferencePoint there = MoveReference(render_from_base, query.reference);
+  const std::optional<LightSample> sample =
+      light.Sample({there, query.u, query.scene_radius, query.wavelengths});
+  if (!sample) return std::nullopt;
+  return MoveSample(render_from_base, *sample, motion.is_infinite(), there, query.reference,
+                    query.scene_radius);
+}
+
+}  // namespace
+
 LightTable::LightTable() : data_(std::make_unique<Data>()) {}
 LightTable::~LightTable() = default;
 LightTable::LightTable(LightTable&&) noexcept = default;
@@ -23,7 +42,10 @@ std::optional<LightSample> LightTable::Sample(int light, const ReferencePoint& r
     return data.areas.Sample(data.AreaIndex(light), reference, u, wavelengths, *data.textures);
   }
   const LightQuery query{reference, u, data.scene_radius, wavelengths};
-  return Dispatch(data.Source(light), [&](const auto& source) { return source.Sample(query); });
+  const LightMotion* const motion = data.MotionOf(light);
+  return Dispatch(data.Source(light), [&](const auto& source) {
+    return motion == nullptr ? source.Sample(query) : SampleMoving(source, *motion, query);
+  });
 }
 
 float LightTable::AreaLightPdf(int light, const ReferencePoint& reference, Vec3 wi,
@@ -31,9 +53,18 @@ float LightTable::AreaLightPdf(int light, const ReferencePoint& reference, Vec3 
   return data_->areas.Pdf(data_->AreaIndex(light), reference, wi, on_light);
 }
 
-float LightTable::InfiniteLightPdf(int light, Point3 from, Vec3 wi) const {
+float LightTable::InfiniteLightPdf(int light, Point3 from, Vec3 wi, float time_s) const {
+  const LightMotion* const motion = data_->MotionOf(light);
   return Dispatch(data_->Source(light), [&]<typename Light>(const Light& source) -> float {
-    if constexpr (HitByRays<Light>) return source.Pdf(from, wi);
+    if constexpr (HitByRays<Light>) {
+      if (motion == nullptr) return source.Pdf(from, wi);
+      const Transform render_from_base = motion->RenderFromBase(time_s);
+      if (IsFlat(render_from_base)) return 0;
+      const Transform base_from_render = render_from_base.Inverse();
+      const float at_base =
+          source.Pdf(base_from_render.ToPoint(from), Normalize(base_from_render.ToVector(wi)));
+      return at_base * SolidAngleRatio(render_from_base, wi);
+    }
     return 0;
   });
 }
@@ -43,10 +74,18 @@ SampledSpectrum LightTable::EmittedRadiance(int light, const SurfaceInteraction&
   return data_->areas.Radiance(data_->AreaIndex(light), on_light, wo, wavelengths);
 }
 
-SampledSpectrum LightTable::InfiniteRadiance(int light, Point3 from, Vec3 d,
+SampledSpectrum LightTable::InfiniteRadiance(int light, Point3 from, Vec3 d, float time_s,
                                              const SampledWavelengths& wavelengths) const {
+  const LightMotion* const motion = data_->MotionOf(light);
   return Dispatch(data_->Source(light), [&]<typename Light>(const Light& source) -> SampledSpectrum {
-    if constexpr (HitByRays<Light>) return source.Radiance(from, d, wavelengths);
+    if constexpr (HitByRays<Light>) {
+      if (motion == nullptr) return source.Radiance(from, d, wavelengths);
+      const Transform render_from_base = motion->RenderFromBase(time_s);
+      if (IsFlat(render_from_base)) return SampledSpectrum();
+      const Transform base_from_render = render_from_base.Inverse();
+      return source.Radiance(base_from_render.ToPoint(from), Normalize(base_from_render.ToVector(d)),
+                             wavelengths);
+    }
     return SampledSpectrum();
   });
 }

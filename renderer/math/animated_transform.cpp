@@ -32,6 +32,13 @@ const Transform& AnimatedTransform::Fixed() const {
   return first_;
 }
 
+AnimatedTransform AnimatedTransform::Delayed(double delay_s) const {
+  if (!keys_) return *this;
+  std::vector<TransformKey> keys = *keys_;
+  for (TransformKey& key : keys) key.time_s += delay_s;
+  return AnimatedTransform(std::move(keys));
+}
+
 AnimatedTransform AnimatedTransform::Inverse() const {
   if (!keys_) return AnimatedTransform(first_.Inverse());
   std::vector<TransformKey> keys = *keys_;

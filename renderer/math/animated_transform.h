@@ -1,8 +1,10 @@
 // A transform that changes over time.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "renderer/math/transform.h"
@@ -12,6 +14,7 @@ namespace tessera {
 struct TransformKey {
   double time_s = 0;
   Transform transform;
+  bool operator==(const TransformKey&) const = default;
 };
 
 // A value; copies share their keys.
@@ -34,6 +37,17 @@ class AnimatedTransform {
   const Transform& Fixed() const;
   // The transform before and at the first key.
   const Transform& First() const { return first_; }
+
+  // Empty if it does not move.
+  std::span<const TransformKey> keys() const {
+    return keys_ ? std::span<const TransformKey>(*keys_) : std::span<const TransformKey>();
+  }
+  bool operator==(const AnimatedTransform& other) const {
+    return first_ == other.first_ && std::ranges::equal(keys(), other.keys());
+  }
+
+  // The same motion, by `delay_s` later.
+  AnimatedTransform Delayed(double delay_s) const;
 
   // Key by key.
   AnimatedTransform Inverse() const;

@@ -1,5 +1,6 @@
 #include "renderer/math/motion.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "renderer/math/flat_transform.h"
@@ -7,22 +8,22 @@
 namespace tessera {
 namespace {
 
-using Matrix3 = std::array<std::array<double, 3>, 3>;
+using Rows3 = std::array<std::array<double, 3>, 3>;
 
 constexpr int kPolarStepsMax = 100;         // it converges quadratically: 10 do for any scene
 constexpr double kPolarTolerance = 1e-12;   // of an element of the rotation
 constexpr float kParallelCosine = 0.9995f;  // quaternions nearer than this are mixed straight
 
-double Determinant(const Matrix3& a) {
+double Determinant(const Rows3& a) {
   return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
          a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
          a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
 }
 
 // The transposed inverse: the matrix of cofactors over the determinant.
-Matrix3 InverseTranspose(const Matrix3& a) {
+Rows3 InverseTranspose(const Rows3& a) {
   const double scale = 1 / Determinant(a);
-  Matrix3 r;
+  Rows3 r;
   for (int i = 0; i < 3; ++i) {
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
     for (int j = 0; j < 3; ++j) {
@@ -33,17 +34,36 @@ Matrix3 InverseTranspose(const Matrix3& a) {
   return r;
 }
 
-// w + xi + yj + zk
-struct Quaternion {
-  double w = 1, x = 0, y = 0, z = 0;
-};
-
-double Dot(const Quaternion& a, const Quaternion& b) {
-  return a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
+// Element by element.
+Matrix4 Straight(const Matrix4& a, const Matrix4& b, float s) {
+  Matrix4 m;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) m.m[i][j] = (1 - s) * a.m[i][j] + s * b.m[i][j];
+  }
+  return m;
 }
 
+double LengthOf(const double (&v)[3]) {
+  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+// The length of the longest vector that `m` makes of a corner of the box, and so of any of its points.
+double ReachOf(const Rows3& m, const Bounds3& box) {
+  double reach = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const double p[3] = {corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                         corner & 4 ? box.max.z : box.min.z};
+    double v[3];
+    for (int i = 0; i < 3; ++i) v[i] = m[i][0] * p[0] + m[i][1] * p[1] + m[i][2] * p[2];
+    reach = std::max(reach, LengthOf(v));
+  }
+  return reach;
+}
+
+}  // namespace
+
 // Shoemake 1991, "Quaternions and 4x4 matrices".
-Quaternion FromRotation(const Matrix3& m) {
+TransformPath::Quaternion TransformPath::FromRotation(const Matrix3& m) {
   const double trace = m[0][0] + m[1][1] + m[2][2];
   if (trace > 0) {
     const double s = std::sqrt(trace + 1), t = 0.5 / s;
@@ -61,35 +81,13 @@ Quaternion FromRotation(const Matrix3& m) {
   return {(m[k][j] - m[j][k]) * t, v[0], v[1], v[2]};
 }
 
-Matrix3 ToRotation(const Quaternion& q) {
+TransformPath::Matrix3 TransformPath::ToRotation(const Quaternion& q) {
   return {{{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y - q.w * q.z), 2 * (q.x * q.z + q.w * q.y)},
            {2 * (q.x * q.y + q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z - q.w * q.x)},
            {2 * (q.x * q.z - q.w * q.y), 2 * (q.y * q.z + q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}}};
 }
 
-Quaternion Slerp(const Quaternion& a, Quaternion b, float s) {
-  if (Dot(a, b) < 0) b = {-b.w, -b.x, -b.y, -b.z};
-  const float cosine = std::min(static_cast<float>(Dot(a, b)), 1.0f);
-  double from = 1 - s, to = s;
-  if (cosine < kParallelCosine) {  // sines of floats: those of doubles are not the same on all machines
-    const float angle = std::acos(cosine);
-    from = std::sin((1 - s) * angle);
-    to = std::sin(s * angle);
-  }
-  const Quaternion q{from * a.w + to * b.w, from * a.x + to * b.x, from * a.y + to * b.y,
-                     from * a.z + to * b.z};
-  const double length = std::sqrt(Dot(q, q));
-  return {q.w / length, q.x / length, q.y / length, q.z / length};
-}
-
-// Translation after rotation after stretch.
-struct Parts {
-  double translation[3];
-  Quaternion rotation;
-  Matrix3 stretch;
-};
-
-Parts Decompose(const Transform& transform) {
+TransformPath::Parts TransformPath::Decompose(const Transform& transform) {
   Parts parts;
   Matrix3 m;
   for (int i = 0; i < 3; ++i) {
@@ -123,35 +121,104 @@ Parts Decompose(const Transform& transform) {
   return parts;
 }
 
-// Element by element.
-Matrix4 Straight(const Matrix4& a, const Matrix4& b, float s) {
-  Matrix4 m;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 4; ++j) m.m[i][j] = (1 - s) * a.m[i][j] + s * b.m[i][j];
+TransformPath::TransformPath(const Transform& start, const Transform& end) : start_(start), end_(end) {
+  is_straight_ = IsFlat(start) || IsFlat(end);
+  if (is_straight_) return;
+  from_ = Decompose(start);
+  to_ = Decompose(end);
+  const Quaternion& a = from_.rotation;
+  Quaternion& b = to_.rotation;
+  double dot = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
+  if (dot < 0) {
+    b = {-b.w, -b.x, -b.y, -b.z};
+    dot = -dot;
   }
-  return m;
+  cosine_ = std::min(static_cast<float>(dot), 1.0f);
+  // Of a float: functions of doubles do not have the same bits on all machines.
+  angle_ = std::acos(cosine_);
 }
 
-}  // namespace
+TransformPath::Quaternion TransformPath::RotationAt(float s) const {
+  const Quaternion &a = from_.rotation, &b = to_.rotation;
+  double from = 1 - s, to = s;
+  if (cosine_ < kParallelCosine) {
+    from = std::sin((1 - s) * angle_);
+    to = std::sin(s * angle_);
+  }
+  const Quaternion q{from * a.w + to * b.w, from * a.x + to * b.x, from * a.y + to * b.y,
+                     from * a.z + to * b.z};
+  const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  return {q.w / length, q.x / length, q.y / length, q.z / length};
+}
 
-std::optional<Transform> Interpolate(const Transform& start, const Transform& end, float s) {
-  if (s <= 0 || start == end) return start;
-  if (s >= 1) return end;
-  // A flat map has no rotation: what grows from nothing or shrinks to it does so in a straight way.
-  if (IsFlat(start) || IsFlat(end)) return Transform::FromMatrix(Straight(start.matrix(), end.matrix(), s));
-  const Parts a = Decompose(start), b = Decompose(end);
-  const Matrix3 rotation = ToRotation(Slerp(a.rotation, b.rotation, s));
+Matrix4 TransformPath::MatrixAt(float s) const {
+  if (is_straight_) return Straight(start_.matrix(), end_.matrix(), s);
+  const Matrix3 rotation = ToRotation(RotationAt(s));
   const double from = 1 - s, to = s;
   Matrix4 m;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       double sum = 0;
-      for (int k = 0; k < 3; ++k) sum += rotation[i][k] * (from * a.stretch[k][j] + to * b.stretch[k][j]);
+      for (int k = 0; k < 3; ++k)
+        sum += rotation[i][k] * (from * from_.stretch[k][j] + to * to_.stretch[k][j]);
       m.m[i][j] = static_cast<float>(sum);
     }
-    m.m[i][3] = static_cast<float>(from * a.translation[i] + to * b.translation[i]);
+    m.m[i][3] = static_cast<float>(from * from_.translation[i] + to * to_.translation[i]);
   }
-  return Transform::FromMatrix(m);
+  return m;
+}
+
+std::optional<Transform> TransformPath::At(float s) const {
+  if (s <= 0) return start_;
+  if (s >= 1) return end_;
+  return Transform::FromMatrix(MatrixAt(s));
+}
+
+// A point is R(s) S(s) p + T(s), with S and T linear and a rotation at speed w: |R'| <= w and |R''| <= w^2,
+// so the second derivative is at most w^2 |S p| + 2 w |S' p|.
+double TransformPath::AccelerationMax(const Bounds3& box) const {
+  const double speed = 2 * static_cast<double>(angle_);
+  Matrix3 change;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) change[i][j] = to_.stretch[i][j] - from_.stretch[i][j];
+  }
+  const double reach = std::max(ReachOf(from_.stretch, box), ReachOf(to_.stretch, box));
+  return speed * speed * reach + 2 * speed * ReachOf(change, box);
+}
+
+// Between two places at a distance h of a path, a point is within h^2 / 8 of the largest second derivative of
+// the straight line between them.
+Bounds3 TransformPath::BoundsOf(const Bounds3& box, float from, float to) const {
+  // Of a path that turns. Half a turn in 32 steps is a 800th of the radius off.
+  constexpr int kSteps = 32;
+  // Quaternions that are mixed straight do not turn at quite constant speed.
+  constexpr double kUneven = 1.1;
+  // Relative to the coordinates: more than the rounding errors of a map and its inverse together.
+  constexpr float kRounding = 4e-6f;
+  const bool turns = !is_straight_ && angle_ > 0;
+  const int steps = turns && to > from ? kSteps : 1;
+  Bounds3 bounds;
+  for (int i = 0; i <= steps; ++i) {
+    const float s = from + (to - from) * (static_cast<float>(i) / static_cast<float>(steps));
+    bounds.Add(Transform(MatrixAt(s), ZeroMatrix()).ToBounds(box));
+  }
+  // The ends are maps of their own, which differ from the composed ones by rounding errors.
+  if (from <= 0) bounds.Add(start_.ToBounds(box));
+  if (to >= 1) bounds.Add(end_.ToBounds(box));
+  const double step = static_cast<double>(to - from) / steps;
+  const float bulge = turns ? static_cast<float>(kUneven * AccelerationMax(box) * step * step / 8) : 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float reach = std::max(std::abs(bounds.min[axis]), std::abs(bounds.max[axis]));
+    const float slack = bulge + kRounding * reach;
+    bounds.min[axis] -= slack;
+    bounds.max[axis] += slack;
+  }
+  return bounds;
+}
+
+std::optional<Transform> Interpolate(const Transform& start, const Transform& end, float s) {
+  if (start == end) return start;
+  return TransformPath(start, end).At(s);
 }
 
 }  // namespace tessera

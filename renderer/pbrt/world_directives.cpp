@@ -119,8 +119,7 @@ bool SceneParser::LightSource(const Statement& statement) {
     Warn(statement.location, "the light is ignored: its transformation has no inverse");
     return true;
   }
-  return entity &&
-         builder_->AddLight({*std::move(entity), AtRest(statement, "light"), state_.outside_medium});
+  return entity && builder_->AddLight({*std::move(entity), Moving(), state_.outside_medium});
 }
 
 bool SceneParser::AreaLightSource(const Statement& statement) {

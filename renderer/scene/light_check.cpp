@@ -12,18 +12,18 @@ struct UnseenLight {
   std::string name;  // for messages
 };
 
-std::vector<UnseenLight> UnseenLights(const SceneDescription& scene, const ShapeDescriptions& shapes,
-                                      const World& world) {
+std::vector<UnseenLight> UnseenLights(const SceneDescription& scene,
+                                      const std::vector<EmittingShape>& emitters, const World& world) {
   std::vector<UnseenLight> unseen;
   for (size_t i = 0; i < scene.lights.size(); ++i) {
     const Entity& light = scene.lights[i].entity;
     if (!world.lights.IsHitByRays(static_cast<int>(i)))
       unseen.push_back({&light.location, "light \"" + light.kind + "\""});
   }
-  for (size_t i = 0; i < shapes.size(); ++i) {
-    const int light = world.geometry.shapes[i].surface.area_light;
+  for (const EmittingShape& emitter : emitters) {
+    const int light = ShapeOf(world.geometry, emitter.instance, emitter.shape).surface.area_light;
     if (light >= 0 && !world.lights.IsHitByRays(light))
-      unseen.push_back({&shapes[i]->area_light->location, "the area light of a shape of alpha 0"});
+      unseen.push_back({&emitter.description->area_light->location, "the area light of a shape of alpha 0"});
   }
   return unseen;
 }
@@ -31,9 +31,10 @@ std::vector<UnseenLight> UnseenLights(const SceneDescription& scene, const Shape
 }  // namespace
 
 Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& scene,
-                            const ShapeDescriptions& shapes, const World& world, Diagnostics& diagnostics) {
+                            const std::vector<EmittingShape>& emitters, const World& world,
+                            Diagnostics& diagnostics) {
   if (HasShadowRays(estimator)) return {};
-  for (const UnseenLight& light : UnseenLights(scene, shapes, world)) {
+  for (const UnseenLight& light : UnseenLights(scene, emitters, world)) {
     const std::string what = "no ray can hit " + light.name + ", and this integrator traces no shadow rays";
     if (estimator.integrator.kind == IntegratorKind::kMixture) {
       return ErrorAt(*light.location, what + "; use \"path\"");

@@ -14,6 +14,7 @@ namespace tessera {
 // Lights that no ray can hit (points, directions, emitters of alpha 0) need shadow rays. Of the integrators
 // without shadow rays, `mixture` refuses such lights; the others give a warning for each.
 Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& scene,
-                            const ShapeDescriptions& shapes, const World& world, Diagnostics& diagnostics);
+                            const std::vector<EmittingShape>& emitters, const World& world,
+                            Diagnostics& diagnostics);
 
 }  // namespace tessera

@@ -30,6 +30,12 @@ AcceleratorSummary SummaryOf(std::string_view kind, const Accelerator& accelerat
           statistics.bytes,  statistics.sah_cost,      {}};
 }
 
+bool HasShutter(const Entity& camera) {
+  return std::ranges::any_of(camera.parameters, [](const Parameter& parameter) {
+    return parameter.name == "shutteropen" || parameter.name == "shutterclose";
+  });
+}
+
 Result<void> CheckOptions(const RenderOptions& options) {
   if (options.samples_per_pixel &&
       (*options.samples_per_pixel < 1 || *options.samples_per_pixel > kSamplesPerPixelMax)) {
@@ -72,7 +78,7 @@ class SceneBuilder {
   Result<std::unique_ptr<Scene::Data>> Build(const std::string& name, Scene::Depth depth);
 
  private:
-  Result<void> StopTime(const std::string& name);
+  Result<void> SettleMotion(const std::string& name);
   Result<void> ReadSettings();
   Result<void> DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator);
   Result<void> BuildAccelerator();
@@ -88,16 +94,20 @@ class SceneBuilder {
   std::unique_ptr<Scene::Data> data_ = std::make_unique<Scene::Data>();
 };
 
-Result<void> SceneBuilder::StopTime(const std::string& name) {
-  const Result<int> moving = StopMotion(options_.time, scene_);
+// A frame of a sequence is a moment unless the scene says for how long its shutter is open.
+Result<void> SceneBuilder::SettleMotion(const std::string& name) {
+  const Result<int> moving = CheckMotion(scene_);
   if (!moving) return moving.error();
   data_->summary.moving = static_cast<uint64_t>(*moving);
-  if (*moving > 0) {
-    scene_.diagnostics.Warn(name, std::string("moving things are shown at one moment, ") +
-                                      (options_.time ? "the frame's time" : "the middle of the shutter") +
-                                      ", without motion blur");
+  if (*moving == 0 || !options_.time) return {};
+  if (HasShutter(scene_.camera)) {
+    StartTimeAt(*options_.time, scene_);
+    return {};
   }
-  return {};
+  scene_.diagnostics.Warn(name,
+                          "what moves is shown at the time of the frame, without motion blur: the camera has "
+                          "neither \"shutteropen\" nor \"shutterclose\"");
+  return StopMotion(*options_.time, scene_);
 }
 
 Result<void> SceneBuilder::ReadSettings() {
@@ -111,8 +121,8 @@ Result<void> SceneBuilder::ReadSettings() {
   const Result<FilmSettings> film = ReadFilm(scene_.film, options_, scene_.diagnostics);
   if (!film) return film.error();
   Result<Camera> camera =
-      Camera::Read(scene_.camera, scene_.camera_from_world.Fixed(),
-                   {film->width, film->height, film->diagonal_mm}, images_, scene_.diagnostics);
+      Camera::Read(scene_.camera, scene_.camera_from_world, {film->width, film->height, film->diagonal_mm},
+                   images_, scene_.diagnostics);
   if (!camera) return camera.error();
   data.world.camera = *camera;
   Result<Filter> filter = Filter::Read(scene_.filter);
@@ -140,8 +150,8 @@ Result<void> SceneBuilder::ReadSettings() {
   if (Result<void> described = DescribeFrame(*film, *integrator); !described) return described;
   const WorldRequest request{scene_, files_, images_, integrator->light_sampler,
                              data.estimator.integrator.follows_media};
-  const Result<ShapeDescriptions> shapes = BuildWorld(request, &data.world, scene_.diagnostics);
-  if (!shapes) return shapes.error();
+  const Result<std::vector<EmittingShape>> emitters = BuildWorld(request, &data.world, scene_.diagnostics);
+  if (!emitters) return emitters.error();
   if (data.world.has_subsurface && data.estimator.integrator.kind != IntegratorKind::kVolPath) {
     scene_.diagnostics.Warn(
         scene_.integrator.location,
@@ -150,7 +160,7 @@ Result<void> SceneBuilder::ReadSettings() {
                     integrator->name));
   }
   if (data.estimator.integrator.kind == IntegratorKind::kMixture) data.estimator.lights.emplace(data.world);
-  return CheckLightsFor(data.estimator, scene_, *shapes, data.world, scene_.diagnostics);
+  return CheckLightsFor(data.estimator, scene_, *emitters, data.world, scene_.diagnostics);
 }
 
 Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator) {
@@ -216,7 +226,7 @@ void SceneBuilder::SurveyAccelerators() {
 
 Result<std::unique_ptr<Scene::Data>> SceneBuilder::Build(const std::string& name, Scene::Depth depth) {
   const auto start = std::chrono::steady_clock::now();
-  if (Result<void> stopped = StopTime(name); !stopped) return stopped.error();
+  if (Result<void> settled = SettleMotion(name); !settled) return settled.error();
   if (Result<void> settings = ReadSettings(); !settings) return settings.error();
   if (Result<void> lit = CheckLights(name); !lit) return lit.error();
   const auto accelerator = ChooseAccelerator(scene_.accelerator, options_.accelerator);

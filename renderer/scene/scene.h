@@ -28,7 +28,8 @@ struct RenderOptions {
   std::optional<int> width, height;
   std::optional<std::array<float, 4>> crop;  // x0, x1, y0, y1 as fractions
   std::optional<uint64_t> seed;
-  // Seconds: the moment at which moving things are shown. The middle of the shutter if not given.
+  // Seconds: when the frame of an animated scene is. Added to the times of the shutter; a scene that gives
+  // none shows this moment.
   std::optional<double> time;
   std::string integrator;   // empty: the scene's
   std::string accelerator;  // empty: "embree"
@@ -66,7 +67,7 @@ struct SceneSummary {
   uint64_t shapes = 0, groups = 0, instances = 0;
   std::vector<PrimitiveTotal> primitives;  // of every form, also of those that the scene has none of
   uint64_t lights = 0, materials = 0, textures = 0, media = 0;
-  uint64_t moving = 0;  // the camera, shapes and instances that move
+  uint64_t moving = 0;  // the camera, shapes, instances and lights that move
   uint64_t geometry_bytes = 0, image_bytes = 0;
   double load_seconds = 0;
   // Whether a pixel's samples are the first of those it would have with more samples per pixel.

@@ -44,13 +44,15 @@ class PixelRenderer {
         SampledWavelengths::SampleVisible(data_.wavelength_jitter ? u_wavelengths : 0.5f);
     const Camera& camera = data_.world.camera;
     Point2 u_lens = camera.has_lens() ? sampler_.Get2D() : Point2{0.5f, 0.5f};
+    float u_time = data_.world.moves ? sampler_.Get1D() : 0.5f;
     if (!data_.pixel_jitter) {
       filter = {{0, 0}, 1};
       u_lens = {0.5f, 0.5f};
+      u_time = 0.5f;
     }
     const Point2 film{static_cast<float>(x) + 0.5f + filter.offset.x,
                       static_cast<float>(y) + 0.5f + filter.offset.y};
-    const CameraSample seen = camera.GenerateRay(film, u_lens, 0.5f);
+    const CameraSample seen = camera.GenerateRay(film, u_lens, u_time);
     const PathContext context{data_.world, data_.estimator.path, wavelengths, sampler_, rays_};
     SampledSpectrum radiance(0.0f);
     if (seen.weight > 0) radiance = Estimate(context, seen.ray, filter.weight, values) * seen.weight;

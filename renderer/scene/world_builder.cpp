@@ -21,16 +21,34 @@ class WorldBuilder {
         render_from_world_(world->camera.render_from_world()),
         textures_(request.files, request.images, diagnostics, render_from_world_) {}
 
-  Result<ShapeDescriptions> Build();
+  Result<std::vector<EmittingShape>> Build();
 
  private:
   Result<void> AddMedia();
   int MediumIndex(const std::string& name) const;
   // The shapes of one directive, complete but for SurfaceProperties::area_light.
   Result<std::vector<Shape>> MakeShapes(const ShapeDescription& description, const Transform& transform);
+  // Shapes of an object definition, or of the world, that stand still or move in the same way.
+  struct Part {
+    int group = 0;
+    AnimatedTransform object_from_part;
+    SourceLocation location;                      // of its first shape
+    size_t emitters_begin = 0, emitters_end = 0;  // its own, of emitters_
+  };
+  int AddGroup();
+  Result<void> AddToGroup(const ShapeDescription& description, int group);
+  // Adds what a directive made to `present`, the shapes of a space.
+  void Append(std::vector<Shape>&& shapes, const ShapeDescription& description, std::vector<Shape>& present);
+  // Adds a shape that moves to the last of `parts`, or to a new part if that moves in another way.
+  Result<void> AddMovingShape(const ShapeDescription& description, std::vector<Part>& parts);
   Result<void> AddShapes();
   Result<void> AddGroups();
   Result<void> AddInstances();
+  Result<void> AddInstance(const Part& part, const AnimatedTransform& world_from_object,
+                           const SourceLocation& place);
+  Result<void> AddMovingInstance(const Part& part, const AnimatedTransform& world_from_object,
+                                 const SourceLocation& place);
+  const Bounds3& BoundsOfGroup(int group);
   Result<void> AddLights();
 
   const WorldRequest& request_;
@@ -39,8 +57,11 @@ class WorldBuilder {
   Diagnostics& diagnostics_;
   Transform render_from_world_;
   TextureBuilder textures_;
-  std::map<std::string, int> group_index_, medium_index_;
-  ShapeDescriptions shape_descriptions_;
+  std::map<std::string, int> medium_index_;
+  std::map<std::string, std::vector<Part>> objects_;  // by name
+  std::vector<Part> moving_shapes_;                   // of the world
+  std::map<int, Bounds3> group_bounds_;               // of those that move
+  std::vector<EmittingShape> emitters_;
   bool has_media_ = false;  // whether any ray can be in a medium
 };
 
@@ -79,37 +100,65 @@ Result<std::vector<Shape>> WorldBuilder::MakeShapes(const ShapeDescription& desc
   return BuildShape(description, surface, transform, request_.files, textures_, diagnostics_);
 }
 
+int WorldBuilder::AddGroup() {
+  world_.geometry.groups.emplace_back();
+  return static_cast<int>(world_.geometry.groups.size()) - 1;
+}
+
+Result<void> WorldBuilder::AddToGroup(const ShapeDescription& description, int group) {
+  CheckLoadBudget();
+  Result<std::vector<Shape>> shapes = MakeShapes(description, Transform());
+  if (!shapes) return shapes.error();
+  Append(*std::move(shapes), description, world_.geometry.groups[group].shapes);
+  return {};
+}
+
+void WorldBuilder::Append(std::vector<Shape>&& shapes, const ShapeDescription& description,
+                          std::vector<Shape>& present) {
+  for (Shape& shape : shapes) {
+    // Lights are made of whole directives.
+    const bool may_merge = !present.empty() && !description.area_light;
+    if (may_merge && MergeCurves(shape, &present.back())) continue;
+    if (description.area_light)
+      emitters_.push_back({&description, static_cast<uint32_t>(present.size()), Hit::kNoInstance});
+    present.push_back(std::move(shape));
+  }
+}
+
+Result<void> WorldBuilder::AddMovingShape(const ShapeDescription& description, std::vector<Part>& parts) {
+  if (parts.empty() || !(parts.back().object_from_part == description.world_from_object))
+    parts.push_back({AddGroup(), description.world_from_object, description.entity.location, emitters_.size(),
+                     emitters_.size()});
+  Result<void> added = AddToGroup(description, parts.back().group);
+  parts.back().emitters_end = emitters_.size();
+  return added;
+}
+
 Result<void> WorldBuilder::AddShapes() {
   for (const ShapeDescription& description : scene_.shapes) {
     CheckLoadBudget();
+    if (description.world_from_object.IsAnimated()) continue;
     Result<std::vector<Shape>> shapes = MakeShapes(description, render_from_world_);
     if (!shapes) return shapes.error();
-    std::vector<Shape>& present = world_.geometry.shapes;
-    for (Shape& shape : *shapes) {
-      // Lights are made of whole directives.
-      const bool may_merge = !present.empty() && !description.area_light;
-      if (may_merge && MergeCurves(shape, &present.back())) continue;
-      present.push_back(std::move(shape));
-      shape_descriptions_.push_back(&description);
-    }
+    Append(*std::move(shapes), description, world_.geometry.shapes);
   }
   return {};
 }
 
 Result<void> WorldBuilder::AddGroups() {
   for (const ObjectDescription& object : scene_.objects) {
-    ShapeGroup group;
+    std::vector<Part>& parts = objects_[object.name];
+    const int still = AddGroup();
+    parts.push_back({still, AnimatedTransform(), object.location});
     for (const ShapeDescription& shape : object.shapes) {
-      CheckLoadBudget();
-      Result<std::vector<Shape>> shapes = MakeShapes(shape, Transform());
-      if (!shapes) return shapes.error();
-      for (Shape& made : *shapes) {
-        if (!group.shapes.empty() && MergeCurves(made, &group.shapes.back())) continue;
-        group.shapes.push_back(std::move(made));
-      }
+      const bool moves = shape.world_from_object.IsAnimated();
+      Result<void> added = moves ? AddMovingShape(shape, parts) : AddToGroup(shape, still);
+      if (!added) return added;
     }
-    group_index_[object.name] = static_cast<int>(world_.geometry.groups.size());
-    world_.geometry.groups.push_back(std::move(group));
+  }
+  for (const ShapeDescription& shape : scene_.shapes) {
+    if (!shape.world_from_object.IsAnimated()) continue;
+    if (Result<void> added = AddMovingShape(shape, moving_shapes_); !added) return added;
   }
   return {};
 }
@@ -117,33 +166,75 @@ Result<void> WorldBuilder::AddGroups() {
 Result<void> WorldBuilder::AddInstances() {
   for (const InstanceDescription& instance : scene_.instances) {
     CheckLoadBudget();
-    const auto group = group_index_.find(instance.name);
-    if (group == group_index_.end()) {
+    const auto object = objects_.find(instance.name);
+    if (object == objects_.end()) {
       return ErrorAt(instance.location, "object \"" + instance.name + "\" is not defined");
     }
-    if (world_.geometry.groups[group->second].shapes.empty()) continue;
-    const Transform& world_from_object = instance.world_from_object.Fixed();
-    if (IsFlat(world_from_object)) {
-      diagnostics_.Warn(instance.location, "the object is not shown: its transformation has no inverse");
-      continue;
+    for (const Part& part : object->second) {
+      if (Result<void> added = AddInstance(part, instance.world_from_object, instance.location); !added)
+        return added;
     }
-    world_.geometry.instances.push_back({group->second, render_from_world_ * world_from_object});
+  }
+  for (const Part& part : moving_shapes_) {
+    if (Result<void> added = AddMovingInstance(part, AnimatedTransform(), part.location); !added)
+      return added;
+    const auto instance = static_cast<uint32_t>(world_.geometry.instances.size()) - 1;
+    for (size_t i = part.emitters_begin; i < part.emitters_end; ++i) emitters_[i].instance = instance;
   }
   return {};
 }
 
+Result<void> WorldBuilder::AddInstance(const Part& part, const AnimatedTransform& world_from_object,
+                                       const SourceLocation& place) {
+  if (world_.geometry.groups[part.group].shapes.empty()) return {};
+  if (!world_from_object.IsAnimated() && IsFlat(world_from_object.Fixed())) {
+    diagnostics_.Warn(place, "the object is not shown: its transformation has no inverse");
+    return {};
+  }
+  if (world_from_object.IsAnimated() || part.object_from_part.IsAnimated())
+    return AddMovingInstance(part, world_from_object, place);
+  world_.geometry.instances.push_back({part.group, render_from_world_ * world_from_object.Fixed()});
+  return {};
+}
+
+Result<void> WorldBuilder::AddMovingInstance(const Part& part, const AnimatedTransform& world_from_object,
+                                             const SourceLocation& place) {
+  Geometry& geometry = world_.geometry;
+  const AnimatedTransform factors[] = {AnimatedTransform(render_from_world_), world_from_object,
+                                       part.object_from_part};
+  const Instance instance{part.group, Transform(), static_cast<int>(geometry.motions.size())};
+  geometry.motions.emplace_back(factors);
+  const Bounds3& of_group = BoundsOfGroup(part.group);
+  const Bounds3 bounds = of_group.empty() ? Bounds3() : geometry.InstanceBounds(instance, of_group);
+  if (!of_group.empty() && !(IsFinite(bounds.min) && IsFinite(bounds.max)))
+    return ErrorAt(place, "what moves here does not stay finite in rendering space");
+  geometry.instances.push_back(instance);
+  return {};
+}
+
+const Bounds3& WorldBuilder::BoundsOfGroup(int group) {
+  const auto [found, is_new] = group_bounds_.try_emplace(group);
+  if (is_new) {
+    for (const Shape& shape : world_.geometry.groups[group].shapes) found->second.Add(shape.Bounds());
+  }
+  return found->second;
+}
+
 Result<void> WorldBuilder::AddLights() {
-  const LightInputs inputs{scene_,         shape_descriptions_, render_from_world_, request_.light_sampler,
-                           request_.files, request_.images,     world_.textures};
+  const LightInputs inputs{scene_,         emitters_,       render_from_world_, request_.light_sampler,
+                           request_.files, request_.images, world_.textures};
   Result<BuiltLights> lights = LightTable::Build(inputs, world_.geometry, diagnostics_);
   if (!lights) return lights.error();
-  for (size_t i = 0; i < world_.geometry.shapes.size(); ++i)
-    world_.geometry.shapes[i].surface.area_light = lights->area_lights[i];
+  for (size_t i = 0; i < emitters_.size(); ++i) {
+    ShapeOf(world_.geometry, emitters_[i].instance, emitters_[i].shape).surface.area_light =
+        lights->area_lights[i];
+  }
   world_.lights = std::move(lights->table);
   return {};
 }
 
-Result<ShapeDescriptions> WorldBuilder::Build() {
+Result<std::vector<EmittingShape>> WorldBuilder::Build() {
+  world_.geometry.times = {world_.camera.shutter_open(), world_.camera.shutter_close()};
   if (Result<void> added = AddMedia(); !added) return added.error();
   if (Result<void> added = textures_.Add(scene_); !added) return added.error();
   Result<MaterialTable> materials = MaterialTable::Build(scene_, textures_);
@@ -153,15 +244,19 @@ Result<ShapeDescriptions> WorldBuilder::Build() {
   if (Result<void> added = AddShapes(); !added) return added.error();
   if (Result<void> added = AddGroups(); !added) return added.error();
   if (Result<void> added = AddInstances(); !added) return added.error();
+  const auto moves = [](const LightDescription& light) { return light.world_from_light.IsAnimated(); };
+  world_.moves =
+      world_.camera.moves() || !world_.geometry.motions.empty() || std::ranges::any_of(scene_.lights, moves);
   if (!has_media_) world_.media = MediumTable();
   world_.textures = textures_.Finish();
   if (Result<void> added = AddLights(); !added) return added.error();
-  return std::move(shape_descriptions_);
+  return std::move(emitters_);
 }
 
 }  // namespace
 
-Result<ShapeDescriptions> BuildWorld(const WorldRequest& request, World* world, Diagnostics& diagnostics) {
+Result<std::vector<EmittingShape>> BuildWorld(const WorldRequest& request, World* world,
+                                              Diagnostics& diagnostics) {
   return WorldBuilder(request, world, diagnostics).Build();
 }
 

@@ -19,12 +19,9 @@ struct WorldRequest {
   bool with_media = false;  // the integrator follows media
 };
 
-// The description of each shape of Geometry::shapes. A description may yield two shapes, as a PLY file of
-// triangles and quads does.
-using ShapeDescriptions = std::vector<const ShapeDescription*>;
-
-// Fills geometry, textures, materials, media and lights of `world`, whose camera is ready, from a scene in
-// which nothing moves (StopMotion). The accelerator stays null.
-Result<ShapeDescriptions> BuildWorld(const WorldRequest& request, World* world, Diagnostics& diagnostics);
+// Fills geometry, textures, materials, media and lights of `world`, whose camera is ready. The accelerator
+// stays null. Returns the shapes that emit.
+Result<std::vector<EmittingShape>> BuildWorld(const WorldRequest& request, World* world,
+                                              Diagnostics& diagnostics);
 
 }  // namespace tessera

@@ -28,9 +28,14 @@ Bounds3 Geometry::Bounds() const {
   }
   for (const Instance& instance : instances) {
     const Bounds3& group = of_group[instance.group];
-    if (!group.empty()) bounds.Add(instance.render_from_group.ToBounds(group));
+    if (!group.empty()) bounds.Add(InstanceBounds(instance, group));
   }
   return bounds;
+}
+
+Bounds3 Geometry::InstanceBounds(const Instance& instance, const Bounds3& group) const {
+  if (instance.motion < 0) return instance.render_from_group.ToBounds(group);
+  return motions[static_cast<size_t>(instance.motion)].BoundsOf(group, times.start, times.end);
 }
 
 uint64_t Geometry::PrimitiveCount() const {

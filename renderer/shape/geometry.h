@@ -3,10 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "renderer/math/bounds.h"
+#include "renderer/math/flat_transform.h"
+#include "renderer/math/moving_transform.h"
 #include "renderer/math/transform.h"
 #include "renderer/shape/form.h"
 #include "renderer/texture/texture.h"
@@ -44,14 +48,24 @@ struct ShapeGroup {
 
 struct Instance {
   int group = 0;
-  Transform render_from_group;
+  Transform render_from_group;  // unused if it moves
+  int motion = -1;              // index into Geometry::motions; -1: it stands still
+};
+
+// Seconds.
+struct TimeRange {
+  float start = 0, end = 0;
 };
 
 struct Geometry {
   std::vector<Shape> shapes;
   std::vector<ShapeGroup> groups;
   std::vector<Instance> instances;
+  std::vector<MovingTransform> motions{};
+  TimeRange times{};  // of all rays
 
+  // Of an instance of a group with these bounds, at all times.
+  Bounds3 InstanceBounds(const Instance& instance, const Bounds3& group) const;
   // Of everything, instances included.
   Bounds3 Bounds() const;
   // Those that are stored: the primitives of a group count once.
@@ -63,10 +77,33 @@ inline const Shape& ShapeOf(const Geometry& geometry, uint32_t instance, uint32_
   if (instance == Hit::kNoInstance) return geometry.shapes[shape];
   return geometry.groups[geometry.instances[instance].group].shapes[shape];
 }
-// `ray` (rendering space) as the shapes of the instance's group see it.
-inline HitRay RayOf(const Geometry& geometry, uint32_t instance, const Ray& ray) {
-  if (instance == Hit::kNoInstance) return {ray};
-  return {ray, &geometry.instances[instance].render_from_group};
+
+inline Shape& ShapeOf(Geometry& geometry, uint32_t instance, uint32_t shape) {
+  return const_cast<Shape&>(ShapeOf(std::as_const(geometry), instance, shape));
 }
+
+// Where an instance is at the time of a ray.
+class InstancePlace {
+ public:
+  InstancePlace(const Geometry& geometry, uint32_t instance, float time_s) {
+    if (instance == Hit::kNoInstance) return;
+    const Instance& placed = geometry.instances[instance];
+    render_from_group_ = &placed.render_from_group;
+    if (placed.motion < 0) return;
+    moved_ = geometry.motions[static_cast<size_t>(placed.motion)].At(time_s);
+    render_from_group_ = &*moved_;
+  }
+  InstancePlace(const InstancePlace&) = delete;
+  InstancePlace& operator=(const InstancePlace&) = delete;
+
+  // Null without an instance.
+  const Transform* render_from_group() const { return render_from_group_; }
+  // Whether it has no volume at the time, and no ray meets it.
+  bool is_flat() const { return moved_ && IsFlat(*moved_); }
+
+ private:
+  const Transform* render_from_group_ = nullptr;
+  std::optional<Transform> moved_;
+};
 
 }  // namespace tessera

@@ -4,7 +4,8 @@ namespace tessera {
 
 bool RefineHit(const Geometry& geometry, const Ray& ray, Hit* hit) {
   const Shape& shape = ShapeOf(geometry, hit->instance, hit->shape);
-  const HitRay hit_ray = RayOf(geometry, hit->instance, ray);
+  const InstancePlace place(geometry, hit->instance, ray.time);
+  const HitRay hit_ray{ray, place.render_from_group()};
   return Dispatch(shape.form, [&](const auto& form) { return form.Refine(hit_ray, hit); });
 }
 

@@ -9,9 +9,10 @@
 
 namespace tessera {
 
-// `ray` in the space of the instance's group; unchanged without an instance.
+// `ray` in the space of the instance's group at the time of the ray; unchanged without an instance.
 inline DoubleRay RayInShapeSpace(const Geometry& geometry, uint32_t instance, const Ray& ray) {
-  return RayOf(geometry, instance, ray).InShapeSpace();
+  const InstancePlace place(geometry, instance, ray.time);
+  return HitRay{ray, place.render_from_group()}.InShapeSpace();
 }
 
 // Recomputes t, u and v of a hit on a triangle, or on a patch that is a parallelogram, in double precision;

@@ -31,10 +31,8 @@ inline bool NextCrossing(const Shape& shape, uint32_t primitive, const DoubleRay
 // A line meets a quadric or a bilinear patch at most twice. Of a piece of a curve only two crossings count.
 constexpr int kCrossingsMax = 2;
 
-// All crossings, as a density over directions needs them: the hits of primitive `primitive` of `shape` (not
-// instanced) with t in (0, ray.t_max], in ascending order. Returns their number. Hit::shape is `shape_index`.
-// Ignores alpha.
-int RayCrossings(const Shape& shape, uint32_t shape_index, uint32_t primitive, const Ray& ray,
-                 Hit hits[kCrossingsMax]);
+// All crossings, as a density over directions needs them: the hits of the primitive of `shape` that `name`
+// names, with t in (0, ray.ray.t_max], in ascending order. Returns their number. Ignores alpha.
+int RayCrossings(const Shape& shape, const HitRay& ray, const Hit& name, Hit hits[kCrossingsMax]);
 
 }  // namespace tessera

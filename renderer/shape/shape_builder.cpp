@@ -35,7 +35,9 @@ Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, Surfa
   if (description.mesh && !is_mesh)
     return ErrorAt(entity.location, fmt::format("shape \"{}\" does not take a mesh", kind->name));
   ParameterReader reader(entity);
-  const Transform render_from_object = render_from_world * description.world_from_object.Fixed();
+  const AnimatedTransform& world_from_object = description.world_from_object;
+  const Transform render_from_object =
+      world_from_object.IsAnimated() ? Transform() : render_from_world * world_from_object.Fixed();
   surface.alpha = textures.Float(reader, "alpha", 1);
   std::vector<Form> forms = kind->reader({reader,
                                           {render_from_object, description.reverse_orientation},

@@ -26,7 +26,8 @@ void TransformInteraction(const Transform& transform, SurfaceInteraction* intera
 
 SurfaceInteraction MakeInteraction(const Geometry& geometry, const Hit& hit, const Ray& ray) {
   const Shape& shape = ShapeOf(geometry, hit.instance, hit.shape);
-  const HitRay hit_ray = RayOf(geometry, hit.instance, ray);
+  const InstancePlace place(geometry, hit.instance, ray.time);
+  const HitRay hit_ray{ray, place.render_from_group()};
   SurfaceInteraction interaction;
   Dispatch(shape.form, [&](const auto& form) { form.FillInteraction(hit, hit_ray, &interaction); });
   if (hit_ray.render_from_group != nullptr) {
@@ -44,7 +45,8 @@ SurfaceInteraction MakeInteraction(const Geometry& geometry, const Hit& hit, con
 
 HitPoint MakeHitPoint(const Geometry& geometry, const Hit& hit, const Ray& ray) {
   const Shape& shape = ShapeOf(geometry, hit.instance, hit.shape);
-  const HitRay hit_ray = RayOf(geometry, hit.instance, ray);
+  const InstancePlace place(geometry, hit.instance, ray.time);
+  const HitRay hit_ray{ray, place.render_from_group()};
   HitPoint point;
   point.p = ray.At(hit.t);
   Dispatch(shape.form, [&](const auto& form) { form.FillHitPoint(hit, hit_ray, &point); });

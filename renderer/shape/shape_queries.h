@@ -37,6 +37,7 @@ struct ReferencePoint {
   Vec3 p_error;
   Normal3 n;  // geometric
   Normal3 shading_n;
+  float time = 0;  // seconds
 };
 
 // A point on an emitting primitive.

@@ -93,6 +93,28 @@ TEST_F(Bits, SurviveCropsAndSampleCountsThatAreNoPowerOfTwo) {
   EXPECT_TRUE(Bytes("picture.exr") == oracle);
 }
 
+TEST_F(Bits, OfAMovingSceneAreTheSameForAnyNumberOfWorkersAndEveryAccelerator) {
+  Write("moving.pbrt",
+        "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 30\n"
+        "Sampler \"zsobol\" \"integer pixelsamples\" 16\n"
+        "ActiveTransform EndTime Rotate 5 0 1 0 ActiveTransform All\n"
+        "Camera \"perspective\" \"float fov\" 60 \"float shutteropen\" 0.25\n"
+        "WorldBegin LightSource \"infinite\" LightSource \"point\" \"rgb I\" [ 40 30 20 ]\n"
+        "ObjectBegin \"o\" Shape \"sphere\" Shape \"disk\" \"float radius\" 2 ObjectEnd\n"
+        "Translate 0 0 6 ActiveTransform EndTime Translate 2 0 0 Rotate 70 1 1 0 ActiveTransform All\n"
+        "ObjectInstance \"o\" Translate -2 1 0 Shape \"cylinder\"\n");
+  const std::string oracle = Oracle(Path("moving.pbrt"), {});
+  const std::vector<std::vector<std::string>> ways{{"--in-process", "--threads", "3", "--tile-size", "7"},
+                                                   {"--in-process", "--accelerator", "list"},
+                                                   {"--workers", "2", "--accelerator", "bvh"},
+                                                   {"--workers", "3", "--threads", "2"}};
+  for (const auto& way : ways) {
+    const Outcome outcome = Tessera(With({"render", Path("moving.pbrt"), "-o", "picture.exr"}, way));
+    ASSERT_EQ(outcome.code, 0) << outcome.errors;
+    EXPECT_TRUE(Bytes("picture.exr") == oracle) << testing::PrintToString(way);
+  }
+}
+
 // The tiles of the box stop at different sample counts; those in shadow stop last.
 const std::vector<std::string> kAdaptive{"--noise-threshold", "0.05", "--spp", "300", "--aov", "samples"};
 

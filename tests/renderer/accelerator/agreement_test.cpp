@@ -6,118 +6,13 @@
 
 #include "renderer/accelerator/accelerator.h"
 #include "renderer/accelerator/bvh_builder.h"
-#include "tests/renderer/shape/curve_examples.h"
+#include "tests/renderer/accelerator/agreement_scenes.h"
 
 namespace tessera {
 namespace {
 
 // A million rays into each scene, in parts that may run side by side.
 constexpr int kParts = 4, kRaysPerPart = 250000;
-
-std::vector<Shape> Soup(TestRandom& random) {
-  std::vector<Shape> shapes;
-  std::vector<Point3> P;
-  std::vector<uint32_t> indices;
-  for (uint32_t i = 0; i < 120; ++i) {
-    const Point3 center = RandomPoint(random, 5);
-    for (int j = 0; j < 3; ++j) P.push_back(center + RandomPoint(random, i % 10 == 0 ? 6 : 1));
-    indices.insert(indices.end(), {3 * i, 3 * i + 1, 3 * i + 2});
-  }
-  // Some are there twice: all their hits are ties.
-  for (uint32_t i = 0; i < 30; ++i) indices.push_back(indices[i]);
-  shapes.push_back(MeshShape(std::move(P), std::move(indices)));
-  shapes.push_back(BallMesh(6, {2, 1, 0}, 1.5f));
-  shapes.push_back(shapes.back());
-  return shapes;
-}
-
-std::vector<Shape> Quadrics(TestRandom& random) {
-  std::vector<Shape> shapes;
-  for (int i = 0; i < 60; ++i) {
-    const auto kind = static_cast<Quadric::Kind>(i % 3);
-    const bool whole = i % 2 == 0;
-    shapes.push_back(QuadricShape(kind, RandomTransform(random, 5), 0.7f, whole ? -0.7f : -0.4f,
-                                  whole ? 0.7f : 0.5f, whole ? 2 * kPi : 4.f, whole ? 0 : 0.2f));
-  }
-  return shapes;
-}
-
-std::vector<Shape> Patches(TestRandom& random) {
-  std::vector<Shape> shapes;
-  for (int i = 0; i < 60; ++i) {
-    const Point3 a = RandomPoint(random, 5), u = RandomPoint(random, 2), v = RandomPoint(random, 2);
-    const Vec3 twist = i % 2 == 0 ? Vec3{} : RandomPoint(random, 0.7f);
-    shapes.push_back(PatchShape(a, a + u, a + v, a + u + v + twist));
-  }
-  // A box, whose faces lie in planes of constant coordinates.
-  shapes.push_back(PatchShape({-6, -6, -6}, {6, -6, -6}, {-6, 6, -6}, {6, 6, -6}));
-  shapes.push_back(PatchShape({-6, -6, -6}, {6, -6, -6}, {-6, -6, 6}, {6, -6, 6}));
-  return shapes;
-}
-
-// Curves of all kinds, some in a space of their own.
-std::vector<Shape> Curves(TestRandom& random) {
-  std::vector<Shape> shapes;
-  for (int i = 0; i < 72; ++i) {
-    const Point3 center = RandomPoint(random, 4);
-    CurveSet curves = RandomCurve(random, i, center, 2.5f, 1);
-    if (i % 5 == 4) curves.render_from_object = std::make_shared<const Transform>(RandomTransform(random, 2));
-    shapes.push_back({{}, std::move(curves)});
-  }
-  return shapes;
-}
-
-Geometry SoupScene() {
-  TestRandom random(1);
-  return {Soup(random), {}, {}};
-}
-Geometry QuadricScene() {
-  TestRandom random(2);
-  return {Quadrics(random), {}, {}};
-}
-Geometry PatchScene() {
-  TestRandom random(3);
-  return {Patches(random), {}, {}};
-}
-Geometry CurveScene() {
-  TestRandom random(6);
-  return {Curves(random), {}, {}};
-}
-
-// Shapes of every kind.
-std::vector<Shape> Mixture(TestRandom& random) {
-  std::vector<Shape> shapes = Soup(random);
-  for (Shape& shape : Quadrics(random)) shapes.push_back(std::move(shape));
-  for (Shape& shape : Patches(random)) shapes.push_back(std::move(shape));
-  for (Shape& shape : Curves(random)) shapes.push_back(std::move(shape));
-  return shapes;
-}
-
-Geometry AlphaScene() {
-  TestRandom random(4);
-  Geometry geometry{Mixture(random), {}, {}};
-  int i = 0;
-  for (Shape& shape : geometry.shapes) {
-    ++i;
-    if (i % 3 == 0) shape.surface.alpha = {0.25f * static_cast<float>(i % 4), -1};
-    shape.surface.is_interface = i % 7 == 0;
-  }
-  return geometry;
-}
-
-Geometry InstanceScene() {
-  TestRandom random(5);
-  Geometry geometry;
-  geometry.groups.push_back({Soup(random)});
-  geometry.groups.push_back({Quadrics(random)});
-  geometry.groups.push_back({});  // an empty group may be instanced
-  geometry.groups.push_back({Patches(random)});
-  geometry.groups.push_back({Curves(random)});
-  for (int i = 0; i < 10; ++i) geometry.instances.push_back({i % 5, RandomTransform(random, 8)});
-  geometry.instances.push_back(geometry.instances[0]);  // twice in the same place
-  geometry.shapes.push_back(BallMesh(6, {2, 1, 0}, 1.5f));
-  return geometry;
-}
 
 // Whether the ray goes through a vertex: each accelerator may hit or miss the primitives with a corner there.
 bool IsAtVertex(int kind) {
@@ -138,6 +33,7 @@ Ray FuzzedRay(TestRandom& random, const std::vector<Point3>& vertices, int kind)
   if (kind % 16 == 6) ray.o = target + ray.d * 1e-4f;
   if (kind % 16 == 7) ray.o = ray.o * 1000;
   if (kind % 8 == 4) ray.t_max = 1.5f * random.Next();
+  ray.time = kind % 16 == 5 ? 2 : 1 + 2 * random.Next();  // of a moving scene
   return ray;
 }
 
@@ -237,7 +133,7 @@ TEST_P(Agreement, AllAcceleratorsFindTheSameHits) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Agreement,
                          testing::Combine(testing::Values(SoupScene, QuadricScene, PatchScene, CurveScene,
-                                                          AlphaScene, InstanceScene),
+                                                          AlphaScene, InstanceScene, MovingScene),
                                           testing::Range(0, kParts)));
 
 class OwnKind : public testing::TestWithParam<const char*> {};

@@ -44,7 +44,8 @@ inline ReadCamera TryCamera(const std::string& kind, std::vector<Parameter> para
   MemoryFiles files(std::move(texts));
   ImageCache images(files);
   Diagnostics diagnostics;
-  Result<Camera> camera = Camera::Read(entity, camera_from_world, film, images, diagnostics);
+  Result<Camera> camera =
+      Camera::Read(entity, AnimatedTransform(camera_from_world), film, images, diagnostics);
   return {std::move(camera), diagnostics.WarningTexts()};
 }
 

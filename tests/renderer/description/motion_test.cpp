@@ -13,11 +13,9 @@ constexpr const char* kMovingSphere =
     "TransformTimes 2 4 Camera \"perspective\" \"float shutteropen\" 2 \"float shutterclose\" 3 WorldBegin\n"
     "ActiveTransform EndTime Translate 10 0 0 ActiveTransform All Shape \"sphere\"";
 
-float PlaceAt(std::optional<double> time) {
+float PlaceAt(double time_s) {
   SceneDescription scene = *ParseText(kMovingSphere);
-  const auto moving = StopMotion(time, scene);
-  EXPECT_TRUE(moving);
-  EXPECT_EQ(*moving, 1);
+  EXPECT_TRUE(StopMotion(time_s, scene));
   return scene.shapes[0].world_from_object.Fixed().ToPoint({0, 0, 0}).x;
 }
 
@@ -31,10 +29,6 @@ TEST(StopMotion, ThingsRestBeforeTheFirstAndAfterTheLastTime) {
   EXPECT_EQ(PlaceAt(2), 0);
   EXPECT_EQ(PlaceAt(4), 10);
   EXPECT_EQ(PlaceAt(1e9), 10);
-}
-
-TEST(StopMotion, WithoutATimeItIsTheMiddleOfTheShutter) {
-  EXPECT_FLOAT_EQ(PlaceAt(std::nullopt), 2.5f);
 }
 
 TEST(StopMotion, TheCameraMovesNotTheWorldAroundIt) {
@@ -52,9 +46,8 @@ TEST(StopMotion, InstancesAndShapesInsideObjectsMove) {
   SceneDescription scene = *ParseText(
       "WorldBegin ObjectBegin \"o\" ActiveTransform EndTime Translate 2 0 0 Shape \"sphere\" ObjectEnd "
       "ActiveTransform EndTime Translate 0 4 0 ActiveTransform All ObjectInstance \"o\"");
-  const auto moving = StopMotion(0.5, scene);
-  ASSERT_TRUE(moving);
-  EXPECT_EQ(*moving, 2);
+  EXPECT_EQ(*CheckMotion(scene), 2);
+  ASSERT_TRUE(StopMotion(0.5, scene));
   EXPECT_FLOAT_EQ(scene.objects[0].shapes[0].world_from_object.Fixed().ToPoint({0, 0, 0}).x, 1);
   EXPECT_FLOAT_EQ(scene.instances[0].world_from_object.Fixed().ToPoint({0, 0, 0}).y, 2);
 }
@@ -62,9 +55,38 @@ TEST(StopMotion, InstancesAndShapesInsideObjectsMove) {
 TEST(StopMotion, ACameraThatIsSingularThenIsAnErrorWithItsPlace) {
   SceneDescription scene = *ParseText(
       "ActiveTransform EndTime Scale -1 -1 -1 ActiveTransform All\nCamera \"perspective\" WorldBegin");
-  const auto moving = StopMotion(0.5, scene);
-  ASSERT_FALSE(moving);
-  EXPECT_THAT(moving.error().message, testing::HasSubstr(":2:1: the camera has no volume at 0.5 s"));
+  const auto stopped = StopMotion(0.5, scene);
+  ASSERT_FALSE(stopped);
+  EXPECT_THAT(stopped.error().message, testing::HasSubstr(":2:1: the camera has no volume at 0.5 s"));
+  EXPECT_TRUE(StopMotion(0.25, scene));
+}
+
+std::string MotionError(const std::string& text) {
+  const SceneDescription scene = *ParseText(text);
+  const auto checked = CheckMotion(scene);
+  return checked ? "" : checked.error().message;
+}
+
+TEST(CheckMotion, CountsWhatMoves) {
+  EXPECT_EQ(*CheckMotion(*ParseText(kMovingSphere)), 1);
+  EXPECT_EQ(*CheckMotion(*ParseText("WorldBegin Shape \"sphere\"")), 0);
+}
+
+TEST(CheckMotion, ACameraThatTurnsIntoItsMirrorImageIsAnErrorWithItsPlace) {
+  EXPECT_THAT(
+      MotionError(
+          "ActiveTransform EndTime Scale -1 1 1 ActiveTransform All\nCamera \"perspective\" WorldBegin"),
+      testing::HasSubstr(":2:1: the camera turns into its mirror image"));
+  EXPECT_EQ(MotionError("Scale -1 1 1 ActiveTransform EndTime Translate 1 0 0 ActiveTransform All\n"
+                        "Camera \"perspective\" WorldBegin"),
+            "");
+}
+
+TEST(CheckMotion, WhatMovesByAProjectiveMapIsAnErrorWithItsPlace) {
+  EXPECT_THAT(
+      MotionError("WorldBegin ActiveTransform EndTime Transform [1 0 0 0  0 1 0 0  0 0 1 1  0 0 0 1]\n"
+                  "ActiveTransform All Shape \"sphere\""),
+      testing::HasSubstr(":2:21: what moves has a projective transformation"));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ TEST(ConstantInfiniteLight, IlluminanceIsMeasuredOnAPlane) {
   ASSERT_EQ(lights.error, "");
   const auto radiance = [&](int light) {
     return Luminance([&](const SampledWavelengths& wavelengths) {
-      return lights.table.InfiniteRadiance(light, {}, {0, 1, 0}, wavelengths);
+      return lights.table.InfiniteRadiance(light, {}, {0, 1, 0}, 0, wavelengths);
     });
   };
   EXPECT_NEAR(radiance(0), 2, 5e-3f);
@@ -52,7 +52,7 @@ TEST(ConstantInfiniteLight, IsFoundByEscapingRaysOnly) {
     EXPECT_EQ(chosen->pmf, 1);
   }
   EXPECT_EQ(lights.table.ChoosePmf(At({0, 0, 1}), 0), 0);
-  EXPECT_EQ(lights.table.InfiniteLightPdf(0, {}, {0, 0, 1}), 0);
+  EXPECT_EQ(lights.table.InfiniteLightPdf(0, {}, {0, 0, 1}, 0), 0);
   EXPECT_FALSE(lights.table.Sample(0, At({0, 0, 1}), {0.5f, 0.5f}, FourWavelengths(0)));
 }
 
@@ -75,7 +75,7 @@ TEST(ImageInfiniteLight, SamplesFollowTheirDensity) {
                    (static_cast<float>(i / kSize) + 0.5f) / kSize};
     const Vec3 wi = light_from_render.Inverse().ToVector(EqualAreaSquareToSphere(p));
     cells[static_cast<size_t>(i)].expected =
-        static_cast<double>(lights.table.InfiniteLightPdf(0, {}, wi)) * 4 * kPi / (kSize * kSize) * kDraws;
+        static_cast<double>(lights.table.InfiniteLightPdf(0, {}, wi, 0)) * 4 * kPi / (kSize * kSize) * kDraws;
   }
   for (int i = 0; i < kDraws; ++i) {
     const auto wi = sample();
@@ -98,8 +98,8 @@ TEST(ImageInfiniteLight, SamplesCarryTheRadianceAndDensityOfTheirDirection) {
     ASSERT_TRUE(s);
     ASSERT_NEAR(Length(s->wi), 1, 1e-5f);
     ASSERT_GT(Length(s->p), 2);
-    const SampledSpectrum radiance = lights.table.InfiniteRadiance(0, {}, s->wi, wavelengths);
-    const float pdf = lights.table.InfiniteLightPdf(0, {}, s->wi);
+    const SampledSpectrum radiance = lights.table.InfiniteRadiance(0, {}, s->wi, 0, wavelengths);
+    const float pdf = lights.table.InfiniteLightPdf(0, {}, s->wi, 0);
     // Rounding moves a few directions across the edge of a texel.
     if (std::abs(radiance[0] / s->L[0] - 1) > 1e-4f || std::abs(pdf / s->pdf - 1) > 1e-4f) ++different;
   }
@@ -116,10 +116,10 @@ TEST(ImageInfiniteLight, LightAndDirectionSamplingTogetherFindTheWholeRadiance) 
     const Point2 u{(static_cast<float>(i % kSide) + 0.5f) / kSide,
                    (static_cast<float>(i / kSide) + 0.5f) / kSide};
     const Vec3 w = SampleUniformSphere(u);
-    const float radiance = lights.table.InfiniteRadiance(0, {}, w, wavelengths)[0];
+    const float radiance = lights.table.InfiniteRadiance(0, {}, w, 0, wavelengths)[0];
     truth += static_cast<double>(radiance) / UniformSpherePdf();
     estimate +=
-        static_cast<double>(radiance) / (UniformSpherePdf() + lights.table.InfiniteLightPdf(0, {}, w));
+        static_cast<double>(radiance) / (UniformSpherePdf() + lights.table.InfiniteLightPdf(0, {}, w, 0));
     const auto s = lights.table.Sample(0, At({0, 0, 0}), u, wavelengths);
     ASSERT_TRUE(s);
     estimate += static_cast<double>(s->L[0]) / (s->pdf + UniformSpherePdf());
@@ -133,7 +133,7 @@ TEST(ImageInfiniteLight, TexelsHaveTheLuminanceOfTheirRgb) {
   const Vec3 sun = EqualAreaSquareToSphere({5.5f / kSize, 2.5f / kSize});
   const Vec3 d = Rotate(40, {1, 2, 3}).ToVector(sun);
   const float luminance = Luminance([&](const SampledWavelengths& wavelengths) {
-    return lights.table.InfiniteRadiance(0, {}, d, wavelengths);
+    return lights.table.InfiniteRadiance(0, {}, d, 0, wavelengths);
   });
   const float expected = 3 * (0.2126f * 40 + 0.7152f * 30 + 0.0722f * 20);
   EXPECT_NEAR(luminance / expected, 1, 0.01f);
@@ -145,7 +145,7 @@ TEST(ImageInfiniteLight, IlluminanceIsMeasuredAsPbrtDoes) {
   lights.Build(R"(LightSource "infinite" "string filename" [ "white.pfm" ] "float illuminance" [ 10 ])");
   ASSERT_EQ(lights.error, "");
   const float luminance = Luminance([&](const SampledWavelengths& wavelengths) {
-    return lights.table.InfiniteRadiance(0, {}, {0, 0, 1}, wavelengths);
+    return lights.table.InfiniteRadiance(0, {}, {0, 0, 1}, 0, wavelengths);
   });
   // pbrt measures half of the true pi; the image has few texels.
   EXPECT_NEAR(luminance / (10 / (kPi / 2)), 1, 0.03f);
@@ -156,7 +156,7 @@ TEST(ImageInfiniteLight, OfOneColourIsSampledUniformly) {
   lights.files.files["white.pfm"] = Pfm(std::vector<Vec3>(kSize * kSize, {1, 1, 1}), kSize);
   lights.Build(R"(LightSource "infinite" "string filename" [ "white.pfm" ])");
   ASSERT_EQ(lights.error, "");
-  EXPECT_NEAR(lights.table.InfiniteLightPdf(0, {}, {0, 0.6f, 0.8f}), UniformSpherePdf(), 1e-6f);
+  EXPECT_NEAR(lights.table.InfiniteLightPdf(0, {}, {0, 0.6f, 0.8f}, 0), UniformSpherePdf(), 1e-6f);
 }
 
 }  // namespace

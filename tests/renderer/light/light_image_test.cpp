@@ -32,9 +32,10 @@ std::vector<float> SpectrumOf(const LightScene& lights, int light) {
     const SampledWavelengths wavelengths = FourWavelengths(first);
     const bool is_infinite = light == 1;
     const auto sample = lights.table.Sample(light, reference, kMiddle, wavelengths);
-    const SampledSpectrum L = is_infinite ? lights.table.InfiniteRadiance(light, {}, {0, 0, 1}, wavelengths)
-                              : sample    ? sample->L
-                                          : SampledSpectrum();
+    const SampledSpectrum L = is_infinite
+                                  ? lights.table.InfiniteRadiance(light, {}, {0, 0, 1}, 0, wavelengths)
+                              : sample ? sample->L
+                                       : SampledSpectrum();
     for (int i = 0; i < 4 && first + i < kLambdaCount; ++i) spectrum.push_back(L[i]);
   }
   return spectrum;

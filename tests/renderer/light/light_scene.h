@@ -51,17 +51,20 @@ struct LightScene {
     scene = *std::move(parsed);
     geometry.shapes = shapes;
     ASSERT_EQ(scene.shapes.size(), shapes.size());
-    std::vector<const ShapeDescription*> sources;
-    for (const ShapeDescription& shape : scene.shapes) sources.push_back(&shape);
+    std::vector<EmittingShape> emitters;
+    for (uint32_t i = 0; i < shapes.size(); ++i) {
+      if (scene.shapes[i].area_light) emitters.push_back({&scene.shapes[i], i});
+    }
     const Transform identity;
-    const LightInputs inputs{scene, sources, identity, light_sampler, files, images, textures};
+    const LightInputs inputs{scene, emitters, identity, light_sampler, files, images, textures};
     Result<BuiltLights> built = LightTable::Build(inputs, geometry, diagnostics);
     if (!built) {
       error = built.error().message;
       return;
     }
     table = std::move(built->table);
-    for (size_t i = 0; i < shapes.size(); ++i) geometry.shapes[i].surface.area_light = built->area_lights[i];
+    for (size_t i = 0; i < emitters.size(); ++i)
+      geometry.shapes[emitters[i].shape].surface.area_light = built->area_lights[i];
   }
 };
 

@@ -44,10 +44,10 @@ TEST(PortalInfiniteLight, ShinesOnlyThroughItsPortal) {
     int different = 0;
     for (int i = 0; i < 100000; ++i) {
       const Vec3 d = SampleUniformSphere(random.Next2<Point2>());
-      const bool is_lit = AnyNonZero(lights.table.InfiniteRadiance(0, from, d, wavelengths));
+      const bool is_lit = AnyNonZero(lights.table.InfiniteRadiance(0, from, d, 0, wavelengths));
       // Rounding moves a few directions across the edge.
       if (is_lit != PassesThrough(from, d)) ++different;
-      EXPECT_EQ(is_lit, lights.table.InfiniteLightPdf(0, from, d) > 0);
+      EXPECT_EQ(is_lit, lights.table.InfiniteLightPdf(0, from, d, 0) > 0);
     }
     EXPECT_LE(different, 5);
   }
@@ -63,10 +63,10 @@ TEST(PortalInfiniteLight, HasTheRadianceOfItsPicture) {
   int compared = 0;
   for (int i = 0; i < 100000; ++i) {
     const Vec3 d = SampleUniformSphere(random.Next2<Point2>());
-    const SampledSpectrum L = lights.table.InfiniteRadiance(0, {0, 0, 2.5f}, d, wavelengths);
+    const SampledSpectrum L = lights.table.InfiniteRadiance(0, {0, 0, 2.5f}, d, 0, wavelengths);
     if (!AnyNonZero(L)) continue;
     ++compared;
-    EXPECT_NEAR(L[0] / open.table.InfiniteRadiance(0, {}, d, wavelengths)[0], 1, 0.03f);
+    EXPECT_NEAR(L[0] / open.table.InfiniteRadiance(0, {}, d, 0, wavelengths)[0], 1, 0.03f);
   }
   EXPECT_GT(compared, 1000);
 }
@@ -90,7 +90,7 @@ TEST(PortalInfiniteLight, SamplesFollowTheirDensity) {
           const Vec3 d = Point3{x, y, 3} - from;
           const float squared = LengthSquared(d);
           const Vec3 wi = d / std::sqrt(squared);
-          return lights.table.InfiniteLightPdf(0, from, wi) * wi.z / squared;
+          return lights.table.InfiniteLightPdf(0, from, wi, 0) * wi.z / squared;
         });
     EXPECT_TRUE(result.Passes(2)) << result.text;
     EXPECT_NEAR(result.pdf_total, 1, 0.01);
@@ -109,8 +109,8 @@ TEST(PortalInfiniteLight, SamplesCarryTheRadianceAndDensityOfTheirDirection) {
     ASSERT_TRUE(s);
     ASSERT_NEAR(Length(s->wi), 1, 1e-5f);
     ASSERT_TRUE(PassesThrough(from, s->wi));
-    const float pdf = lights.table.InfiniteLightPdf(0, from, s->wi);
-    const SampledSpectrum radiance = lights.table.InfiniteRadiance(0, from, s->wi, wavelengths);
+    const float pdf = lights.table.InfiniteLightPdf(0, from, s->wi, 0);
+    const SampledSpectrum radiance = lights.table.InfiniteRadiance(0, from, s->wi, 0, wavelengths);
     // Rounding moves a few directions across the edge of a texel.
     if (std::abs(radiance[0] / s->L[0] - 1) > 1e-4f || std::abs(pdf / s->pdf - 1) > 1e-4f) ++different;
   }
@@ -130,7 +130,7 @@ TEST(PortalInfiniteLight, BringsTheIrradianceOfTheDirectionsThroughIt) {
     ASSERT_TRUE(s);
     sampled += static_cast<double>(s->L[0]) * s->wi.z / s->pdf;
     const Vec3 d = SampleCosineHemisphere(random.Next2<Point2>());
-    truth += static_cast<double>(lights.table.InfiniteRadiance(0, reference.p, d, green)[0]) * kPi;
+    truth += static_cast<double>(lights.table.InfiniteRadiance(0, reference.p, d, 0, green)[0]) * kPi;
   }
   EXPECT_NEAR(sampled / truth, 1, 0.02);
 }
@@ -141,8 +141,8 @@ TEST(PortalInfiniteLight, IsNeitherSampledNorFoundFromBehind) {
   const SampledWavelengths wavelengths = FourWavelengths(200);
   for (const Point3 from : {Point3{0, 0, 3}, Point3{0, 0.2f, 4}}) {
     EXPECT_FALSE(lights.table.Sample(0, At(from), {0.5f, 0.5f}, wavelengths));
-    EXPECT_FALSE(AnyNonZero(lights.table.InfiniteRadiance(0, from, {0, 0, 1}, wavelengths)));
-    EXPECT_EQ(lights.table.InfiniteLightPdf(0, from, {0, 0, 1}), 0);
+    EXPECT_FALSE(AnyNonZero(lights.table.InfiniteRadiance(0, from, {0, 0, 1}, 0, wavelengths)));
+    EXPECT_EQ(lights.table.InfiniteLightPdf(0, from, {0, 0, 1}, 0), 0);
   }
 }
 
@@ -154,7 +154,7 @@ TEST(PortalInfiniteLight, OfOneColourHasTheLuminanceOfItsRgb) {
   ASSERT_EQ(lights.error, "");
   const auto luminance = [&](int light) {
     return Luminance([&](const SampledWavelengths& wavelengths) {
-      return lights.table.InfiniteRadiance(light, {0, 0.2f, 0}, {0, 0, 1}, wavelengths);
+      return lights.table.InfiniteRadiance(light, {0, 0.2f, 0}, {0, 0, 1}, 0, wavelengths);
     });
   };
   EXPECT_NEAR(luminance(0), 0.2126f * 2 + 0.7152f * 3 + 0.0722f * 4, 0.03f);

@@ -22,7 +22,7 @@ inline std::unique_ptr<World> BuiltWorld(const std::string& text, bool with_medi
   ImageCache images(files);
   auto world = std::make_unique<World>();
   Diagnostics diagnostics;
-  world->camera = *Camera::Read(scene->camera, scene->camera_from_world.Fixed(), {8, 8}, images, diagnostics);
+  world->camera = *Camera::Read(scene->camera, scene->camera_from_world, {8, 8}, images, diagnostics);
   const auto built =
       BuildWorld({*scene, files, images, LightSamplerKind::kTree, with_media}, world.get(), diagnostics);
   EXPECT_TRUE(built) << built.error().message;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -43,10 +44,47 @@ TEST(Sequence, WhatMovesIsElsewhereAtAnotherTime) {
   EXPECT_NE(Render(*start), Render(*middle));
   EXPECT_NE(Render(*middle), Render(*rest));
   EXPECT_EQ(Render(*rest), Render(*after));
-  EXPECT_EQ(Render(*middle), Render(*LoadFrame(files))) << "the middle of a shutter from 0 to 1";
+  EXPECT_NE(Render(*middle), Render(*LoadFrame(files))) << "a shutter from 0 to 1 blurs";
   EXPECT_EQ(start->frame(), middle->frame());
   EXPECT_EQ(start->summary().moving, 1u);
-  EXPECT_THAT(start->summary().warnings, Contains(HasSubstr("the frame's time, without motion blur")));
+  EXPECT_THAT(start->summary().warnings,
+              Contains(HasSubstr("at the time of the frame, without motion blur")));
+}
+
+// A frame with the times of the scene, rendered alone, has the same rays as one of a sequence whose shutter
+// is relative to its time.
+TEST(Sequence, TheShutterOfASceneOpensRelativeToTheTimeOfTheFrame) {
+  const auto scene = [](const char* shutter) {
+    return std::string(kFilm) + "TransformTimes 0 4 Camera \"perspective\" " + shutter +
+           " WorldBegin LightSource \"infinite\" Translate 0 0 3\n"
+           "ActiveTransform EndTime Translate 3 0 0 ActiveTransform All\n"
+           "Material \"diffuse\" \"rgb reflectance\" [0 0 0] Shape \"sphere\"";
+  };
+  MemoryFiles sequence({{"scene.pbrt", scene("\"float shutteropen\" 0.5 \"float shutterclose\" 1.5")}});
+  MemoryFiles alone({{"scene.pbrt", scene("\"float shutteropen\" 2.5 \"float shutterclose\" 3.5")}});
+  const auto frame = LoadFrame(sequence, 2);
+  const std::vector<float> picture = Render(*frame), same = Render(*LoadFrame(alone));
+  double difference = 0, sum = 0;
+  for (size_t i = 0; i < picture.size(); ++i) {
+    difference += std::abs(static_cast<double>(picture[i]) - static_cast<double>(same[i]));
+    sum += std::abs(static_cast<double>(same[i]));
+  }
+  EXPECT_LE(difference, 0.01 * sum);
+  EXPECT_NE(Render(*frame), Render(*LoadFrame(sequence, 0)));
+  EXPECT_THAT(frame->summary().warnings, testing::IsEmpty());
+}
+
+// The float that is nearest to such a time may be a second away.
+TEST(Sequence, AFrameAfterMonthsIsAsSmoothAsTheFirst) {
+  const auto scene = [](const char* times) {
+    return std::string(kFilm) + times + " Camera \"perspective\" \"float shutterclose\" 0.02" +
+           " WorldBegin LightSource \"infinite\" Translate 0 0 3\n"
+           "ActiveTransform EndTime Translate 3 0 0 ActiveTransform All\n"
+           "Material \"diffuse\" \"rgb reflectance\" [0 0 0] Shape \"sphere\"";
+  };
+  MemoryFiles late({{"scene.pbrt", scene("TransformTimes 16777216 16777220")}});
+  MemoryFiles first({{"scene.pbrt", scene("TransformTimes 0 4")}});
+  EXPECT_EQ(Render(*LoadFrame(late, 16777218)), Render(*LoadFrame(first, 2)));
 }
 
 TEST(Sequence, AMovingCameraMoves) {
