@@ -120,6 +120,10 @@ grpc::ServerUnaryReactor* AccessService::Renew(grpc::CallbackServerContext* cont
   return gate_.Unary(context, RuleFor("Access.Renew"), [=, this](const UnaryCall& call) {
     const auto member = gate_.core().members().FindMember(call.caller().member);
     if (authority_ == nullptr || !member) return call.Finish(NoAuthority());
+    if (member->IsOfOrganisation()) {
+      return call.Finish({grpc::StatusCode::FAILED_PRECONDITION,
+                          "certificates of an organisation are renewed by its own authority"});
+    }
     const auto certificate = Sign(request->signing_request(), *member);
     if (!certificate) return call.Finish(ToStatus(certificate.error()));
     answer->set_certificate(*certificate);

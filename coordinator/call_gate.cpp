@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <grpc/grpc_security_constants.h>
 #include <grpcpp/security/auth_context.h>
+#include <spdlog/spdlog.h>
 
 #include "coordinator/membership/member_board.h"
 #include "proto/identity/certificate.h"
@@ -59,8 +60,34 @@ grpc::Status CallGate::IdentifyMember(MemberId id, Principal& caller) const {
   return grpc::Status::OK;
 }
 
+grpc::Status CallGate::IdentifyOfOrganisation(const Subject& subject, std::string_view pem,
+                                              Principal& caller) const {
+  const UnixTime now = UnixNow();
+  const auto known = core().members().FindMember(subject.id);
+  if (known && (known->revoked || known->expires > now)) return IdentifyMember(subject.id, caller);
+  const auto certificate = Certificate::FromPem(pem, "the certificate");
+  if (!certificate) return ToStatus(certificate.error());
+  caller.member = subject.id;
+  caller.name = subject.name;
+  caller.role = subject.role;
+  if (certificate->NotAfter() <= now) {
+    return {grpc::StatusCode::UNAUTHENTICATED,
+            fmt::format("the certificate of {} expired on {}; get a new one of the organisation",
+                        caller.Text(), UnixTimeText(certificate->NotAfter()))};
+  }
+  const MemberStatus member{subject.id, *subject.role, subject.name, now, certificate->NotAfter(), {}, false};
+  core().Post([member, peer = caller.peer](CoreContext& context) {
+    const auto listed = context.farm.membership().Enrol(member.joined, member);
+    if (!listed) return spdlog::warn("member_not_listed reason={}", LogText(listed.error().message));
+    spdlog::info("member_seen member={} role={} name={} peer={}", MemberIdText(member.id),
+                 RoleName(member.role), LogText(member.name), LogText(peer));
+  });
+  return grpc::Status::OK;
+}
+
+// A caller who was admitted and is not listed will be as soon as the disk takes it.
 grpc::Status CallGate::Recheck(const Principal& caller) const {
-  if (caller.member == MemberId{}) return grpc::Status::OK;
+  if (!core().members().FindMember(caller.member)) return grpc::Status::OK;
   Principal now;
   return IdentifyMember(caller.member, now);
 }
@@ -70,19 +97,21 @@ grpc::Status CallGate::Recheck(const Principal& caller) const {
 grpc::Status CallGate::Identify(const grpc::CallbackServerContext& context, Principal& caller) const {
   caller.peer = context.peer();
   const auto connection = context.auth_context();
-  if (connection->FindPropertyValues(GRPC_X509_PEM_CERT_PROPERTY_NAME).empty()) {
+  const auto pems = connection->FindPropertyValues(GRPC_X509_PEM_CERT_PROPERTY_NAME);
+  if (pems.empty()) {
     caller.role = Role::kOperator;
     caller.name = kLocalOwner;
     return grpc::Status::OK;
   }
   const std::vector<grpc::string_ref> uris = connection->FindPropertyValues(GRPC_PEER_URI_PROPERTY_NAME);
-  const bool is_one = uris.size() == 1;
-  return IdentifyHolder(is_one ? std::string_view(uris.front().data(), uris.front().size()) : "", caller);
+  const auto text = [](grpc::string_ref value) { return std::string_view(value.data(), value.size()); };
+  return IdentifyHolder(uris.size() == 1 ? text(uris.front()) : "", text(pems.front()), caller);
 }
 
-grpc::Status CallGate::IdentifyHolder(std::string_view uri, Principal& caller) const {
+grpc::Status CallGate::IdentifyHolder(std::string_view uri, std::string_view pem, Principal& caller) const {
   const auto subject = Subject::Parse(uri);
   if (!subject) return Unauthenticated("the certificate names no member");
+  if (subject->IsOfOrganisation()) return IdentifyOfOrganisation(*subject, pem, caller);
   if (subject->IsMember()) return IdentifyMember(subject->id, caller);
   caller.token_key = subject->token_key;
   return grpc::Status::OK;

@@ -14,6 +14,7 @@
 #include "coordinator/message_guard.h"
 #include "coordinator/store/data_dir.h"
 #include "coordinator/task_pool.h"
+#include "proto/identity/subject.h"
 #include "proto/shell/rare_log.h"
 #include "proto/wire/channel.h"
 
@@ -128,9 +129,9 @@ class CallGate {
   grpc::Status AdmitToJob(const Principal& caller, const CallRule& rule, const CoreContext& core,
                           JobId job) const;
 
-  // Sets `caller` to the holder of a certificate with this URI, which was checked. UNAUTHENTICATED if that
-  // cannot be told or holds no longer.
-  grpc::Status IdentifyHolder(std::string_view uri, Principal& caller) const;
+  // Sets `caller` to the holder of a certificate, `pem`, with this URI, which was checked. UNAUTHENTICATED if
+  // that cannot be told or holds no longer.
+  grpc::Status IdentifyHolder(std::string_view uri, std::string_view pem, Principal& caller) const;
 
   // For calls that last: UNAUTHENTICATED as soon as the certificate of the caller has expired or was revoked.
   grpc::Status Recheck(const Principal& caller) const;
@@ -144,6 +145,8 @@ class CallGate {
                      Principal& caller) const;
   grpc::Status Identify(const grpc::CallbackServerContext& context, Principal& caller) const;
   grpc::Status IdentifyMember(MemberId id, Principal& caller) const;
+  // Whoever has a certificate of an organisation, in PEM form, is listed as a member from the first call on.
+  grpc::Status IdentifyOfOrganisation(const Subject& subject, std::string_view pem, Principal& caller) const;
   void LogDenial(const Principal& caller, const CallRule& rule, const grpc::Status& status) const;
 
   const ChangePath path_;

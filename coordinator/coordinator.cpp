@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "coordinator/access_service.h"
 #include "coordinator/ask_core.h"
@@ -15,6 +16,7 @@
 #include "coordinator/listener/listener.h"
 #include "coordinator/listener/pending_connections.h"
 #include "coordinator/membership/farm_identity.h"
+#include "coordinator/membership/organisation.h"
 #include "coordinator/membership/peer_check.h"
 #include "coordinator/public_addresses.h"
 #include "coordinator/recovery.h"
@@ -25,11 +27,16 @@
 #include "coordinator/web/web_server.h"
 #include "coordinator/web_access.h"
 #include "coordinator/work_service.h"
+#include "proto/shell/pause.h"
 #include "proto/shell/program.h"
 #include "proto/wire/local_socket.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 namespace {
+
+// How soon certificates of an organisation that were replaced are shown; gRPC adds up to 10 s.
+constexpr std::chrono::seconds kCertificatesInterval{5};
 
 bool HasTcpAddress(const CoordinatorOptions& options) {
   return options.https.has_value() || std::ranges::any_of(options.listen, [](const Address& each) {
@@ -49,6 +56,7 @@ struct Coordinator::Parts {
   Result<void> Serve(const CoordinatorOptions& options, AccessPolicy policy);
   Result<void> ServeWeb(const CoordinatorOptions& options, const AccessPolicy& policy);
   ServerSecurity Security() const;
+  void RefreshCertificates(const std::vector<std::string>& names);
   std::optional<FarmView> LookAtAll();
   void ProbePictures();
 
@@ -64,10 +72,13 @@ struct Coordinator::Parts {
   std::unique_ptr<WorkService> work;
   std::unique_ptr<BlobService> blob_service;
   std::unique_ptr<JobsService> jobs;
-  std::optional<FarmIdentity> identity;  // if TCP connections are encrypted
+  std::optional<FarmIdentity> identity;        // if TCP connections are encrypted
+  std::shared_ptr<Organisation> organisation;  // if it has certificates
   std::unique_ptr<AccessService> access;
   std::unique_ptr<WebServer> web, encrypted_web;
   std::unique_ptr<CoordinatorServer> server;
+  std::string certificates_problem;  // of the thread below
+  std::jthread certificates;         // keeps them usable
 };
 
 Result<void> Coordinator::Parts::Recover(const CoordinatorOptions& options) {
@@ -102,7 +113,33 @@ Result<void> Coordinator::Parts::OpenIdentity(const CoordinatorOptions& options)
   if (opened->is_new())
     spdlog::info("authority_made fingerprint={}", opened->authority().certificate().Fingerprint().Hex());
   identity = std::move(*opened);
+  if (options.tls.IsUsed()) {
+    const std::string path = directory.IdentityPath() + "/shown.pem";
+    auto made = Organisation::Open(options.tls, identity->authority(), path, UnixNow());
+    if (!made) return made.error();
+    organisation = std::move(*made);
+    identity->ShowOther(path);
+  }
+  certificates = std::jthread([this, names](std::stop_token stop) {
+    while (Pause(stop, kCertificatesInterval)) RefreshCertificates(names);
+  });
   return {};
+}
+
+// Errors are logged again only when they change: files that are being replaced differ for a moment. An
+// authority that is missing is not made anew while members trust it.
+void Coordinator::Parts::RefreshCertificates(const std::vector<std::string>& names) {
+  std::string problem = "the key of the farm's authority is missing";
+  if (FarmIdentity::Exists(directory.IdentityPath())) {
+    const auto own = FarmIdentity::Open(directory.IdentityPath(), names, UnixNow());
+    problem = own ? "" : own.error().message;
+  }
+  const auto others = organisation != nullptr ? organisation->Refresh(UnixNow()) : Result<bool>(false);
+  if (others && *others) spdlog::info("certificates_read_again");
+  if (!others) problem = others.error().message;
+  if (problem != certificates_problem && !problem.empty())
+    spdlog::warn("certificates_not_refreshed reason={}", LogText(problem));
+  certificates_problem = problem;
 }
 
 ServerSecurity Coordinator::Parts::Security() const {
@@ -111,9 +148,10 @@ ServerSecurity Coordinator::Parts::Security() const {
   if (!identity) return security;
   security.identity_path = identity->coordinator_path();
   security.pending = pending;
-  security.admit = [authority = identity->authority().certificate(),
+  security.admit = [authority = identity->authority().certificate(), others = organisation,
                     board = core->shared_members()](const std::vector<Certificate>& chain) {
-    return CheckPeer(chain, authority, *board, UnixNow());
+    return CheckPeer(chain, authority, others != nullptr ? others->authorities() : std::vector<Certificate>(),
+                     *board, UnixNow());
   };
   return security;
 }
@@ -133,11 +171,12 @@ Result<void> Coordinator::Parts::ServeWeb(const CoordinatorOptions& options, con
   }
   if (!options.https || !identity) return {};
   const ServerSecurity security = Security();
+  std::vector<Certificate> authorities{identity->authority().certificate()};
+  if (organisation != nullptr) {
+    for (Certificate& each : organisation->authorities()) authorities.push_back(std::move(each));
+  }
   return start(*options.https,
-               WebTls{security.identity_path,
-                      security.identity_path,
-                      {identity->authority().certificate()},
-                      security.admit},
+               WebTls{security.identity_path, security.identity_path, authorities, security.admit},
                MakeWebGate(*gate, {*core, files.brief, directory}, policy), encrypted_web);
 }
 
@@ -244,6 +283,7 @@ const ResultsIntake& Coordinator::intake() const {
 // First the calls that wait, then no new ones, then what their answers need. Start may have stopped half-way.
 void Coordinator::Stop() {
   Parts& parts = *parts_;
+  parts.certificates.request_stop();
   for (WebServer* const each : {parts.web.get(), parts.encrypted_web.get()}) {
     if (each != nullptr) each->Stop();
   }

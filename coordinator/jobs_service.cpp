@@ -349,6 +349,9 @@ grpc::ServerUnaryReactor* JobsService::Health(grpc::CallbackServerContext* conte
     answer->set_software_version(kSoftwareVersion);
     answer->set_protocol(kProtocolVersion);
     answer->set_farm(WriteFarmId(gate_.farm()));
+    answer->set_unix_time_ms(std::chrono::duration_cast<std::chrono::milliseconds>(
+                                 std::chrono::system_clock::now().time_since_epoch())
+                                 .count());
     call.Finish(grpc::Status::OK);
   });
 }

@@ -44,6 +44,10 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
   if (const auto http = (*coordinator)->http()) PrintNote("status page at http://{}/\n", http->Text());
   if (const auto https = (*coordinator)->https()) PrintNote("status page at https://{}/\n", https->Text());
   for (const Address& address : (*coordinator)->addresses()) PrintNote("listening on {}\n", address.Text());
+  for (const StartToken& wish : options.tokens) {
+    if (const auto printed = PrintStartToken(wish, (*coordinator)->addresses()); !printed)
+      return printed.error();
+  }
   AwaitStop(std::move(termination));
   spdlog::info("coordinator_stopping");
   (*coordinator)->Stop();

@@ -5,7 +5,10 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 
+#include "coordinator/core/membership_ledger.h"
+#include "proto/shell/values.h"
 #include "renderer/text/unicode.h"
 
 namespace tessera {
@@ -15,6 +18,7 @@ constexpr int kListenMax = 16;
 constexpr int kAttemptsMax = 100;
 constexpr int kHttpNamesMax = 16;
 constexpr int kNamesForOthersMax = 32;
+constexpr int kStartTokensMax = 4;  // one for each role
 
 Result<Address> ParseListenAddress(const std::string& text, bool insecure) {
   auto address = ParseAddress(text, "--listen");
@@ -57,11 +61,46 @@ Result<void> SetWebAddresses(const std::string& http, const std::string& https, 
   return {};
 }
 
+// ROLE or ROLE:USES.
+Result<StartToken> ParseStartToken(const std::string& word) {
+  const size_t colon = word.find(':');
+  const auto role = FindRole(word.substr(0, colon));
+  if (!role)
+    return BadInput(
+        fmt::format("--token {}: expected worker, user, viewer or operator, and perhaps :USES", word));
+  if (colon == std::string::npos) return StartToken{*role};
+  const auto uses = ParseInteger("--token " + word, word.substr(colon + 1), 1, kTokenUsesMax);
+  if (!uses) return uses.error();
+  return StartToken{*role, static_cast<int>(*uses)};
+}
+
 // The words of addresses: they can be checked once --insecure is known.
 struct AddressWords {
   std::vector<std::string> listen;
   std::string http, https;
 };
+
+void AddMembershipFlags(CLI::App& app, CoordinatorOptions& options) {
+  AddText(app, "--tls-cert", "FILE",
+          "Certificate of an organisation for this coordinator, and those that issued it (PEM); read again "
+          "when it changes",
+          options.tls.certificate);
+  AddText(app, "--tls-key", "FILE", "Key of that certificate (PEM)", options.tls.key);
+  AddText(
+      app, "--tls-ca", "FILE",
+      "Also accept members whose certificates were issued by these (PEM) and name them: tessera:ROLE/NAME",
+      options.tls.authority);
+  AddRepeatedWord(
+      app, "--token", "ROLE[:USES]",
+      "Make a token that is valid for an hour and print it, as \"tessera-coordinator token\" does; "
+      "may be repeated",
+      kStartTokensMax, [&options](const std::string& word) -> Result<void> {
+        const auto token = ParseStartToken(word);
+        if (!token) return token.error();
+        options.tokens.push_back(*token);
+        return {};
+      });
+}
 
 void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
   AddRepeatedWord(
@@ -82,6 +121,7 @@ void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
                     options.names.push_back(word);
                     return {};
                   });
+  AddMembershipFlags(app, options);
   AddText(app, "--http", "HOST:PORT",
           "Serve a status page at / and Prometheus metrics at /metrics: without encryption on an address of "
           "this machine alone, such as 127.0.0.1, as --https on others",
@@ -126,6 +166,19 @@ Result<CoordinatorOptions> Complete(CoordinatorOptions options, const AddressWor
   }
   if (auto set = SetWebAddresses(words.http, words.https, options); !set) return set.error();
   if (options.data_dir.empty()) return BadInput("--data-dir: must not be empty");
+  const bool is_encrypted = !options.insecure && std::ranges::any_of(options.listen, [](const Address& each) {
+    return each.kind == Address::Kind::kTcp;
+  });
+  if (options.tls.certificate.empty() != options.tls.key.empty())
+    return BadInput("--tls-cert and --tls-key belong together: give both");
+  if (!options.tls.authority.empty() && options.tls.key.empty())
+    return BadInput("--tls-ca: clients of the organisation need a coordinator with --tls-cert and --tls-key");
+  if (options.tls.IsUsed() && !is_encrypted && !options.https)
+    return BadInput("--tls-cert: no connection is encrypted; listen on HOST:PORT, and leave out --insecure");
+  if (!options.tokens.empty() && !is_encrypted) {
+    return BadInput(
+        "--token: others cannot join this coordinator; listen on HOST:PORT, and leave out --insecure");
+  }
   return options;
 }
 
@@ -138,6 +191,8 @@ std::string CoordinatorOptions::Text() const {
   for (const Address& address : listen) text += fmt::format(" listen={}", address.Text());
   if (http) text += fmt::format(" http={}", http->Text());
   if (https) text += fmt::format(" https={}", https->Text());
+  if (tls.IsUsed())
+    text += fmt::format(" tls_cert={} tls_ca={}", LogText(tls.certificate), LogText(tls.authority));
   for (const std::string& name : names) text += fmt::format(" name={}", LogText(name));
   for (const std::string& name : http_names) text += fmt::format(" http_name={}", name);
   return text;

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "coordinator/core/farm.h"
+#include "proto/identity/tls_files.h"
+#include "proto/roles.h"
 #include "proto/shell/flags.h"
 #include "proto/shell/log.h"
 #include "proto/wire/address.h"
@@ -17,6 +19,12 @@ namespace tessera {
 constexpr uint64_t kBlobBytesDefault = uint64_t{100} << 30;
 constexpr uint64_t kBlobBytesMin = uint64_t{1} << 20;
 
+// A join token to be printed at the start.
+struct StartToken {
+  Role role{};
+  int uses = 1;
+};
+
 // Parsed, checked and logged once, constant from then on.
 struct CoordinatorOptions {
   std::vector<Address> listen;
@@ -26,6 +34,8 @@ struct CoordinatorOptions {
   std::string data_dir;
   // Names and addresses under which others reach the coordinator; default: those of this machine.
   std::vector<std::string> names;
+  TlsFiles tls;  // certificates of an organisation, if used
+  std::vector<StartToken> tokens;
   uint64_t blob_bytes = kBlobBytesDefault;  // limit of the scene files kept
   // Limit of the sums kept of finished frames, for tessera extend.
   uint64_t keep_sums_bytes = kKeptBytesMaxDefault;

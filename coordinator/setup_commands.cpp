@@ -56,6 +56,8 @@ struct TokenOptions {
   int uses = 1;
   std::string address;  // that the token names; empty: the coordinator chooses
   std::string coordinator;
+
+  Result<Endpoint> ChooseCoordinator() const;
 };
 
 void AddTokenFlags(CLI::App& app, TokenOptions& options) {
@@ -88,15 +90,16 @@ void AddTokenFlags(CLI::App& app, TokenOptions& options) {
           options.coordinator);
 }
 
-Result<proto::TokenAnswer> AskForToken(const TokenOptions& options, const Digest& key) {
-  const auto address =
-      ParseAddress(options.coordinator.empty() ? "127.0.0.1:7700" : options.coordinator, "--coordinator");
+Result<Endpoint> TokenOptions::ChooseCoordinator() const {
+  const auto address = ParseAddress(coordinator.empty() ? "127.0.0.1:7700" : coordinator, "--coordinator");
   if (!address) return address.error();
-  const auto endpoint =
-      ChooseEndpoint(*address, {false, LoginStore(PersonalLoginFolder(Environment)),
-                                LocalSocketFolder(Environment), "run: tessera login TOKEN"});
-  if (!endpoint) return endpoint.error();
-  const auto channel = OpenChannel(*endpoint);
+  return ChooseEndpoint(*address, {false, LoginStore(PersonalLoginFolder(Environment)),
+                                   LocalSocketFolder(Environment), "run: tessera login TOKEN"});
+}
+
+Result<proto::TokenAnswer> AskForToken(const TokenOptions& options, const Endpoint& endpoint,
+                                       const Digest& key) {
+  const auto channel = OpenChannel(endpoint);
   proto::TokenRequest request;
   request.set_key(WriteDigest(key));
   request.set_role(WriteRole(options.role));
@@ -111,12 +114,12 @@ Result<proto::TokenAnswer> AskForToken(const TokenOptions& options, const Digest
   if (status.ok()) return answer;
   if (!IsTransient(status)) return ToError(status, "make a token");
   return Failed(fmt::format("{}: cannot make a token: {}; start the coordinator first, as this user",
-                            address->Text(), DescribeOutage(CheckReachability(*endpoint), status)));
+                            endpoint.address.Text(), DescribeOutage(CheckReachability(endpoint), status)));
 }
 
-Result<int> RunToken(const TokenOptions& options) {
+Result<void> MakeAndPrint(const TokenOptions& options, const Endpoint& endpoint) {
   JoinToken token = JoinToken::Make("", {});
-  const auto answer = AskForToken(options, token.Key().PublicDigest());
+  const auto answer = AskForToken(options, endpoint, token.Key().PublicDigest());
   if (!answer) return answer.error();
   const auto authority = ReadDigest(answer->authority(), "authority");
   if (!authority) return authority.error();
@@ -126,11 +129,19 @@ Result<int> RunToken(const TokenOptions& options) {
   const auto address = ParseAddress(token.address, "--address");
   if (!address) return address.error();
   fmt::print("{}\n", token.Text());
+  std::fflush(stdout);  // a script may read it while the coordinator runs
   PrintNote("for {} {}, until {}, to join {} with: {}\n", options.uses,
             std::string(RoleName(options.role)) + (options.uses == 1 ? "" : "s"),
             UnixTimeText(answer->expires()), token.address,
             options.role == Role::kWorker ? "tessera-worker --join TOKEN" : "tessera login TOKEN");
   if (address->IsLocal()) PrintNote("only this machine can reach that address: see --listen and --address\n");
+  return {};
+}
+
+Result<int> RunToken(const TokenOptions& options) {
+  const auto endpoint = options.ChooseCoordinator();
+  if (!endpoint) return endpoint.error();
+  if (const auto made = MakeAndPrint(options, *endpoint); !made) return made.error();
   return 0;
 }
 
@@ -170,6 +181,19 @@ Result<int> ParseAndRun(const char* name, const char* summary, const std::vector
 }
 
 }  // namespace
+
+Result<void> PrintStartToken(const StartToken& wish, const std::vector<Address>& addresses) {
+  const std::string folder = LocalSocketFolder(Environment);
+  for (const Address& address : addresses) {
+    const auto socket = LocalSocketOf(address, folder);
+    if (!socket) continue;
+    TokenOptions options;
+    options.role = wish.role;
+    options.uses = wish.uses;
+    return MakeAndPrint(options, Endpoint(address, *socket, std::nullopt));
+  }
+  return Failed("--token: the coordinator has no local socket; use tessera-coordinator token");
+}
 
 std::optional<Result<int>> RunSetupCommand(const std::vector<std::string>& arguments) {
   if (arguments.empty()) return std::nullopt;

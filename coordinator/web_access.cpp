@@ -26,15 +26,15 @@ class WebAccess {
   WebAccess(const CallGate& gate, const ChangePath& path, AccessPolicy policy)
       : gate_(gate), path_(path), policy_(std::move(policy)) {}
 
-  Result<Visitor> Identify(std::string_view uri) const {
+  Result<Visitor> Identify(std::string_view uri, std::string_view pem) const {
     Principal caller;
-    if (const grpc::Status known = gate_.IdentifyHolder(uri, caller); !known.ok())
+    if (const grpc::Status known = gate_.IdentifyHolder(uri, pem, caller); !known.ok())
       return Failed(known.error_message());
     return Admit(caller);
   }
   Result<Visitor> Recheck(MemberId id) const {
     const auto member = path_.core.members().FindMember(id);
-    return Identify(member ? Subject{member->role, id, {}}.Uri() : "");
+    return Identify(member ? Subject{member->role, id, {}}.Uri() : "", "");
   }
   Result<Visitor> Join(const Digest& key, const std::string& peer) const;
   void Leave(MemberId id, const std::string& peer) const;
@@ -116,7 +116,9 @@ void WebAccess::Leave(MemberId id, const std::string& peer) const {
 
 WebGate MakeWebGate(const CallGate& gate, const ChangePath& path, AccessPolicy policy) {
   const auto access = std::make_shared<const WebAccess>(gate, path, std::move(policy));
-  return {[access](const Certificate& certificate) { return access->Identify(certificate.Uri()); },
+  return {[access](const Certificate& certificate) {
+            return access->Identify(certificate.Uri(), certificate.Pem());
+          },
           [access](MemberId member) { return access->Recheck(member); },
           [access](const Digest& key, const std::string& peer) { return access->Join(key, peer); },
           [access](MemberId member, const std::string& peer) { access->Leave(member, peer); }};

@@ -46,8 +46,9 @@ struct MemberStatus {
   Role role{};
   std::string name;
   UnixTime joined = 0, expires = 0;  // expires: of the last certificate
-  Digest token{};                    // with which the member joined
+  Digest token{};  // with which the member joined; zeros: the member has a certificate of an organisation
   bool revoked = false;
+  bool IsOfOrganisation() const { return token == Digest{}; }
   bool operator==(const MemberStatus&) const = default;
 };
 

@@ -45,6 +45,9 @@ Result<Login> Join(const JoinToken& token, const LoginStore& store, const std::s
 
 Result<Endpoint> ReachFarm(const WorkerOptions& options) {
   const LoginStore store(options.state_dir);
+  if (options.join && options.tls.IsUsed())
+    return BadInput(
+        "--join is for workers without a certificate of an organisation: leave it or --tls-cert out");
   if (options.join) {
     const auto login = Join(*options.join, store, options.name);
     if (!login) return login.error();
@@ -52,8 +55,9 @@ Result<Endpoint> ReachFarm(const WorkerOptions& options) {
   }
   if (options.coordinator) {
     return ChooseEndpoint(*options.coordinator, {options.insecure, store, LocalSocketFolder(Environment),
-                                                 "start this worker once with --join TOKEN"});
+                                                 "start this worker once with --join TOKEN", options.tls});
   }
+  if (options.tls.IsUsed()) return BadInput("--tls-cert: --coordinator HOST:PORT is required");
   const auto last = store.Default();
   if (!last) {
     return BadInput(

@@ -54,6 +54,16 @@ void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
           WithDefault("Folder of the keys and certificates of this worker",
                       "~/.local/state/tessera/worker/farms"),
           options.state_dir);
+  AddText(
+      app, "--tls-cert", "FILE",
+      WithDefault("Use this certificate of an organisation in place of joining; needs --tls-key and --tls-ca",
+                  "$TESSERA_TLS_CERT"),
+      options.tls.certificate);
+  AddText(app, "--tls-key", "FILE", WithDefault("Key of that certificate", "$TESSERA_TLS_KEY"),
+          options.tls.key);
+  AddText(app, "--tls-ca", "FILE",
+          WithDefault("Certificates that the coordinator's must be issued by", "$TESSERA_TLS_CA"),
+          options.tls.authority);
   AddSwitch(app, "--insecure", "Connect without encryption, to a coordinator on this machine alone",
             options.insecure);
   AddInteger(app, "--threads", WithDefault("Number of render threads", "all processors"), 1, kSlotsMax,
@@ -85,6 +95,9 @@ Result<WorkerOptions> Complete(WorkerOptions options, const std::string& coordin
     options.coordinator = std::move(*address);
   }
   if (options.state_dir.empty()) options.state_dir = WorkerLoginFolder(Environment);
+  if (!options.join && !options.tls.IsUsed())
+    options.tls = {Environment("TESSERA_TLS_CERT"), Environment("TESSERA_TLS_KEY"),
+                   Environment("TESSERA_TLS_CA")};
   if (options.threads == 0) options.threads = UsableCores();
   if (options.cache_dir.empty()) options.cache_dir = DefaultCacheFolder(Environment);
   if (options.name.empty()) options.name = HostName();

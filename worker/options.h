@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "proto/identity/join_token.h"
+#include "proto/identity/tls_files.h"
 #include "proto/shell/flags.h"
 #include "proto/shell/log.h"
 #include "proto/wire/address.h"
@@ -27,6 +28,7 @@ constexpr std::chrono::hours kLoadTimeMax{24 * 7};
 
 // Parsed and checked once, constant from then on.
 struct WorkerOptions {
+  TlsFiles tls;  // certificates of an organisation in place of a login
   // Without it: the coordinator of the token, or that of the last login.
   std::optional<Address> coordinator;
   std::optional<JoinToken> join;  // to become a member of its farm with

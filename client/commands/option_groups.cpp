@@ -23,6 +23,9 @@ constexpr int64_t kPatienceMax_s = 7 * 24 * 3600;
 
 constexpr const char* kCoordinatorVariable = "TESSERA_COORDINATOR";
 constexpr const char* kFarmVariable = "TESSERA_FARM";
+constexpr const char* kCertificateVariable = "TESSERA_TLS_CERT";
+constexpr const char* kKeyVariable = "TESSERA_TLS_KEY";
+constexpr const char* kAuthorityVariable = "TESSERA_TLS_CA";
 
 void AddFrameFlags(CLI::App& app, SceneOptions& options) {
   AddValue(app, "--frames", "A-B[xSTEP]",
@@ -109,6 +112,21 @@ void AddRequiredSamples(CLI::App& app, uint32_t& samples_per_pixel) {
            WholeNumber<uint32_t>(1, kSamplesPerPixelMax), Presence::kRequired);
 }
 
+void AddTlsFlags(CLI::App& app, TlsFiles& files) {
+  files = {Environment(kCertificateVariable), Environment(kKeyVariable), Environment(kAuthorityVariable)};
+  AddText(
+      app, "--tls-cert", "FILE",
+      WithDefault("Use this certificate of an organisation in place of a login; needs --tls-key and --tls-ca",
+                  fmt::format("${}", kCertificateVariable)),
+      files.certificate);
+  AddText(app, "--tls-key", "FILE", WithDefault("Key of that certificate", fmt::format("${}", kKeyVariable)),
+          files.key);
+  AddText(app, "--tls-ca", "FILE",
+          WithDefault("Certificates that the coordinator's must be issued by",
+                      fmt::format("${}", kAuthorityVariable)),
+          files.authority);
+}
+
 void AddConnectionFlags(CLI::App& app, ConnectionOptions& options) {
   options.farm.coordinator = Environment(kCoordinatorVariable);
   options.farm.farm = Environment(kFarmVariable);
@@ -120,6 +138,7 @@ void AddConnectionFlags(CLI::App& app, ConnectionOptions& options) {
           options.farm.coordinator);
   AddText(app, "--farm", "NAME", WithDefault("Use the login of this name", fmt::format("${}", kFarmVariable)),
           options.farm.farm);
+  AddTlsFlags(app, options.farm.tls);
   AddSwitch(app, "--insecure", "Connect without encryption, to a coordinator on this machine alone",
             options.farm.insecure);
   AddValue(app, "--patience", "N",

@@ -24,6 +24,8 @@ struct ConnectionOptions {
   FarmChoice farm;
   std::chrono::milliseconds patience{};  // how long to wait for a coordinator that does not answer
 };
+// Certificates of an organisation. The defaults come from the environment.
+void AddTlsFlags(CLI::App& app, TlsFiles& files);
 // The defaults come from the environment, or are constants.
 void AddConnectionFlags(CLI::App& app, ConnectionOptions& options);
 

@@ -33,19 +33,20 @@ std::string AccountName() {
 
 Result<Endpoint> ChooseFarm(const FarmChoice& choice) {
   const LoginStore store = PersonalLogins();
-  if (!choice.farm.empty()) {
+  const bool has_certificates = choice.tls.IsUsed();
+  if (!choice.farm.empty() && !has_certificates) {
     const auto login = store.Find(choice.farm);
     if (!login) return NoSuchLogin(choice.farm, store);
     return EndpointOf(*login);
   }
-  if (choice.coordinator.empty() && !choice.insecure) {
+  if (choice.coordinator.empty() && !choice.insecure && !has_certificates) {
     if (const auto last = store.Default()) return EndpointOf(*last);
   }
   const auto address =
       ParseAddress(choice.coordinator.empty() ? kCoordinatorDefault : choice.coordinator, "--coordinator");
   if (!address) return address.error();
-  return ChooseEndpoint(*address,
-                        {choice.insecure, store, LocalSocketFolder(Environment), "run: tessera login TOKEN"});
+  return ChooseEndpoint(*address, {choice.insecure, store, LocalSocketFolder(Environment),
+                                   "run: tessera login TOKEN", choice.tls});
 }
 
 Result<NewLogin> LogIn(const std::string& token, const std::string& farm, const std::string& name) {

@@ -17,9 +17,11 @@ struct FarmChoice {
   std::string coordinator;  // HOST:PORT or unix:PATH
   std::string farm;         // name of a login
   bool insecure = false;    // plain text to an address of this machine
+  TlsFiles tls = {};        // certificates of an organisation in place of a login
 };
 
-// The login that is named, the address that is named, the last login or the default address, in this order.
+// With certificates of an organisation: the address that is named or the default address. Else the login that
+// is named, the address that is named, the last login or the default address, in this order.
 Result<Endpoint> ChooseFarm(const FarmChoice& choice);
 
 struct NewLogin {

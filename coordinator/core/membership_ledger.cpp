@@ -86,6 +86,21 @@ Result<void> MembershipLedger::Join(UnixTime now, const MemberStatus& member) {
   return {};
 }
 
+Result<void> MembershipLedger::Enrol(UnixTime now, const MemberStatus& member) {
+  const auto known = members_.find(member.id);
+  if (known == members_.end()) {
+    Forget(now);
+    if (members_.size() >= kMembersMax)
+      return Failed(fmt::format("the farm has {} members, which is its limit", kMembersMax));
+    facts_.emplace_back(MemberJoined{member});
+    members_.emplace(member.id, member);
+  } else if (!known->second.revoked && known->second.expires < member.expires) {
+    facts_.emplace_back(MemberRenewed{member.id, member.expires});
+    known->second.expires = member.expires;
+  }
+  return {};
+}
+
 Result<void> MembershipLedger::Renew(UnixTime now, MemberId id, UnixTime expires) {
   const auto found = members_.find(id);
   if (found == members_.end() || found->second.revoked)
@@ -114,9 +129,14 @@ bool MembershipLedger::RevokeMember(MemberId id) {
 }
 
 // Needs no facts: what a later process restores of them it forgets again. A member whose last certificate has
-// expired long ago cannot come back with it, revoked or not.
+// expired long ago cannot come back with it, revoked or not; but an organisation may issue another for the
+// same member.
 void MembershipLedger::Forget(UnixTime now) {
-  std::erase_if(members_, [&](const auto& each) { return each.second.expires + kForgetAfter_s < now; });
+  std::erase_if(members_, [&](const auto& each) {
+    const MemberStatus& member = each.second;
+    const bool may_return = member.IsOfOrganisation() && member.revoked;
+    return member.expires + kForgetAfter_s < now && !may_return;
+  });
   std::erase_if(tokens_, [&](const auto& each) {
     const TokenStatus& token = each.second;
     return token.expires + kForgetAfter_s < now || (IsDead(token) && tokens_.size() >= kTokensMax);

@@ -39,6 +39,9 @@ class MembershipLedger {
   Result<void> IssueToken(const TokenStatus& token);
   // Somebody who has shown the key of a token becomes a member. Counts as one use.
   Result<void> Join(UnixTime now, const MemberStatus& member);
+  // The holder of a certificate of an organisation becomes a member, or has a later certificate. Does nothing
+  // if that is known.
+  Result<void> Enrol(UnixTime now, const MemberStatus& member);
   // The member has a certificate until `expires`.
   Result<void> Renew(UnixTime now, MemberId id, UnixTime expires);
   // Return false if there is none, or if it was revoked already.

@@ -1,6 +1,7 @@
 // The keys and certificates of a coordinator, in a folder of its data directory that only its user may read.
 //   authority.pem     key and certificate of the farm's private certificate authority; made once
 //   coordinator.pem   key and certificate of this coordinator, and the certificate of the authority
+//   shown.pem         with a certificate of an organisation: what is shown instead (organisation.h)
 #pragma once
 
 #include <string>
@@ -25,7 +26,9 @@ class FarmIdentity {
   static bool Exists(const std::string& folder);
 
   const Authority& authority() const { return authority_; }
+  // The file that the coordinator shows: key and certificates.
   const std::string& coordinator_path() const { return coordinator_path_; }
+  void ShowOther(std::string path) { coordinator_path_ = std::move(path); }
   // Whether there was no authority before.
   bool is_new() const { return is_new_; }
 

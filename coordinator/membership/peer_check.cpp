@@ -13,7 +13,7 @@ bool IsOfToken(const Certificate& certificate, const Subject& subject, const Mem
 }  // namespace
 
 Result<void> CheckPeer(const std::vector<Certificate>& chain, const Certificate& authority,
-                       const MemberBoard& board, UnixTime now) {
+                       const std::vector<Certificate>& organisation, const MemberBoard& board, UnixTime now) {
   if (chain.empty()) return Failed("the peer shows no certificate");
   const auto subject = Subject::Parse(chain.front().Uri());
   if (!subject) return Failed("the certificate is not one of this farm: it names no member");
@@ -21,7 +21,13 @@ Result<void> CheckPeer(const std::vector<Certificate>& chain, const Certificate&
     if (IsOfToken(chain.front(), *subject, board)) return {};
     return Failed("the token is not one of this farm");
   }
-  switch (CheckCertificate(chain, {authority}, CertificatePurpose::kClient, now)) {
+  // Neither kind of authority issues certificates of the other's kind.
+  const bool is_foreign = subject->IsOfOrganisation();
+  if (is_foreign && organisation.empty())
+    return Failed(
+        "the certificate is one of an organisation, and the coordinator was started without --tls-ca");
+  const std::vector<Certificate> issuers = is_foreign ? organisation : std::vector{authority};
+  switch (CheckCertificate(chain, issuers, CertificatePurpose::kClient, now)) {
     case CertificateVerdict::kGood:
     case CertificateVerdict::kExpired: return {};
     case CertificateVerdict::kNotYetValid:
@@ -29,7 +35,8 @@ Result<void> CheckPeer(const std::vector<Certificate>& chain, const Certificate&
     case CertificateVerdict::kWrongPurpose: return Failed("the certificate is not that of a member");
     case CertificateVerdict::kNotIssuedHere: break;
   }
-  return Failed("the certificate was not issued by this farm");
+  return Failed(is_foreign ? "the certificate was not issued by an authority in the file of --tls-ca"
+                           : "the certificate was not issued by this farm");
 }
 
 }  // namespace tessera

@@ -8,7 +8,6 @@
 #include <ctime>
 
 #include "proto/identity/openssl_handles.h"
-#include "proto/identity/private_key.h"
 
 namespace tessera {
 namespace {
@@ -46,6 +45,10 @@ std::string AddressText(const ASN1_OCTET_STRING* bytes) {
   return text;
 }
 
+int PurposeOf(CertificatePurpose purpose) {
+  return purpose == CertificatePurpose::kClient ? X509_PURPOSE_SSL_CLIENT : X509_PURPOSE_SSL_SERVER;
+}
+
 CertificateVerdict VerdictOf(int error) {
   switch (error) {
     case X509_V_OK: return CertificateVerdict::kGood;
@@ -77,15 +80,18 @@ Result<Certificate> Certificate::FromPem(std::string_view pem, const std::string
   return chain->front();
 }
 
-Result<std::vector<Certificate>> Certificate::ChainFromPem(std::string_view pem, const std::string& what) {
-  if (pem.size() > kPemBytesMax)
-    return BadInput(fmt::format("{}: is too large for certificates (limit {} bytes)", what, kPemBytesMax));
+Result<std::vector<Certificate>> Certificate::ChainFromPem(std::string_view pem, const std::string& what,
+                                                           size_t count_max) {
+  if (pem.size() > count_max * kCertificateBytesMax) {
+    return BadInput(fmt::format("{}: is too large for certificates (limit {} bytes)", what,
+                                count_max * kCertificateBytesMax));
+  }
   const BioOwner bio = ReadOnlyBio(pem);
   std::vector<Certificate> chain;
   while (X509* const next = PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr)) {
-    if (chain.size() == kChainMax) {
+    if (chain.size() == count_max) {
       X509_free(next);
-      return BadInput(fmt::format("{}: holds more than {} certificates", what, kChainMax));
+      return BadInput(fmt::format("{}: holds more than {} certificates", what, count_max));
     }
     chain.emplace_back(next);
   }
@@ -145,6 +151,10 @@ bool Certificate::IsForHost(const std::string& host) const {
                          nullptr) == 1;
 }
 
+bool Certificate::IsMeantFor(CertificatePurpose purpose) const {
+  return X509_check_purpose(certificate_.get(), PurposeOf(purpose), 0) == 1;
+}
+
 CertificateVerdict CheckCertificate(const std::vector<Certificate>& chain,
                                     const std::vector<Certificate>& authorities, CertificatePurpose purpose,
                                     UnixTime now) {
@@ -161,8 +171,7 @@ CertificateVerdict CheckCertificate(const std::vector<Certificate>& chain,
   TESSERA_CHECK(X509_STORE_CTX_init(context.get(), store.get(), chain.front().get(), others.get()) == 1);
   X509_VERIFY_PARAM* const parameters = X509_STORE_CTX_get0_param(context.get());
   X509_VERIFY_PARAM_set_time(parameters, static_cast<std::time_t>(now));
-  X509_VERIFY_PARAM_set_purpose(
-      parameters, purpose == CertificatePurpose::kClient ? X509_PURPOSE_SSL_CLIENT : X509_PURPOSE_SSL_SERVER);
+  X509_VERIFY_PARAM_set_purpose(parameters, PurposeOf(purpose));
   if (X509_verify_cert(context.get()) == 1) return CertificateVerdict::kGood;
   return VerdictOf(X509_STORE_CTX_get_error(context.get()));
 }

@@ -19,6 +19,10 @@ UnixTime UnixNow();
 // As in "2026-11-29 04:56 UTC".
 std::string UnixTimeText(UnixTime time);
 
+// Of one chain. Ours have two, those of an organisation may have some more, and a coordinator may show both.
+constexpr size_t kChainMax = 16;
+constexpr size_t kCertificateBytesMax = 4 << 10;
+
 // What the holder of a certificate does in a TLS connection.
 enum class CertificatePurpose { kClient, kServer };
 
@@ -29,8 +33,9 @@ class Certificate {
   explicit Certificate(x509_st* certificate);
   // The first certificate in some PEM text; `what` names the text in errors.
   static Result<Certificate> FromPem(std::string_view pem, const std::string& what);
-  // All certificates in some PEM text, at least one and at most kChainMax.
-  static Result<std::vector<Certificate>> ChainFromPem(std::string_view pem, const std::string& what);
+  // All certificates in some PEM text, at least one and at most `count_max`, each of 4 KiB on average.
+  static Result<std::vector<Certificate>> ChainFromPem(std::string_view pem, const std::string& what,
+                                                       size_t count_max = kChainMax);
 
   std::string Pem() const;
   Digest Fingerprint() const;  // SHA-256 of the certificate
@@ -44,14 +49,13 @@ class Certificate {
   std::vector<std::string> HostNames() const;
   // Whether it is for this name or numeric address, also by a wildcard; an IPv6 number has no brackets.
   bool IsForHost(const std::string& host) const;
+  // Whether its extensions allow this use.
+  bool IsMeantFor(CertificatePurpose purpose) const;
   x509_st* get() const { return certificate_.get(); }
 
  private:
   std::shared_ptr<x509_st> certificate_;
 };
-
-// Of one chain. Ours have two, those of an organisation may have some more.
-constexpr size_t kChainMax = 8;
 
 // Why a certificate is not accepted.
 enum class CertificateVerdict { kGood, kNotIssuedHere, kExpired, kNotYetValid, kWrongPurpose };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cstring>
 
 namespace tessera {
 namespace {
@@ -10,6 +11,7 @@ namespace {
 constexpr std::string_view kScheme = "tessera:";
 constexpr std::string_view kToken = "token";
 constexpr size_t kIdDigits = 16;
+constexpr size_t kMemberNameMax = 64;
 
 }  // namespace
 
@@ -29,7 +31,27 @@ std::optional<MemberId> ParseMemberId(std::string_view text) {
   return MemberId{number};
 }
 
+bool IsMemberName(std::string_view name) {
+  constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-@";
+  constexpr std::string_view kHex = "0123456789abcdefABCDEF";
+  return !name.empty() && name.size() <= kMemberNameMax &&
+         name.find_first_not_of(kAllowed) == std::string_view::npos &&
+         !(name.size() == kIdDigits && name.find_first_not_of(kHex) == std::string_view::npos);
+}
+
+Subject SubjectOfOrganisation(Role role, const std::string& name) {
+  Subject subject;
+  subject.role = role;
+  subject.name = name;
+  const Digest digest = Sha256(subject.Uri());
+  uint64_t number = 0;
+  std::memcpy(&number, digest.bytes.data(), sizeof number);
+  subject.id = MemberId{number != 0 ? number : 1};
+  return subject;
+}
+
 std::string Subject::Uri() const {
+  if (IsOfOrganisation()) return fmt::format("{}{}/{}", kScheme, RoleName(*role), name);
   if (IsMember()) return fmt::format("{}{}/{}", kScheme, RoleName(*role), MemberIdText(id));
   return fmt::format("{}{}/{}", kScheme, kToken, token_key.Hex());
 }
@@ -48,6 +70,7 @@ std::optional<Subject> Subject::Parse(std::string_view uri) {
     return subject;
   }
   subject.role = FindRole(kind);
+  if (subject.role && IsMemberName(rest)) return SubjectOfOrganisation(*subject.role, std::string(rest));
   const auto id = ParseMemberId(rest);
   if (!subject.role || !id) return std::nullopt;
   subject.id = *id;

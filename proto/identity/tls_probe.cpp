@@ -22,10 +22,11 @@ TlsProbe::TlsProbe(int socket, const std::string& identity_pem) : state_(std::ma
   SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION);
   SSL_CTX_set_verify(context, SSL_VERIFY_NONE, nullptr);
   const auto key = PrivateKey::FromPem(identity_pem, "identity");
-  const auto certificate = Certificate::FromPem(identity_pem, "identity");
-  if (key && certificate) {
-    SSL_CTX_use_certificate(context, certificate->get());
+  const auto chain = Certificate::ChainFromPem(identity_pem, "identity");
+  if (key && chain) {
+    SSL_CTX_use_certificate(context, chain->front().get());
     SSL_CTX_use_PrivateKey(context, key->get());
+    for (size_t i = 1; i < chain->size(); ++i) SSL_CTX_add1_chain_cert(context, (*chain)[i].get());
   }
   state_->ssl.reset(SSL_new(context));
   TESSERA_CHECK(state_->ssl != nullptr);

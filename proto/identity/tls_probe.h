@@ -17,7 +17,7 @@ class TlsProbe {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
   // `socket` is connected, does not block and stays the caller's. `identity_pem` holds the key and
-  // certificate to show; empty: none.
+  // certificates to show; empty: none.
   TlsProbe(int socket, const std::string& identity_pem);
   ~TlsProbe();
   TlsProbe(const TlsProbe&) = delete;

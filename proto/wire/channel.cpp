@@ -75,29 +75,10 @@ std::string ReasonOf(const grpc::Status& status) {
 // 8 KB at most.
 constexpr size_t kStatusBytesMax = 6000;
 
-}  // namespace
-
-Result<void> StartGrpc() {
-  if (auto can_start = CheckThreads(kGrpcThreads + UsableCores()); !can_start) return can_start;
-  KeepGrpcRunning();
-  return {};
-}
-
-std::shared_ptr<grpc::Channel> OpenChannel(const Endpoint& endpoint) {
-  if (!endpoint.login) return OpenChannel(endpoint.target);
-  KeepGrpcRunning();
-  return OpenChannel(endpoint.target,
-                     TlsClientCredentials(endpoint.login->AuthorityPath(), endpoint.login->IdentityPath()));
-}
-
-std::shared_ptr<grpc::Channel> OpenChannel(const Address& address) {
-  KeepGrpcRunning();
-  return OpenChannel(address, grpc::InsecureChannelCredentials());
-}
-
-std::shared_ptr<grpc::Channel> OpenChannel(const Address& address,
-                                           const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
-  KeepGrpcRunning();
+// `name`: of the server in the handshake, if that is not its address.
+std::shared_ptr<grpc::Channel> Open(const Address& address,
+                                    const std::shared_ptr<grpc::ChannelCredentials>& credentials,
+                                    const char* name) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(static_cast<int>(kMessageBytesMax));
   arguments.SetMaxSendMessageSize(static_cast<int>(kMessageBytesMax));
@@ -110,8 +91,36 @@ std::shared_ptr<grpc::Channel> OpenChannel(const Address& address,
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   // Two channels of one process are two connections: the bulk data of a worker does not delay its state.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetSslTargetNameOverride(kCoordinatorName);
+  if (name != nullptr) arguments.SetSslTargetNameOverride(name);
   return grpc::CreateCustomChannel(address.Target(), credentials, arguments);
+}
+
+}  // namespace
+
+Result<void> StartGrpc() {
+  if (auto can_start = CheckThreads(kGrpcThreads + UsableCores()); !can_start) return can_start;
+  KeepGrpcRunning();
+  return {};
+}
+
+std::shared_ptr<grpc::Channel> OpenChannel(const Endpoint& endpoint) {
+  KeepGrpcRunning();
+  if (endpoint.organisation)
+    return Open(endpoint.target, TlsClientCredentials(*endpoint.organisation, endpoint.target.host), nullptr);
+  if (!endpoint.login) return OpenChannel(endpoint.target);
+  return OpenChannel(endpoint.target,
+                     TlsClientCredentials(endpoint.login->AuthorityPath(), endpoint.login->IdentityPath()));
+}
+
+std::shared_ptr<grpc::Channel> OpenChannel(const Address& address) {
+  KeepGrpcRunning();
+  return OpenChannel(address, grpc::InsecureChannelCredentials());
+}
+
+std::shared_ptr<grpc::Channel> OpenChannel(const Address& address,
+                                           const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
+  KeepGrpcRunning();
+  return Open(address, credentials, kCoordinatorName);
 }
 
 void ConfigureServer(grpc::ServerBuilder& builder) {

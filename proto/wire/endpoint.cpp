@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "proto/identity/subject.h"
 #include "proto/wire/local_socket.h"
 
 namespace tessera {
@@ -20,6 +21,26 @@ Result<Endpoint> EndpointOf(const Login& login) {
                   login.address, login.farm, UnixTimeText(certificate->NotAfter())));
 }
 
+namespace {
+
+Result<Endpoint> EndpointOfOrganisation(const Address& address, const TlsFiles& files) {
+  if (files.certificate.empty() || files.key.empty() || files.authority.empty())
+    return BadInput("--tls-cert, --tls-key and --tls-ca belong together: give all three");
+  const auto identity = ReadTlsIdentity(files, CertificatePurpose::kClient, UnixNow());
+  if (!identity) return identity.error();
+  const auto subject = Subject::Parse(identity->chain.front().Uri());
+  if (!subject || !subject->IsOfOrganisation()) {
+    return Failed(fmt::format(
+        "{}: the certificate names no member: it needs exactly one URI, tessera:ROLE/NAME, as its "
+        "subject alternative name",
+        files.certificate));
+  }
+  if (const auto authorities = ReadTlsAuthorities(files); !authorities) return authorities.error();
+  return Endpoint(address, files);
+}
+
+}  // namespace
+
 Result<Endpoint> ChooseEndpoint(const Address& address, const EndpointRules& rules) {
   if (address.kind == Address::Kind::kUnix) return Endpoint(address);
   if (rules.insecure) {
@@ -28,6 +49,7 @@ Result<Endpoint> ChooseEndpoint(const Address& address, const EndpointRules& rul
         fmt::format("{}: --insecure is for addresses of this machine alone, such as 127.0.0.1; {}",
                     address.Text(), rules.advice));
   }
+  if (rules.organisation.IsUsed()) return EndpointOfOrganisation(address, rules.organisation);
   if (const auto login = rules.logins.FindAddress(address.Text())) return EndpointOf(*login);
   // A coordinator of this user may be about to start on an address of this machine.
   const auto socket = LocalSocketOf(address, rules.socket_folder);

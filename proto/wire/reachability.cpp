@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <grpcpp/support/status.h>
 #include <netdb.h>
 #include <poll.h>
@@ -20,7 +21,7 @@
 
 #include "proto/identity/private_file.h"
 #include "proto/identity/private_key.h"
-#include "proto/identity/subject.h"
+#include "proto/identity/server_check.h"
 #include "proto/identity/tls_probe.h"
 #include "renderer/util/file.h"
 
@@ -105,7 +106,7 @@ Reachability Greet(const Socket& socket) {
     }
     received += static_cast<size_t>(count);
   }
-  if (header[kFrameTypeAt] != kSettingsFrame) return {false, kNotCoordinator};
+  if (header[kFrameTypeAt] != kSettingsFrame) return {false, kNotCoordinator, Obstacle::kOtherProgram};
   return {true, {}};
 }
 
@@ -125,6 +126,17 @@ std::string ConnectError(int error, const Address& address) {
   }
 }
 
+Obstacle ObstacleOf(int error) {
+  switch (error) {
+    case ECONNREFUSED:
+    case ENOENT: return Obstacle::kRefused;
+    case ETIMEDOUT: return Obstacle::kTimeout;
+    case EHOSTUNREACH:
+    case ENETUNREACH: return Obstacle::kNoRoute;
+    default: return Obstacle::kOther;
+  }
+}
+
 Reachability CheckUnix(const Address& address) {
   sockaddr_un name{};
   name.sun_family = AF_UNIX;
@@ -133,7 +145,7 @@ Reachability CheckUnix(const Address& address) {
   const Socket socket(AF_UNIX);
   const int error =
       Connect(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name, Clock::now() + kConnectPatience);
-  return error == 0 ? Greet(socket) : Reachability{false, ConnectError(error, address)};
+  return error == 0 ? Greet(socket) : Reachability{false, ConnectError(error, address), ObstacleOf(error)};
 }
 
 std::string ResolveError(int error, const std::string& host) {
@@ -153,7 +165,7 @@ Reachability CheckTcp(const Address& address, const std::function<Reachability(c
   addrinfo* found = nullptr;
   const int failed =
       ::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &found);
-  if (failed != 0) return {false, ResolveError(failed, address.host)};
+  if (failed != 0) return {false, ResolveError(failed, address.host), Obstacle::kName};
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> list(found, &::freeaddrinfo);
   const auto deadline = Clock::now() + kConnectPatience;
   int error = ETIMEDOUT;
@@ -162,42 +174,50 @@ Reachability CheckTcp(const Address& address, const std::function<Reachability(c
     error = Connect(socket, each->ai_addr, each->ai_addrlen, deadline);
     if (error == 0) return greet(socket);
   }
-  return {false, ConnectError(error, address)};
+  return {false, ConnectError(error, address), ObstacleOf(error)};
 }
 
-// Whether the certificate is one of a coordinator, of whatever farm.
-bool IsCoordinator(const std::vector<Certificate>& chain) {
-  if (chain.empty()) return false;
-  const std::vector<std::string> names = chain.front().HostNames();
-  return std::ranges::find(names, kCoordinatorName) != names.end();
+// What a client shows and expects in the handshake.
+struct TlsGreeting {
+  std::string identity_pem;  // key and certificates
+  std::string own;           // "the certificate of the login "x"", for messages
+  std::string remedy;        // if the coordinator does not accept it
+  // Return an empty text if all is well.
+  std::function<std::string(const std::vector<Certificate>& chain)> why_not_trusted;
+  std::function<std::string()> why_not_usable = [] {
+    return std::string();
+  };  // as far as this machine can tell
+};
+
+std::string WhenValid(const Certificate& certificate) {
+  return fmt::format("valid from {} to {}", UnixTimeText(certificate.NotBefore()),
+                     UnixTimeText(certificate.NotAfter()));
 }
 
-std::string WhyNotTrusted(const std::vector<Certificate>& chain, const Login& login) {
-  if (!IsCoordinator(chain)) return kNotCoordinator;
+std::string WhyNotOfFarm(const std::vector<Certificate>& chain, const Login& login) {
   const auto pem = ReadFile(login.AuthorityPath(), kPemBytesMax);
   if (!pem) return pem.error().message;
   const auto authorities = Certificate::ChainFromPem(*pem, login.AuthorityPath());
   if (!authorities) return authorities.error().message;
-  switch (CheckCertificate(chain, *authorities, CertificatePurpose::kServer, UnixNow())) {
+  const ServerVerdict found = CheckCoordinator(chain, *authorities, UnixNow());
+  if (!found.certificate) return kNotCoordinator;
+  switch (found.verdict) {
     case CertificateVerdict::kGood: return {};
     case CertificateVerdict::kExpired:
     case CertificateVerdict::kNotYetValid:
       return fmt::format(
-          "the certificate of the coordinator is valid from {} to {}: restart the coordinator, or correct "
-          "the clock of "
-          "this machine",
-          UnixTimeText(chain.front().NotBefore()), UnixTimeText(chain.front().NotAfter()));
+          "the certificate of the coordinator is {}: restart the coordinator, or correct the clock of this "
+          "machine",
+          WhenValid(*found.certificate));
     default:
       return fmt::format(
           "the coordinator there is not one of the farm that the login \"{}\" is for (its authority has the "
-          "fingerprint "
-          "{}); join again with a token of it if it has replaced that farm",
+          "fingerprint {}); join again with a token of it if it has replaced that farm",
           login.farm, chain.back().Fingerprint().Hex());
   }
 }
 
-// What a login lacks, as far as this machine can tell.
-std::string WhyNotUsable(const Login& login) {
+std::string WhyLoginNotUsable(const Login& login) {
   const auto own = ReadIdentity(login);
   if (!own) return own.error().message;
   if (own->NotAfter() > UnixNow()) return {};
@@ -205,22 +225,65 @@ std::string WhyNotUsable(const Login& login) {
                      login.farm, UnixTimeText(own->NotAfter()));
 }
 
-Reachability GreetTls(const Socket& socket, const Login& login) {
+Result<TlsGreeting> GreetingOf(const Login& login) {
+  auto identity = ReadPrivateFile(login.IdentityPath());
+  if (!identity) return identity.error();
+  return TlsGreeting{std::move(*identity), fmt::format("the certificate of the login \"{}\"", login.farm),
+                     "join again with a new token",
+                     [login](const auto& chain) { return WhyNotOfFarm(chain, login); },
+                     [login] { return WhyLoginNotUsable(login); }};
+}
+
+std::string WhyNotTheHost(const std::vector<Certificate>& chain, const TlsFiles& files,
+                          const std::string& host) {
+  const auto authorities = ReadTlsAuthorities(files);
+  if (!authorities) return authorities.error().message;
+  const ServerVerdict found = CheckHost(chain, *authorities, host, UnixNow());
+  if (found.IsGood()) return {};
+  if (!found.certificate) return kNotCoordinator;
+  if (found.verdict == CertificateVerdict::kGood) {
+    return fmt::format("the certificate of the coordinator is for {}, not for {}; use one of these names",
+                       fmt::join(found.certificate->HostNames(), ", "), host);
+  }
+  if (found.verdict == CertificateVerdict::kNotIssuedHere) {
+    return fmt::format(
+        "the certificate of the coordinator was not issued by an authority in {}; was the "
+        "coordinator started with --tls-cert?",
+        files.authority);
+  }
+  return fmt::format("the certificate of the coordinator is {} and cannot be used",
+                     WhenValid(*found.certificate));
+}
+
+Result<TlsGreeting> GreetingOf(const TlsFiles& files, const std::string& host) {
+  const auto identity = ReadTlsIdentity(files, CertificatePurpose::kClient, UnixNow());
+  if (!identity) return identity.error();
+  std::string pem = identity->key.Pem();
+  for (const Certificate& each : identity->chain) pem += each.Pem();
+  return TlsGreeting{
+      std::move(pem), "the certificate in " + files.certificate,
+      "the coordinator needs --tls-ca with the authority that issued it, and it must not be revoked",
+      [files, host](const auto& chain) { return WhyNotTheHost(chain, files, host); }};
+}
+
+Reachability GreetTls(const Socket& socket, const Result<TlsGreeting>& greeting) {
+  if (!greeting) return {false, greeting.error().message};
   const auto deadline = Clock::now() + kGreetingPatience;
-  const auto identity = ReadPrivateFile(login.IdentityPath());
-  if (!identity) return {false, identity.error().message};
-  TlsProbe probe(socket.fd(), *identity);
+  TlsProbe probe(socket.fd(), greeting->identity_pem);
   if (const auto done = probe.Handshake(deadline); !done)
     return {false,
-            fmt::format("the TLS handshake failed ({}); is it a Tessera coordinator?", done.error().message)};
-  if (std::string why = WhyNotTrusted(probe.PeerChain(), login); !why.empty()) return {false, std::move(why)};
+            fmt::format("the TLS handshake failed ({}); is it a Tessera coordinator?", done.error().message),
+            Obstacle::kOtherProgram};
+  if (std::string why = greeting->why_not_trusted(probe.PeerChain()); !why.empty())
+    return {false, std::move(why), Obstacle::kOtherFarm};
   const auto answer = probe.Exchange({kGreeting, kGreetingBytes}, kFrameHeaderBytes, deadline);
   if (answer) return {true, {}};
-  if (std::string why = WhyNotUsable(login); !why.empty()) return {false, std::move(why)};
+  if (std::string why = greeting->why_not_usable(); !why.empty())
+    return {false, std::move(why), Obstacle::kNotAdmitted};
   return {false,
-          fmt::format("the coordinator does not accept the certificate of the login \"{}\" ({}); join again "
-                      "with a new token",
-                      login.farm, answer.error().message)};
+          fmt::format("the coordinator does not accept {} ({}); {}", greeting->own, answer.error().message,
+                      greeting->remedy),
+          Obstacle::kNotAdmitted};
 }
 
 // Nobody listens on the local socket of the address: finds out who listens on the address itself.
@@ -231,7 +294,7 @@ Reachability CheckForeign(const Address& address) {
             "the coordinator there was started with --insecure; add --insecure here too if that is wanted"};
   }
   const auto chain = FetchCertificates(address);
-  if (!chain || !IsCoordinator(*chain)) return found;
+  if (!chain || !ClaimsCoordinator(*chain)) return found;
   return {false,
           "the coordinator there belongs to another user or machine, and there is no login for it; ask its "
           "operator "
@@ -241,7 +304,12 @@ Reachability CheckForeign(const Address& address) {
 Reachability CheckEndpoint(const Endpoint& endpoint) {
   if (endpoint.login)
     return CheckTcp(endpoint.address,
-                    [&](const Socket& socket) { return GreetTls(socket, *endpoint.login); });
+                    [&](const Socket& socket) { return GreetTls(socket, GreetingOf(*endpoint.login)); });
+  if (endpoint.organisation) {
+    return CheckTcp(endpoint.address, [&](const Socket& socket) {
+      return GreetTls(socket, GreetingOf(*endpoint.organisation, endpoint.address.host));
+    });
+  }
   if (endpoint.target.kind == Address::Kind::kTcp) return CheckTcp(endpoint.target, Greet);
   const Reachability found = CheckUnix(endpoint.target);
   return found.speaks_http2 || !endpoint.IsLocalSocket() ? found : CheckForeign(endpoint.address);

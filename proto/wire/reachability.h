@@ -19,6 +19,19 @@ class Status;
 
 namespace tessera {
 
+// Why an endpoint cannot be used, for those who decide what to do about it.
+enum class Obstacle {
+  kNone,
+  kName,     // the host name has no address
+  kRefused,  // nobody listens
+  kTimeout,  // no answer
+  kNoRoute,
+  kOtherProgram,  // what answers is no coordinator
+  kOtherFarm,     // the coordinator is not the one that is wanted
+  kNotAdmitted,   // the coordinator does not accept our certificate
+  kOther,
+};
+
 // What was found out about an endpoint.
 struct Reachability {
   // Whether a server there speaks the protocol below gRPC: then the reason is in the answer to a call.
@@ -26,6 +39,7 @@ struct Reachability {
   // Why no coordinator answers; empty if speaks_http2. Examples: `the host name "x" is unknown`, `connection
   // refused: no program listens there`.
   std::string reason;
+  Obstacle obstacle = speaks_http2 ? Obstacle::kNone : Obstacle::kOther;
 };
 
 // Resolves, connects, shows the certificate of a login and exchanges the first bytes of HTTP/2, on a thread

@@ -11,13 +11,18 @@
 #include <mutex>
 #include <utility>
 
+#include "proto/identity/private_key.h"
+#include "proto/identity/server_check.h"
+#include "renderer/util/file.h"
+
 namespace tessera {
 namespace {
 
 using grpc::experimental::FileWatcherCertificateProvider;
 using grpc::experimental::StaticDataCertificateProvider;
 
-constexpr unsigned kReloadInterval_s = 30;
+// Of looks at the files of keys and certificates: two small files.
+constexpr unsigned kReloadInterval_s = 10;
 
 class PeerVerifier final : public grpc::experimental::ExternalCertificateVerifier {
  public:
@@ -47,17 +52,30 @@ class PeerVerifier final : public grpc::experimental::ExternalCertificateVerifie
   const AdmitPeer admit_;
 };
 
+// The verifier checks the chain, because OpenSSL would reject a coordinator that shows certificates of an
+// organisation.
 std::shared_ptr<grpc::ChannelCredentials> ClientCredentials(
-    std::shared_ptr<grpc::experimental::CertificateProviderInterface> provider) {
+    std::shared_ptr<grpc::experimental::CertificateProviderInterface> provider, AdmitPeer admit) {
   AllowOnlyTls13();
   grpc::experimental::TlsChannelCredentialsOptions options;
   options.set_certificate_provider(std::move(provider));
-  options.watch_root_certs();
   options.watch_identity_key_cert_pairs();
-  options.set_verify_server_certs(true);
+  options.set_verify_server_certs(false);
   options.set_check_call_host(false);
-  options.set_certificate_verifier(std::make_shared<grpc::experimental::HostNameCertificateVerifier>());
+  options.set_certificate_verifier(
+      grpc::experimental::ExternalCertificateVerifier::Create<PeerVerifier>(std::move(admit)));
   return grpc::experimental::TlsCredentials(options);
+}
+
+Result<void> AdmitIfGood(const ServerVerdict& verdict) {
+  if (verdict.IsGood()) return {};
+  return Failed("the server is not the coordinator that is wanted");
+}
+
+Result<void> AdmitCoordinator(const std::vector<Certificate>& chain, std::string_view authority_pem) {
+  const auto authorities = Certificate::ChainFromPem(authority_pem, "authority");
+  if (!authorities) return authorities.error();
+  return AdmitIfGood(CheckCoordinator(chain, *authorities, UnixNow()));
 }
 
 }  // namespace
@@ -84,17 +102,37 @@ std::shared_ptr<grpc::ServerCredentials> TlsServerCredentials(const std::string&
   return grpc::experimental::TlsServerCredentials(options);
 }
 
+// Files of authorities are read at each handshake: they may have been replaced.
 std::shared_ptr<grpc::ChannelCredentials> TlsClientCredentials(const std::string& authority_path,
                                                                const std::string& identity_path) {
-  return ClientCredentials(std::make_shared<FileWatcherCertificateProvider>(
-      identity_path, identity_path, authority_path, kReloadInterval_s));
+  return ClientCredentials(
+      std::make_shared<FileWatcherCertificateProvider>(identity_path, identity_path, kReloadInterval_s),
+      [authority_path](const std::vector<Certificate>& chain) -> Result<void> {
+        const auto pem = ReadFile(authority_path, kPemBytesMax);
+        return pem ? AdmitCoordinator(chain, *pem) : Result<void>(pem.error());
+      });
 }
 
 std::shared_ptr<grpc::ChannelCredentials> TlsClientCredentials(const std::string& authority_pem,
                                                                const std::string& key_pem,
                                                                const std::string& certificate_pem) {
-  return ClientCredentials(std::make_shared<StaticDataCertificateProvider>(
-      authority_pem, std::vector<grpc::experimental::IdentityKeyCertPair>{{key_pem, certificate_pem}}));
+  return ClientCredentials(
+      std::make_shared<StaticDataCertificateProvider>(
+          "", std::vector<grpc::experimental::IdentityKeyCertPair>{{key_pem, certificate_pem}}),
+      [authority_pem](const std::vector<Certificate>& chain) {
+        return AdmitCoordinator(chain, authority_pem);
+      });
+}
+
+std::shared_ptr<grpc::ChannelCredentials> TlsClientCredentials(const TlsFiles& files,
+                                                               const std::string& host) {
+  return ClientCredentials(
+      std::make_shared<FileWatcherCertificateProvider>(files.key, files.certificate, kReloadInterval_s),
+      [files, host](const std::vector<Certificate>& chain) -> Result<void> {
+        const auto authorities = ReadTlsAuthorities(files);
+        if (!authorities) return authorities.error();
+        return AdmitIfGood(CheckHost(chain, *authorities, host, UnixNow()));
+      });
 }
 
 }  // namespace tessera

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "proto/identity/certificate.h"
+#include "proto/identity/tls_files.h"
 #include "renderer/util/result.h"
 
 namespace grpc {
@@ -34,13 +35,16 @@ std::shared_ptr<grpc::ServerCredentials> TlsServerCredentials(const std::string&
                                                               const std::string& certificate_path,
                                                               AdmitPeer admit);
 
-// Of a client that trusts the authorities in `authority_path` alone. `identity_path` holds its key and
-// certificate.
+// Of a client that trusts the authorities in `authority_path` alone, which vouch for the key of the
+// coordinator whatever its address is (CheckCoordinator). `identity_path` holds its key and certificate.
 std::shared_ptr<grpc::ChannelCredentials> TlsClientCredentials(const std::string& authority_path,
                                                                const std::string& identity_path);
 // The same with texts in place of files.
 std::shared_ptr<grpc::ChannelCredentials> TlsClientCredentials(const std::string& authority_pem,
                                                                const std::string& key_pem,
                                                                const std::string& certificate_pem);
+// Of a client with certificates of an organisation. The certificate of the coordinator must be for `host`.
+std::shared_ptr<grpc::ChannelCredentials> TlsClientCredentials(const TlsFiles& files,
+                                                               const std::string& host);
 
 }  // namespace tessera

@@ -33,6 +33,28 @@ TEST(CoordinatorOptions, PlainTextIsForAddressesOfThisMachineAlone) {
   EXPECT_THAT(refused.error().message, HasSubstr("--insecure is for addresses of this machine"));
 }
 
+TEST(CoordinatorOptions, TokensToBePrintedNameARoleAndPerhapsTheNumberOfUses) {
+  const std::vector<std::string> words{"--listen", "0.0.0.0:80", "--data-dir", "/d"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    return Parse(more);
+  };
+  const auto options = with({"--token", "worker:20", "--token", "user"});
+  ASSERT_TRUE(options) << options.error().message;
+  ASSERT_EQ(options->tokens.size(), 2u);
+  EXPECT_EQ(options->tokens[0].role, Role::kWorker);
+  EXPECT_EQ(options->tokens[0].uses, 20);
+  EXPECT_EQ(options->tokens[1].role, Role::kUser);
+  EXPECT_EQ(options->tokens[1].uses, 1);
+  for (const char* wrong : {"", "king", "worker:", "worker:0", "worker:-1", "worker:1000000", "worker:2:3"})
+    EXPECT_FALSE(with({"--token", wrong})) << wrong;
+}
+
+TEST(CoordinatorOptions, TokensNeedAnAddressThatOthersCanJoinAt) {
+  EXPECT_FALSE(Parse({"--listen", "unix:/s", "--data-dir", "/d", "--token", "user"}));
+  EXPECT_FALSE(Parse({"--listen", "127.0.0.1:80", "--insecure", "--data-dir", "/d", "--token", "user"}));
+}
+
 TEST(CoordinatorOptions, NamesForOthersMayBeRepeated) {
   const auto options = Parse({"--listen", "0.0.0.0:80", "--data-dir", "/d", "--name-or-address",
                               "farm.example", "--name-or-address", "10.0.0.5"});

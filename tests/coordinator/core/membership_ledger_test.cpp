@@ -115,6 +115,32 @@ TEST_F(Membership, WhatExpiredLongAgoIsForgotten) {
   EXPECT_TRUE(ledger_.members().empty());
 }
 
+TEST_F(Membership, HoldersOfCertificatesOfAnOrganisationAreListedOnce) {
+  MemberStatus ada = Member(1, {});
+  EXPECT_TRUE(ledger_.Enrol(kNow, ada));
+  EXPECT_TRUE(ledger_.Enrol(kNow, ada));
+  EXPECT_EQ(facts_.size(), 1u);
+  ada.expires += 90 * kDay;
+  EXPECT_TRUE(ledger_.Enrol(kNow + kDay, ada));
+  EXPECT_EQ(facts_.size(), 2u);
+  EXPECT_EQ(ledger_.members().at(MemberId{1}).expires, ada.expires);
+  ExpectSameAfterRestart();
+}
+
+TEST_F(Membership, WhoWasRevokedCannotReturnWithALaterCertificateOfTheOrganisation) {
+  ASSERT_TRUE(ledger_.Enrol(kNow, Member(1, {})));
+  ASSERT_TRUE(ledger_.Enrol(kNow, Member(2, {})));
+  EXPECT_TRUE(ledger_.RevokeMember(MemberId{1}));
+  const UnixTime years_later = kNow + 2000 * kDay;
+  for (const uint64_t id : {1, 3}) {
+    MemberStatus later = Member(id, {});
+    later.expires = years_later + kDay;
+    EXPECT_TRUE(ledger_.Enrol(years_later, later));
+  }
+  EXPECT_TRUE(ledger_.members().at(MemberId{1}).revoked);
+  EXPECT_FALSE(ledger_.members().contains(MemberId{2}));
+}
+
 TEST_F(Membership, TokensWithoutUsesOrTimeAreRefused) {
   EXPECT_FALSE(ledger_.IssueToken(Token(0)));
   EXPECT_FALSE(ledger_.IssueToken(Token(kTokenUsesMax + 1)));

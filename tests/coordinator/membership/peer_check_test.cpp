@@ -14,10 +14,11 @@ using testing::HasSubstr;
 
 constexpr UnixTime kTestNow = 1'800'000'000;
 
-Certificate MemberOf(const Authority& authority, CertificatePurpose purpose = CertificatePurpose::kClient) {
+Certificate MemberOf(const Authority& authority, CertificatePurpose purpose = CertificatePurpose::kClient,
+                     const std::string& uri = "tessera:worker/0000000000000007") {
   CertificateTerms terms;
   terms.common_name = "blade-7";
-  terms.uri = Subject{Role::kWorker, MemberId{7}, {}}.Uri();
+  terms.uri = uri;
   terms.purpose = purpose;
   terms.lifetime = hours(24);
   terms.serial = 7;
@@ -27,9 +28,10 @@ Certificate MemberOf(const Authority& authority, CertificatePurpose purpose = Ce
 class PeerCheck : public testing::Test {
  protected:
   Result<void> Check(const Certificate& certificate, UnixTime now = kTestNow) const {
-    return CheckPeer({certificate}, authority_.certificate(), board_, now);
+    return CheckPeer({certificate}, authority_.certificate(), organisation_, board_, now);
   }
   const Authority authority_ = Authority::Make("farm", kTestNow);
+  std::vector<Certificate> organisation_;
   MemberBoard board_;
 };
 
@@ -45,12 +47,28 @@ TEST_F(PeerCheck, StrangersAreRefused) {
   EXPECT_THAT(Check(MemberOf(authority_, CertificatePurpose::kServer)).error().message,
               HasSubstr("not that of a member"));
   EXPECT_THAT(Check(MemberOf(authority_), kTestNow - 7200).error().message, HasSubstr("clock"));
-  EXPECT_FALSE(CheckPeer({}, authority_.certificate(), board_, kTestNow));
+  EXPECT_FALSE(CheckPeer({}, authority_.certificate(), {}, board_, kTestNow));
   CertificateTerms nameless;
   nameless.lifetime = hours(1);
   nameless.serial = 3;
   EXPECT_THAT(Check(authority_.Issue(PrivateKey::Generate(), nameless, kTestNow)).error().message,
               HasSubstr("names no member"));
+}
+
+TEST_F(PeerCheck, AnOrganisationAndTheFarmVouchForTheirOwnMembersAlone) {
+  const Authority others = Authority::Make("organisation", kTestNow);
+  const auto make = [](const Authority& authority, const char* uri) {
+    return MemberOf(authority, CertificatePurpose::kClient, uri);
+  };
+  EXPECT_THAT(Check(make(others, "tessera:user/ada")).error().message, HasSubstr("without --tls-ca"));
+  organisation_ = {others.certificate()};
+  EXPECT_TRUE(Check(make(others, "tessera:user/ada")));
+  EXPECT_TRUE(Check(MemberOf(authority_)));
+  EXPECT_FALSE(Check(MemberOf(others)));  // with the id of a member of the farm
+  EXPECT_FALSE(Check(make(authority_, "tessera:user/ada")));
+  EXPECT_FALSE(Check(make(Authority::Make("organisation", kTestNow), "tessera:user/ada")));
+  EXPECT_FALSE(Check(make(others, "tessera:king/ada")));
+  EXPECT_FALSE(Check(MemberOf(others, CertificatePurpose::kServer, "tessera:user/ada")));
 }
 
 TEST_F(PeerCheck, TheHolderOfATokenIsAdmittedOnceTheFarmHasIssuedIt) {

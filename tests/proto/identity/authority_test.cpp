@@ -123,7 +123,7 @@ TEST(Certificate, FilesAreReadWithinLimits) {
   std::string many;
   for (size_t i = 0; i <= kChainMax; ++i) many += pem;
   EXPECT_THAT(Certificate::ChainFromPem(many, "a.pem").error().message,
-              HasSubstr("more than 8 certificates"));
+              HasSubstr("more than 16 certificates"));
   EXPECT_FALSE(PrivateKey::FromPem(pem, "a.pem"));
   const auto mixed = Authority::FromPem(PrivateKey::Generate().Pem() + pem, "a.pem");
   ASSERT_FALSE(mixed);
@@ -140,12 +140,26 @@ TEST(Subject, IsReadBackFromItsUri) {
   EXPECT_EQ(Subject::Parse(holder.Uri()), holder);
 }
 
+TEST(Subject, CertificatesOfAnOrganisationNameTheirHolder) {
+  const auto ada = Subject::Parse("tessera:user/ada.l@example-1");
+  ASSERT_TRUE(ada);
+  EXPECT_TRUE(ada->IsMember());
+  EXPECT_TRUE(ada->IsOfOrganisation());
+  EXPECT_EQ(ada->name, "ada.l@example-1");
+  EXPECT_EQ(ada->Uri(), "tessera:user/ada.l@example-1");
+  EXPECT_NE(ada->id, MemberId{});
+  EXPECT_EQ(Subject::Parse(ada->Uri()), ada);
+  EXPECT_NE(Subject::Parse("tessera:operator/ada.l@example-1")->id, ada->id);
+  EXPECT_FALSE(Subject::Parse("tessera:user/00000000000000ab")->IsOfOrganisation());
+  EXPECT_FALSE(Subject::Parse("tessera:user/" + std::string(65, 'a')));
+}
+
 TEST(Subject, OtherUrisStandForNobody) {
   for (const char* uri :
-       {"", "tessera:", "tessera:worker", "tessera:worker/", "tessera:worker/12",
-        "tessera:king/00000000000000ab", "tessera:worker/0000000000000000",
-        "tessera:worker/00000000000000abc", "tessera:token/00ab", "spiffe:worker/00000000000000ab",
-        "tessera:worker/+0000000000000ab", "tessera:worker/00000000000000ab/"}) {
+       {"", "tessera:", "tessera:worker", "tessera:worker/", "tessera:king/ada",
+        "tessera:king/00000000000000ab", "tessera:worker/0000000000000000", "tessera:token/00ab",
+        "spiffe:worker/00000000000000ab", "tessera:user/a da", "tessera:user/a/b", "tessera:user/%41da",
+        "tessera:user/ada\n", "tessera:worker/+0000000000000ab", "tessera:worker/00000000000000ab/"}) {
     EXPECT_EQ(Subject::Parse(uri), std::nullopt) << uri;
   }
 }
