@@ -9,6 +9,7 @@ namespace tessera {
 Command AccessCommand();
 Command CancelCommand();
 Command CompareCommand();
+Command DoctorCommand();
 Command DrainCommand();
 Command ExtendCommand();
 Command FetchCommand();
@@ -37,6 +38,6 @@ inline constexpr MakeCommandFunction kCommands[] = {
     // Workers of a farm.
     WorkersCommand, DrainCommand, ReleaseCommand,
     // Who belongs to a farm.
-    LoginCommand, AccessCommand};
+    LoginCommand, AccessCommand, DoctorCommand};
 
 }  // namespace tessera
