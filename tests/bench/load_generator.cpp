@@ -1,16 +1,16 @@
 // What a coordinator alone can take: results per second and megabytes per second that it checks, merges and
 // writes to disk before it answers, and the memory that it needs, from 10 to 1,000 workers that return
 // made-up tiles over real connections on this machine. The generator shares the cores with what it measures.
+// With --compare-tls, what the encryption of connections costs.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
+#include <algorithm>
 #include <fstream>
 #include <thread>
 
+#include "tests/bench/bench_farm.h"
 #include "tests/bench/synthetic_workers.h"
-#include "tests/end_to_end/process.h"
 
 namespace tessera {
 namespace {
@@ -22,73 +22,18 @@ struct Plan {
   double seconds = 10;
   int slots = 4;
   std::string resolution = "1920x1080";
+  bool tls = false;
+  int rounds = 0;  // of plain and encrypted connections in turn; 0: no comparison
   bool csv = false;
 };
 
 constexpr double kUnitSeconds = 1;  // the scheduler cuts no unit into fewer than one sample
 
-// Of a process: kilobytes that it holds in memory, CPU seconds that it has used.
-struct Usage {
-  double megabytes = 0, cpu_s = 0;
-};
-
-Usage UsageOf(pid_t pid) {
-  Usage usage;
-  std::ifstream status(fmt::format("/proc/{}/status", pid));
-  for (std::string word; status >> word;) {
-    if (word == "VmRSS:" && status >> usage.megabytes) usage.megabytes /= 1024;
-  }
-  std::ifstream stat(fmt::format("/proc/{}/stat", pid));
-  std::string word;
-  double ticks = 0;
-  for (int field = 1; stat >> word; ++field) {
-    if (field == 14 || field == 15) ticks += std::stod(word);
-  }
-  usage.cpu_s = ticks / static_cast<double>(::sysconf(_SC_CLK_TCK));
-  return usage;
-}
-
-double MegabytesIn(const std::string& folder) {
-  uint64_t bytes = 0;
-  std::error_code ignored;  // files come and go meanwhile
-  for (std::filesystem::recursive_directory_iterator at(folder, ignored), end; at != end;
-       at.increment(ignored))
-    if (at->is_regular_file(ignored)) bytes += at->file_size(ignored);
-  return static_cast<double>(bytes) / 1e6;
-}
-
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "tessera-load-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder can be made");
-    path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-std::string AwaitAddress(Process& coordinator) {
-  const std::string words = "listening on ";
-  if (!coordinator.AwaitErrors(words)) throw std::runtime_error("no coordinator: " + coordinator.Errors());
-  const std::string log = coordinator.Errors();
-  const size_t begin = log.find(words) + words.size();
-  return log.substr(begin, log.find('\n', begin) - begin);
-}
-
-void Submit(const Plan& plan, const std::string& folder, const std::string& address) {
-  std::ofstream(folder + "/scene.pbrt") << "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\n";
-  const Outcome outcome = RunProgram(folder, "tessera",
-                                     {"submit", folder + "/scene.pbrt", "--coordinator", address, "--spp",
-                                      "1048576", "--tile-size", "64", "--resolution", plan.resolution});
+void Submit(const Plan& plan, const BenchFarm& farm) {
+  const std::string scene = farm.folder() + "/scene.pbrt";
+  std::ofstream(scene) << "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\n";
+  const Outcome outcome = farm.Tessera(
+      {"submit", scene, "--spp", "1048576", "--tile-size", "64", "--resolution", plan.resolution});
   if (outcome.code != 0) throw std::runtime_error("submit failed: " + outcome.errors);
 }
 
@@ -97,35 +42,65 @@ LoadCounts Since(const LoadCounts& then, const LoadCounts& now) {
           now.calls - then.calls};
 }
 
-void Measure(const Plan& plan, int connections) {
-  const Folder folder;
-  Process coordinator(folder.path(), "tessera-coordinator",
-                      {"--listen", "127.0.0.1:0", "--insecure", "--data-dir", folder.path() + "/data"});
-  const std::string address = AwaitAddress(coordinator);
-  const double idle_megabytes = UsageOf(coordinator.pid()).megabytes;
-  Submit(plan, folder.path(), address);
-  SyntheticWorkers workers(ParseAddress(address, "coordinator").value(), connections, plan.slots,
-                           kUnitSeconds);
+struct Measured {
+  double results_per_s = 0;
+  double coordinator_ms = 0;  // CPU time for each result
+};
+
+Measured Measure(const Plan& plan, int connections, Security security) {
+  BenchFarm farm(security);
+  const pid_t coordinator = farm.coordinator().pid();
+  const double idle_megabytes = UsageOf(coordinator).megabytes;
+  Submit(plan, farm);
+  SyntheticWorkers workers(farm.Join(Role::kWorker), connections, plan.slots, kUnitSeconds);
   const auto half = std::chrono::duration<double>(plan.seconds / 2);
   std::this_thread::sleep_for(half);  // everybody is connected, every tile has been begun
   const LoadCounts before = workers.counts();
-  const Usage usage_before = UsageOf(coordinator.pid());
+  const Usage usage_before = UsageOf(coordinator);
   const auto begin = Clock::now();
   std::this_thread::sleep_for(2 * half);
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   const LoadCounts counts = Since(before, workers.counts());
-  const Usage usage = UsageOf(coordinator.pid());
+  const Usage usage = UsageOf(coordinator);
   if (!workers.error().empty()) throw std::runtime_error(workers.error());
+  const double cpu_s = usage.cpu_s - usage_before.cpu_s;
+  const auto results = static_cast<double>(counts.results);
   fmt::print(
-      fmt::runtime(plan.csv ? "{},{:.0f},{:.1f},{:.3f},{:.1f},{:.1f},{:.1f},{:.1f},{},{:.1f},{:.4f}\n"
-                            : "{:11}  {:9.0f}  {:6.1f}  {:11.3f}  {:7.1f}  {:10.1f}  {:8.1f}  {:7.1f}  "
+      fmt::runtime(plan.csv ? "{},{},{:.0f},{:.1f},{:.3f},{:.1f},{:.1f},{:.1f},{:.1f},{},{:.1f},{:.4f}\n"
+                            : "{:11}  {:5}  {:9.0f}  {:6.1f}  {:11.3f}  {:7.1f}  {:10.1f}  {:8.1f}  {:7.1f}  "
                               "{:9}  {:12.1f}  {:8.4f}\n"),
-      connections, static_cast<double>(counts.results) / seconds,
-      static_cast<double>(counts.bytes) / 1e6 / seconds, (usage.cpu_s - usage_before.cpu_s) / seconds,
-      idle_megabytes, usage_before.megabytes, usage.megabytes, MegabytesIn(folder.path() + "/data"),
-      workers.counts().results, static_cast<double>(counts.results) / static_cast<double>(counts.calls),
-      static_cast<double>(counts.accepted) / static_cast<double>(counts.results));
+      connections, security == Security::kTls ? "tls" : "plain", results / seconds,
+      static_cast<double>(counts.bytes) / 1e6 / seconds, cpu_s / seconds, idle_megabytes,
+      usage_before.megabytes, usage.megabytes, MegabytesIn(farm.folder() + "/data"), workers.counts().results,
+      results / static_cast<double>(counts.calls), static_cast<double>(counts.accepted) / results);
   std::fflush(stdout);
+  return {results / seconds, 1e3 * cpu_s / results};
+}
+
+double MedianRatio(const std::vector<Measured>& plain, const std::vector<Measured>& tls,
+                   double Measured::*what) {
+  std::vector<double> ratios;
+  for (size_t i = 0; i < plain.size(); ++i) ratios.push_back(tls[i].*what / (plain[i].*what));
+  std::ranges::sort(ratios);
+  const size_t half = ratios.size() / 2;
+  return ratios.size() % 2 == 1 ? ratios[half] : (ratios[half - 1] + ratios[half]) / 2;
+}
+
+// Both in turn, and each first as often as the other, as the machine may become slower or faster meanwhile.
+void Compare(const Plan& plan, int connections) {
+  std::vector<Measured> plain, tls;
+  for (int round = 0; round < plan.rounds; ++round) {
+    const bool tls_first = round % 2 == 1;
+    if (tls_first) tls.push_back(Measure(plan, connections, Security::kTls));
+    plain.push_back(Measure(plan, connections, Security::kPlain));
+    if (!tls_first) tls.push_back(Measure(plan, connections, Security::kTls));
+  }
+  fmt::print(
+      "tls/plain with {} connections, median of {} pairs: {:.3f} of the results/s, {:.3f} of the "
+      "coordinator's CPU "
+      "time per result\n",
+      connections, plan.rounds, MedianRatio(plain, tls, &Measured::results_per_s),
+      MedianRatio(plain, tls, &Measured::coordinator_ms));
 }
 
 }  // namespace
@@ -140,15 +115,27 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1.0, 86'400.0));
   app.add_option("--slots", plan.slots, "of each worker")->check(CLI::Range(1, 1024));
   app.add_option("--resolution", plan.resolution, "of the frame, in tiles of 64 x 64 pixels");
+  app.add_flag("--tls", plan.tls, "encrypted connections");
+  app.add_option("--compare-tls", plan.rounds,
+                 "measure plain and encrypted connections this many times in turn")
+      ->check(CLI::Range(1, 1000));
   app.add_flag("--csv", plan.csv, "values separated by commas");
   CLI11_PARSE(app, argc, argv);
+  using tessera::Security;
   try {
-    fmt::print("{}", plan.csv
-                         ? "connections,results_per_s,mb_per_s,coordinator_cores,idle_mb,early_mb,late_mb,"
-                           "disk_mb,results,results_per_call,accepted\n"
-                         : "connections  results/s    MB/s  coord.cores  idle MB  early MB"
-                           "   late MB  disk MB    results  results/call  accepted\n");
-    for (const int connections : plan.connections) tessera::Measure(plan, connections);
+    fmt::print("{}",
+               plan.csv
+                   ? "connections,security,results_per_s,mb_per_s,coordinator_cores,idle_mb,early_mb,late_mb,"
+                     "disk_mb,results,results_per_call,accepted\n"
+                   : "connections  TLS?   results/s    MB/s  coord.cores  idle MB  early MB"
+                     "   late MB  disk MB    results  results/call  accepted\n");
+    for (const int connections : plan.connections) {
+      if (plan.rounds > 0) {
+        tessera::Compare(plan, connections);
+      } else {
+        tessera::Measure(plan, connections, plan.tls ? Security::kTls : Security::kPlain);
+      }
+    }
   } catch (const std::exception& error) {
     fmt::print(stderr, "load_generator: {}\n", error.what());
     return 1;

@@ -54,7 +54,7 @@ struct SyntheticWorkers::Shared {
   }
   void EndCall(const grpc::Status& status) {
     const std::lock_guard lock(mutex);
-    if (!status.ok() && !closing && error.empty()) error = status.error_message();
+    if (!status.ok() && !IsTransient(status) && !closing && error.empty()) error = status.error_message();
     --calls_open;
     idle.notify_all();
   }
@@ -64,7 +64,7 @@ struct SyntheticWorkers::Shared {
 // gRPC's threads.
 class SyntheticWorkers::One {
  public:
-  One(Shared& shared, const Address& coordinator, int index, int slots, double unit_seconds)
+  One(Shared& shared, const Endpoint& coordinator, int index, int slots, double unit_seconds)
       : shared_(shared),
         channel_(OpenChannel(coordinator)),
         stub_(proto::Work::NewStub(channel_)),
@@ -89,9 +89,10 @@ class SyntheticWorkers::One {
   // Deletes itself when the call is over.
   class ResultsCall final : public grpc::ClientWriteReactor<proto::ResultsRequest> {
    public:
-    ResultsCall(One& one, std::vector<LeaseId> sent, proto::ResultsRequest results)
+    ResultsCall(One& one, std::vector<Lease> sent, proto::ResultsRequest results)
         : one_(one), sent_(std::move(sent)), results_(std::move(results)) {
       announcement_ = Announcement(one_.state_.worker, one_.farm(), results_);
+      context_.set_wait_for_ready(true);
       SetDeadline(context_, kPatience);
       one_.stub_->async()->ReturnResults(&context_, &answer_, this);
       StartWrite(&announcement_);
@@ -103,14 +104,18 @@ class SyntheticWorkers::One {
       if (ok && !std::exchange(is_sent_, true)) StartWriteLast(&results_, {});
     }
     void OnDone(const grpc::Status& status) override {
-      if (status.ok()) one_.Answered(answer_, sent_);
+      if (status.ok()) {
+        one_.Answered(answer_, sent_);
+      } else if (IsTransient(status)) {
+        one_.SendAgain(sent_);
+      }
       Shared& shared = one_.shared_;
       delete this;  // first: it holds its channel, which this thread must not be the last to let go
       shared.EndCall(status);
     }
 
     One& one_;
-    std::vector<LeaseId> sent_;
+    std::vector<Lease> sent_;
     grpc::ClientContext context_;
     proto::ResultsRequest announcement_, results_;
     proto::ResultsAnswer answer_;
@@ -135,8 +140,8 @@ class SyntheticWorkers::One {
                                   if (status.ok()) {
                                     Apply(call->answer);
                                     Return();
-                                    Synchronize();
                                   }
+                                  if (status.ok() || IsTransient(status)) Synchronize();
                                   delete call;  // first, as above
                                   shared_.EndCall(status);
                                 });
@@ -151,9 +156,10 @@ class SyntheticWorkers::One {
   void Apply(const proto::WorkerDirective& directive) {
     const std::lock_guard lock(mutex_);
     if (const auto farm = ReadFarmId(directive.farm())) state_.farm = *farm;
+    if (directive.scenes_size() > 0) state_.scenes.clear();
     for (const proto::SceneRequest& message : directive.scenes()) {
       const auto order = ReadSceneOrder(message);
-      if (order) state_.scenes = {{order->key, true}};
+      if (order) state_.scenes.push_back({order->key, true});
     }
     Take(directive.leases());
   }
@@ -168,7 +174,7 @@ class SyntheticWorkers::One {
   // Sends what is there, one call at a time.
   void Return() {
     proto::ResultsRequest results;
-    std::vector<LeaseId> sent;
+    std::vector<Lease> sent;
     {
       const std::lock_guard lock(mutex_);
       if (is_returning_ || waiting_.empty()) return;
@@ -176,7 +182,7 @@ class SyntheticWorkers::One {
       is_returning_ = true;
       for (; !waiting_.empty() && sent.size() < kResultsPerCall; waiting_.pop_front()) {
         AddResult(waiting_.front(), results);
-        sent.push_back(waiting_.front().id);
+        sent.push_back(waiting_.front());
       }
     }
     new ResultsCall(*this, std::move(sent), std::move(results));
@@ -191,11 +197,20 @@ class SyntheticWorkers::One {
     shared_.bytes += result.tile().size();
   }
 
-  void Answered(const proto::ResultsAnswer& answer, const std::vector<LeaseId>& sent) {
+  void SendAgain(const std::vector<Lease>& sent) {
     {
       const std::lock_guard lock(mutex_);
       is_returning_ = false;
-      for (const LeaseId lease : sent) held_.erase(lease);
+      waiting_.insert(waiting_.end(), sent.begin(), sent.end());
+    }
+    Return();
+  }
+
+  void Answered(const proto::ResultsAnswer& answer, const std::vector<Lease>& sent) {
+    {
+      const std::lock_guard lock(mutex_);
+      is_returning_ = false;
+      for (const Lease& lease : sent) held_.erase(lease.id);
       Take(answer.leases());
     }
     ++shared_.calls;
@@ -216,7 +231,7 @@ class SyntheticWorkers::One {
   bool is_returning_ = false;
 };
 
-SyntheticWorkers::SyntheticWorkers(const Address& coordinator, int count, int slots, double unit_seconds)
+SyntheticWorkers::SyntheticWorkers(const Endpoint& coordinator, int count, int slots, double unit_seconds)
     : shared_(std::make_unique<Shared>()) {
   for (int i = 0; i < count; ++i)
     all_.push_back(std::make_unique<One>(*shared_, coordinator, i, slots, unit_seconds));

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "proto/wire/address.h"
+#include "proto/wire/endpoint.h"
 
 namespace tessera {
 
@@ -24,14 +24,14 @@ class SyntheticWorkers {
  public:
   // `unit_seconds` is what they say that one sample of a tile took to render: it decides how the scheduler
   // cuts.
-  SyntheticWorkers(const Address& coordinator, int count, int slots, double unit_seconds);
+  SyntheticWorkers(const Endpoint& coordinator, int count, int slots, double unit_seconds);
   // Stops all of them and waits for their last calls.
   ~SyntheticWorkers();
   SyntheticWorkers(const SyntheticWorkers&) = delete;
   SyntheticWorkers& operator=(const SyntheticWorkers&) = delete;
 
   LoadCounts counts() const;
-  // The first error that any of them met, or empty.
+  // The first error that any of them met and that is not to be tried again, or empty.
   std::string error() const;
 
  private:
