@@ -139,26 +139,6 @@ TEST_F(FarmOnHosts, APartitionInOneDirectionInMidFrameHealsByItself) {
       [&] { return TypeAndWait(kUserHost, "tessera workers").output.find("host-2") != std::string::npos; }));
 }
 
-TEST_F(FarmOnHosts, TheHostOfTheCoordinatorMayBeCutOffInMidFrame) {
-  StartFarm();
-  const std::string expected = Expected(kLongFrame);
-  Process& submit =
-      Type(kUserHost, fmt::format("tessera submit scene.pbrt --watch --patience 120 {}", kLongFrame));
-  AwaitShareOfJob(0.1);
-  for (const int host : {kFirstWorker, kSecondWorker, kUserHost}) {
-    network().Block(kCoordinatorHost, host, true);
-    network().Block(host, kCoordinatorHost, true);
-  }
-  EXPECT_TRUE(worker(kFirstWorker).AwaitErrors("coordinator_unreachable"));
-  for (const int host : {kFirstWorker, kSecondWorker, kUserHost}) {
-    network().Block(kCoordinatorHost, host, false);
-    network().Block(host, kCoordinatorHost, false);
-  }
-  EXPECT_EQ(submit.Wait(), 0) << submit.Errors();
-  EXPECT_EQ(TypeAndWait(kUserHost, "tessera fetch 1 -o farm.exr").code, 0);
-  EXPECT_EQ(Bytes("host-3/farm.exr"), expected);
-}
-
 // ---- Strangers
 // -----------------------------------------------------------------------------------------------
 
