@@ -36,6 +36,7 @@ std::span<const ProbeVariant> ProbeVariants() {
 const char* const kProbeHead = R"(
 Film "rgb" "integer xresolution" 24 "integer yresolution" 16 "float iso" 120 "float maxcomponentvalue" 50
 LookAt 0 2.2 -9   0 1.4 0   0 1 0
+ActiveTransform EndTime Translate 0.1 0 0 ActiveTransform All
 Camera "perspective" "float fov" 44 "float lensradius" 0.05 "float focaldistance" 9
 MakeNamedMedium "haze" "string type" "homogeneous" "rgb sigma_a" [ 0.01 0.02 0.03 ] "rgb sigma_s" [ 0.02 0.02 0.01 ]
   "float g" 0.4
@@ -171,12 +172,23 @@ AttributeBegin Translate 2.8 0 -2.4 Material "diffuse" "texture reflectance" "ch
   Translate -0.7 0 0 Shape "loopsubdiv" "integer levels" 2 "point3 P" [ 0 0.4 0  0.3 -0.2 0.2  -0.3 -0.2 0.2  0 -0.2 -0.3 ]
     "integer indices" [ 0 1 2  0 3 1  0 2 3  1 3 2 ]
 AttributeEnd
+
+AttributeBegin Translate -1 0.6 -3 ActiveTransform EndTime Rotate 70 1 2 0 Scale 1.4 0.8 1 ActiveTransform All
+  Scale 0.5 0.5 0.5 ObjectInstance "thing"
+  MediumInterface "milk" "haze" Translate 1 0 0 ActiveTransform StartTime Rotate 30 0 1 0 ActiveTransform All
+  AreaLightSource "diffuse" "rgb L" [ 1 3 2 ] Shape "sphere" "float radius" 0.4
+AttributeEnd
 )";
 
 const char* const kProbeLightsOfNoSize = R"(
 LightSource "point" "rgb I" [ 2 3 4 ] "point3 from" [ -4 4 -5 ]
 LightSource "spot" "blackbody I" [ 4000 ] "float scale" 6 "point3 from" [ 4 5 -5 ] "point3 to" [ 1 0 0 ] "float coneangle" 30
 LightSource "distant" "rgb L" [ 0.2 0.2 0.1 ] "point3 from" [ 1 3 -2 ] "point3 to" [ 0 0 0 ]
+AttributeBegin
+  ActiveTransform EndTime Rotate 20 0 1 0 ActiveTransform All
+  LightSource "spot" "rgb I" [ 20 30 20 ] "point3 from" [ 0 5 -5 ] "point3 to" [ 0 0 0 ] "float coneangle" 20
+  LightSource "infinite" "string filename" "probe.pfm" "float scale" 0.05
+AttributeEnd
 AttributeBegin
   Translate 0 4.5 -3
   LightSource "goniometric" "string filename" "probe.pfm" "rgb I" [ 4 4 5 ]
