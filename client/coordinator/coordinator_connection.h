@@ -69,6 +69,19 @@ class CallContext {
   std::stop_callback<Cancel> on_stop_;
 };
 
+// Waits before another attempt, and then for a connection: with TLS, it is only made while somebody waits for
+// it, and a call that does not wait would find none every time. Returns false if a stop is requested.
+inline bool AwaitNextAttempt(grpc::Channel& channel, const std::stop_token& stop,
+                             std::chrono::milliseconds wait) {
+  constexpr std::chrono::milliseconds kSlice{100};  // how long a stop may go unnoticed
+  constexpr int kSlices = 100;                      // longer than an attempt to connect
+  if (!Pause(stop, wait)) return false;
+  for (int i = 0; i < kSlices && !stop.stop_requested(); ++i) {
+    if (WaitForConnection(channel, kSlice)) break;
+  }
+  return !stop.stop_requested();
+}
+
 // Calls `attempt`, which makes one call and returns its status, until it succeeds, fails with an error that
 // does not pass, a stop is requested, or kRetryPatience is over. Errors name the call as `what`. Every call
 // of the protocol may be repeated.
@@ -82,7 +95,8 @@ Result<void> WithRetries(const Connection& connection, const std::string& what, 
     const auto wait = waits.Next();
     const bool retry = status.error_code() == grpc::StatusCode::UNAVAILABLE &&
                        std::chrono::steady_clock::now() + wait < deadline;
-    if (!retry || !Pause(connection.stop, wait)) return connection.ErrorOf(status, what);
+    if (!retry || !AwaitNextAttempt(*connection.channel, connection.stop, wait))
+      return connection.ErrorOf(status, what);
   }
 }
 

@@ -139,6 +139,39 @@ TEST_F(FarmOnHosts, APartitionInOneDirectionInMidFrameHealsByItself) {
       [&] { return TypeAndWait(kUserHost, "tessera workers").output.find("host-2") != std::string::npos; }));
 }
 
+TEST_F(FarmOnHosts, TheHostOfTheCoordinatorMayBeCutOffInMidFrame) {
+  StartFarm();
+  const std::string expected = Expected(kLongFrame);
+  Process& submit =
+      Type(kUserHost, fmt::format("tessera submit scene.pbrt --watch --patience 120 {}", kLongFrame));
+  AwaitShareOfJob(0.1);
+  for (const int host : {kFirstWorker, kSecondWorker, kUserHost}) {
+    network().Block(kCoordinatorHost, host, true);
+    network().Block(host, kCoordinatorHost, true);
+  }
+  EXPECT_TRUE(worker(kFirstWorker).AwaitErrors("coordinator_unreachable"));
+  for (const int host : {kFirstWorker, kSecondWorker, kUserHost}) {
+    network().Block(kCoordinatorHost, host, false);
+    network().Block(host, kCoordinatorHost, false);
+  }
+  EXPECT_EQ(submit.Wait(), 0) << submit.Errors();
+  EXPECT_EQ(TypeAndWait(kUserHost, "tessera fetch 1 -o farm.exr").code, 0);
+  EXPECT_EQ(Bytes("host-3/farm.exr"), expected);
+}
+
+TEST_F(FarmOnHosts, ADoctorTellsAFirewallFromACoordinatorThatIsNotThere) {
+  StartFarm();
+  EXPECT_EQ(TypeAndWait(kUserHost, "tessera doctor").code, 0);
+  network().Block(kUserHost, kCoordinatorHost, true);
+  const Outcome blocked = TypeAndWait(kUserHost, "tessera doctor");
+  EXPECT_EQ(blocked.code, 1);
+  EXPECT_THAT(blocked.output, HasSubstr("problem  timed out: the machine does not answer"));
+  EXPECT_THAT(blocked.output,
+              HasSubstr("a firewall drops the packets, or the machine is off: allow TCP port 7700"));
+  network().Block(kUserHost, kCoordinatorHost, false);
+  EXPECT_EQ(TypeAndWait(kUserHost, "tessera doctor").code, 0);
+}
+
 // ---- Strangers
 // -----------------------------------------------------------------------------------------------
 
