@@ -18,7 +18,7 @@ std::string RolesWith(Permission permission) {
 }  // namespace
 
 std::string Principal::Text() const {
-  if (!role) return "the holder of a token";
+  if (!role) return token_key != Digest{} ? "the holder of a token" : "an unknown caller";
   return fmt::format("{} \"{}\"", RoleName(*role), name);
 }
 

@@ -32,7 +32,7 @@ struct Principal {
   std::string name;
   std::string peer;  // the address of the connection, for logs
 
-  std::string Text() const;  // "user \"ada\"", "the holder of a token", for messages
+  std::string Text() const;  // "user \"ada\"" or "the holder of a token", for messages
   // As the owner of jobs.
   JobOwner Owner() const { return {member, name}; }
 };
@@ -46,6 +46,7 @@ enum class Permission {
   kControlJobs,     // change jobs
   kControlWorkers,  // drain and release workers
   kWork,            // do the work of a worker
+  kFetchFiles,      // read scene files
   kJoin,            // become a member
   kRenew,           // stay a member
   kAdminister,      // let others in, list and revoke them
@@ -66,39 +67,47 @@ constexpr MessageLimits kDigestsLimits{kDigestsPerCallMax * 64, kDigestsPerCallM
 constexpr MessageLimits kStateLimits{kLeasesPerWorkerMax * 128, kLeasesPerWorkerMax * 8};
 constexpr MessageLimits kResultsLimits{kMessageBytesMax, kResultsPerCallMax * 16};
 
+// Whether a call is entered in the audit log.
+enum class Effect {
+  kReads,    // changes nothing
+  kWorks,    // the work of a worker: too much for a log; results are facts, failures are logged by themselves
+  kChanges,  // has one entry in the audit log, unless it is denied and logged as that
+};
+
 struct CallRule {
   std::string_view method;  // "SERVICE.METHOD", without the package
   Permission permission;
+  Effect effect;
   MessageLimits limits = {};
 };
 
 constexpr CallRule kCallRules[] = {
-    {"Blobs.FindMissing", Permission::kSubmit, kDigestsLimits},
-    {"Blobs.Upload", Permission::kSubmit, kChunkLimits},
-    {"Blobs.Download", Permission::kWork},
-    {"Jobs.Submit", Permission::kSubmit, kJobLimits},
-    {"Jobs.List", Permission::kView},
-    {"Jobs.Status", Permission::kView},
-    {"Jobs.Watch", Permission::kView},
-    {"Jobs.Cancel", Permission::kControlJobs},
-    {"Jobs.Extend", Permission::kControlJobs},
-    {"Jobs.Pause", Permission::kControlJobs},
-    {"Jobs.Resume", Permission::kControlJobs},
-    {"Jobs.SetPriority", Permission::kControlJobs},
-    {"Jobs.Workers", Permission::kView},
-    {"Jobs.Frames", Permission::kView},
-    {"Jobs.DrainWorkers", Permission::kControlWorkers},
-    {"Jobs.ReleaseWorkers", Permission::kControlWorkers},
-    {"Jobs.FetchPicture", Permission::kFetchPictures},
-    {"Jobs.Health", Permission::kProbe},
-    {"Work.Synchronize", Permission::kWork, kStateLimits},
-    {"Work.ReturnResults", Permission::kWork, kResultsLimits},
-    {"Work.ReturnFailure", Permission::kWork},
-    {"Access.Join", Permission::kJoin},
-    {"Access.Renew", Permission::kRenew},
-    {"Access.IssueToken", Permission::kAdminister},
-    {"Access.ListAccess", Permission::kAdminister},
-    {"Access.Revoke", Permission::kAdminister},
+    {"Blobs.FindMissing", Permission::kSubmit, Effect::kReads, kDigestsLimits},
+    {"Blobs.Upload", Permission::kSubmit, Effect::kChanges, kChunkLimits},
+    {"Blobs.Download", Permission::kFetchFiles, Effect::kReads},
+    {"Jobs.Submit", Permission::kSubmit, Effect::kChanges, kJobLimits},
+    {"Jobs.List", Permission::kView, Effect::kReads},
+    {"Jobs.Status", Permission::kView, Effect::kReads},
+    {"Jobs.Watch", Permission::kView, Effect::kReads},
+    {"Jobs.Cancel", Permission::kControlJobs, Effect::kChanges},
+    {"Jobs.Extend", Permission::kControlJobs, Effect::kChanges},
+    {"Jobs.Pause", Permission::kControlJobs, Effect::kChanges},
+    {"Jobs.Resume", Permission::kControlJobs, Effect::kChanges},
+    {"Jobs.SetPriority", Permission::kControlJobs, Effect::kChanges},
+    {"Jobs.Workers", Permission::kView, Effect::kReads},
+    {"Jobs.Frames", Permission::kView, Effect::kReads},
+    {"Jobs.DrainWorkers", Permission::kControlWorkers, Effect::kChanges},
+    {"Jobs.ReleaseWorkers", Permission::kControlWorkers, Effect::kChanges},
+    {"Jobs.FetchPicture", Permission::kFetchPictures, Effect::kReads},
+    {"Jobs.Health", Permission::kProbe, Effect::kReads},
+    {"Work.Synchronize", Permission::kWork, Effect::kWorks, kStateLimits},
+    {"Work.ReturnResults", Permission::kWork, Effect::kWorks, kResultsLimits},
+    {"Work.ReturnFailure", Permission::kWork, Effect::kWorks},
+    {"Access.Join", Permission::kJoin, Effect::kChanges},
+    {"Access.Renew", Permission::kRenew, Effect::kChanges},
+    {"Access.IssueToken", Permission::kAdminister, Effect::kChanges},
+    {"Access.ListAccess", Permission::kAdminister, Effect::kReads},
+    {"Access.Revoke", Permission::kAdminister, Effect::kChanges},
 };
 
 // The rule of a call. Does not compile if there is none.
@@ -109,10 +118,12 @@ consteval const CallRule& RuleFor(std::string_view method) {
   throw "the call has no rule";
 }
 
-// On which jobs a role may use a permission.
+// On what a role may use a permission.
 enum class Reach {
   kNothing,
-  kOwn,  // jobs that the caller owns
+  // Of a user: the jobs that it submitted. Of a worker: the processes that use its certificate, and the files
+  // that are in scene packages of open jobs.
+  kOwn,
   kEverything,
 };
 
@@ -123,7 +134,9 @@ constexpr Reach ReachOf(std::optional<Role> role, Permission permission) {
   if (!role || permission == Permission::kJoin) return all_if(!role && permission == Permission::kJoin);
   if (permission == Permission::kProbe || permission == Permission::kRenew) return Reach::kEverything;
   switch (*role) {
-    case Role::kWorker: return all_if(permission == Permission::kWork);
+    case Role::kWorker:
+      return permission == Permission::kWork || permission == Permission::kFetchFiles ? Reach::kOwn
+                                                                                      : Reach::kNothing;
     case Role::kViewer:
       return all_if(permission == Permission::kView || permission == Permission::kFetchPictures);
     case Role::kUser:

@@ -22,18 +22,14 @@ grpc::Status NoAuthority() {
           "nobody can join this coordinator: it listens on no TCP address, or was started with --insecure"};
 }
 
-// What changes the membership, for the audit: who did what, from where.
-void LogChange(const char* event, const Principal& caller, const std::string& details) {
-  spdlog::info("{} by={} peer={} {}", event, LogText(caller.Text()), LogText(caller.peer), details);
-}
-
-std::string MemberLog(const MemberStatus& member) {
-  return fmt::format("member={} role={} name={}", MemberIdText(member.id), RoleName(member.role),
+// Fields of a log line. `what`: what becomes of the member or token.
+std::string MemberLog(const char* what, const MemberStatus& member) {
+  return fmt::format("{}={} role={} name={}", what, MemberIdText(member.id), RoleName(member.role),
                      LogText(member.name));
 }
 
-std::string TokenLog(const TokenStatus& token) {
-  return fmt::format("token={} role={} name={}", TokenIdText(token.key), RoleName(token.role),
+std::string TokenLog(const char* what, const TokenStatus& token) {
+  return fmt::format("{}={} role={} name={}", what, TokenIdText(token.key), RoleName(token.role),
                      LogText(token.name));
 }
 
@@ -42,8 +38,7 @@ bool IsMeant(const std::string& which, const std::string& id, const std::string&
 }
 
 // Revokes what `which` means and lists it.
-void RevokeAll(MembershipLedger& ledger, const std::string& which, const Principal& caller,
-               proto::AccessAnswer& answer) {
+void RevokeAll(MembershipLedger& ledger, const std::string& which, proto::AccessAnswer& answer) {
   std::vector<MemberId> members;
   std::vector<Digest> tokens;
   for (const auto& [id, member] : ledger.members()) {
@@ -53,11 +48,12 @@ void RevokeAll(MembershipLedger& ledger, const std::string& which, const Princip
     if (IsMeant(which, TokenIdText(key), token.name)) tokens.push_back(key);
   }
   for (const MemberId id : members) {
-    if (ledger.RevokeMember(id)) LogChange("member_revoked", caller, MemberLog(ledger.members().at(id)));
+    if (ledger.RevokeMember(id))
+      spdlog::info("member_revoked {}", MemberLog("member", ledger.members().at(id)));
     Write(ledger.members().at(id), *answer.add_members());
   }
   for (const Digest& key : tokens) {
-    if (ledger.RevokeToken(key)) LogChange("token_revoked", caller, TokenLog(ledger.tokens().at(key)));
+    if (ledger.RevokeToken(key)) spdlog::info("token_revoked {}", TokenLog("token", ledger.tokens().at(key)));
     Write(ledger.tokens().at(key), *answer.add_tokens());
   }
 }
@@ -104,13 +100,13 @@ grpc::ServerUnaryReactor* AccessService::Join(grpc::CallbackServerContext* conte
     answer->set_name(member.name);
     answer->set_role(WriteRole(member.role));
     answer->set_member(Number(member.id));
-    call.Apply([=, caller = call.caller()](CoreContext& core) {
+    call.Note(MemberLog("joined", member));
+    const auto join = [=](CoreContext& core) {
       const auto joined = core.farm.membership().Join(now, member);
-      if (!joined) return ToStatus(joined.error());
-      LogChange("member_joined", caller,
-                MemberLog(member) + fmt::format(" token={}", TokenIdText(member.token)));
-      return grpc::Status::OK;
-    });
+      return joined ? grpc::Status::OK : ToStatus(joined.error());
+    };
+    // A certificate that is not recorded is not sent, so its token can be used again.
+    call.Apply(join, 0, [id = member.id](CoreContext& core) { core.farm.membership().UndoJoin(id); });
   });
 }
 
@@ -127,12 +123,10 @@ grpc::ServerUnaryReactor* AccessService::Renew(grpc::CallbackServerContext* cont
     const auto certificate = Sign(request->signing_request(), *member);
     if (!certificate) return call.Finish(ToStatus(certificate.error()));
     answer->set_certificate(*certificate);
-    call.Apply([=, id = member->id, caller = call.caller()](CoreContext& core) {
+    call.Apply([=, id = member->id](CoreContext& core) {
       const UnixTime now = UnixNow();
       const auto renewed = core.farm.membership().Renew(now, id, MemberExpiry(now));
-      if (!renewed) return ToStatus(renewed.error());
-      LogChange("member_renewed", caller, MemberLog(core.farm.membership().members().at(id)));
-      return grpc::Status::OK;
+      return renewed ? grpc::Status::OK : ToStatus(renewed.error());
     });
   });
 }
@@ -156,12 +150,10 @@ grpc::ServerUnaryReactor* AccessService::IssueToken(grpc::CallbackServerContext*
     answer->set_authority(WriteDigest(authority));
     for (const std::string& each : addresses_) answer->add_addresses(each);
     answer->set_expires(token.expires);
-    call.Apply([=, caller = call.caller()](CoreContext& core) {
+    call.Note(TokenLog("issued", token) + fmt::format(" uses={} lifetime_s={}", token.uses_left, lifetime));
+    call.Apply([=](CoreContext& core) {
       const auto issued = core.farm.membership().IssueToken(token);
-      if (!issued) return ToStatus(issued.error());
-      LogChange("token_issued", caller,
-                TokenLog(token) + fmt::format(" uses={} lifetime_s={}", token.uses_left, lifetime));
-      return grpc::Status::OK;
+      return issued ? grpc::Status::OK : ToStatus(issued.error());
     });
   });
 }
@@ -183,8 +175,10 @@ grpc::ServerUnaryReactor* AccessService::Revoke(grpc::CallbackServerContext* con
                                                 const proto::RevokeRequest* request,
                                                 proto::AccessAnswer* answer) {
   return gate_.Unary(context, RuleFor("Access.Revoke"), [=](const UnaryCall& call) {
-    call.Apply([=, which = CleanName(request->which()), caller = call.caller()](CoreContext& core) {
-      RevokeAll(core.farm.membership(), which, caller, *answer);
+    const std::string which = CleanName(request->which());
+    call.Note("which=" + LogText(which));
+    call.Apply([=](CoreContext& core) {
+      RevokeAll(core.farm.membership(), which, *answer);
       if (answer->members_size() + answer->tokens_size() > 0) return grpc::Status::OK;
       return grpc::Status(
           grpc::StatusCode::NOT_FOUND,

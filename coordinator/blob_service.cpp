@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <functional>
 
 #include "coordinator/call_gate.h"
+#include "coordinator/guarded.h"
 #include "coordinator/task_pool.h"
 #include "proto/terms.h"
 #include "proto/wire/channel.h"
@@ -25,11 +27,14 @@ constexpr uint64_t kBriefBytesMax = uint64_t{16} << 20;
 // Deletes itself when the call is over. Each step runs on a thread for files, one after the other.
 class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
-  UploadCall(const BlobStore& blobs, FileThreads& threads, TransferLoad& load,
-             grpc::CallbackServerContext& context)
-      : blobs_(blobs), threads_(threads), load_(load), watched_(load.stall_watch.Watch(context)) {
+  UploadCall(const BlobStore& blobs, FileThreads& threads, TransferLoad& load, LastingCall call)
+      : blobs_(blobs),
+        threads_(threads),
+        load_(load),
+        call_(std::move(call)),
+        watched_(load.stall_watch.Watch(call_.context())) {
     if (++load_.transfers > kTransfersMax) {
-      Finish({grpc::StatusCode::UNAVAILABLE, "too many transfers are running; try again"});
+      Answer({grpc::StatusCode::UNAVAILABLE, "too many transfers are running; try again"});
       return;
     }
     ReadNext();
@@ -60,17 +65,23 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   }
   void GoOn(const std::optional<grpc::Status>& answer) {
     if (answer) {
-      watched_->BeginWait();
-      Finish(*answer);
+      Answer(*answer);
     } else {
       ReadNext();
     }
   }
+  void Answer(const grpc::Status& status) {
+    CallGate::Audit(call_.caller(), RuleFor("Blobs.Upload"), details_, status);
+    watched_->BeginWait();
+    Finish(Shortened(status));
+  }
   // Stores a chunk. Returns the answer once it is known.
   std::optional<grpc::Status> Take() {
+    if (const grpc::Status admitted = call_.Recheck(); !admitted.ok()) return admitted;
     if (upload_ == nullptr) {
       const auto digest = ReadDigest(chunk_.digest(), "digest");
       if (!digest) return ToStatus(digest.error());
+      details_ = fmt::format("file={} bytes={}", digest->Hex(), chunk_.size());
       if (blobs_.Has(*digest)) return grpc::Status::OK;
       auto begun = blobs_.Begin(*digest, chunk_.size(), chunk_.offset());
       if (!begun) return Refusal(begun.error());
@@ -85,6 +96,7 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     return std::nullopt;
   }
   grpc::Status End() {
+    if (const grpc::Status admitted = call_.Recheck(); !admitted.ok()) return admitted;
     if (upload_ == nullptr)
       return {grpc::StatusCode::INVALID_ARGUMENT, "message refused: the upload has no chunks"};
     // What has arrived is kept for the next attempt.
@@ -104,24 +116,36 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   const BlobStore& blobs_;
   FileThreads& threads_;
   TransferLoad& load_;
+  const LastingCall call_;
   const std::shared_ptr<StallWatch::Call> watched_;
   grpc::ByteBuffer bytes_;
   proto::UploadChunk chunk_;
   std::unique_ptr<BlobStore::Partial> upload_;
+  std::string details_;  // for the audit log
 };
 
 // Deletes itself when the call is over. Each step runs on a thread for files, one after the other.
 class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk> {
  public:
+  // Whether the caller may fetch the blob of the request.
+  using Admit = std::function<grpc::Status(const Principal&, const proto::DownloadRequest&, const Digest&)>;
   DownloadCall(const BlobStore& blobs, FileThreads& threads, const proto::DownloadRequest& request,
-               TransferLoad& load, grpc::CallbackServerContext& context)
-      : blobs_(blobs), threads_(threads), load_(load), watched_(load.stall_watch.Watch(context)) {
+               TransferLoad& load, LastingCall call, Admit admit)
+      : blobs_(blobs),
+        threads_(threads),
+        load_(load),
+        call_(std::move(call)),
+        watched_(load.stall_watch.Watch(call_.context())) {
     if (++load_.transfers > kTransfersMax) {
       Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "too many transfers are running; try again"});
       return;
     }
-    threads_.brief.Post([this, request] {
+    threads_.brief.Post([this, request, admit = std::move(admit)] {
       const auto digest = ReadDigest(request.digest(), "digest");
+      if (digest) {
+        const grpc::Status admitted = GuardedStatus([&] { return admit(call_.caller(), request, *digest); });
+        if (!admitted.ok()) return Refuse(Shortened(admitted));
+      }
       if (digest && request.suspect()) blobs_.Suspect(*digest);
       if (digest && blobs_.Look(*digest) == BlobStore::Presence::kUnknown) {
         threads_.lengthy.Post([this, request] { Begin(request); });
@@ -159,6 +183,7 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
     return grpc::Status::OK;
   }
   void SendNext() {
+    if (const grpc::Status admitted = call_.Recheck(); !admitted.ok()) return Refuse(admitted);
     std::string& data = *chunk_.mutable_data();
     data.resize(std::min(left_, static_cast<uint64_t>(kChunkBytesMax)));
     if (!file_.read(data.data(), static_cast<std::streamsize>(data.size()))) {
@@ -194,6 +219,7 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
   const BlobStore& blobs_;
   FileThreads& threads_;
   TransferLoad& load_;
+  const LastingCall call_;
   const std::shared_ptr<StallWatch::Call> watched_;
   std::ifstream file_;
   uint64_t size_ = 0, left_ = 0;
@@ -252,17 +278,35 @@ grpc::Status BlobService::ListMissing(const proto::FindMissingRequest& request,
 grpc::ServerReadReactor<grpc::ByteBuffer>* BlobService::Upload(grpc::CallbackServerContext* context,
                                                                proto::UploadAnswer*) {
   using Reactor = grpc::ServerReadReactor<grpc::ByteBuffer>;
-  return gate_.Serve<Reactor>(context, RuleFor("Blobs.Upload"), [=, this](const Principal&) {
-    return new UploadCall(blobs_, threads_, load_, *context);
+  return gate_.Serve<Reactor>(context, RuleFor("Blobs.Upload"), [=, this](LastingCall call) {
+    return new UploadCall(blobs_, threads_, load_, std::move(call));
   });
 }
 
 grpc::ServerWriteReactor<proto::DownloadChunk>* BlobService::Download(grpc::CallbackServerContext* context,
                                                                       const proto::DownloadRequest* request) {
   using Reactor = grpc::ServerWriteReactor<proto::DownloadChunk>;
-  return gate_.Serve<Reactor>(context, RuleFor("Blobs.Download"), [=, this](const Principal&) {
-    return new DownloadCall(blobs_, threads_, *request, load_, *context);
+  return gate_.Serve<Reactor>(context, RuleFor("Blobs.Download"), [=, this](LastingCall call) {
+    return new DownloadCall(blobs_, threads_, *request, load_, std::move(call),
+                            [this](const Principal& caller, const proto::DownloadRequest& wanted,
+                                   const Digest& digest) { return AdmitFetch(caller, wanted, digest); });
   });
+}
+
+grpc::Status BlobService::AdmitFetch(const Principal& caller, const proto::DownloadRequest& request,
+                                     const Digest& digest) {
+  const CallRule& rule = RuleFor("Blobs.Download");
+  if (ReachOf(caller.role, rule.permission) == Reach::kEverything) return grpc::Status::OK;
+  const auto package = ReadDigest(request.package(), "package");
+  if (!package) return ToStatus(package.error());
+  const bool is_open = gate_.core().open_jobs().HasPackage(*package);
+  const auto contains = is_open ? packages_.Contains(*package, digest) : Result<bool>(false);
+  if (!contains) return {grpc::StatusCode::NOT_FOUND, contains.error().message};
+  if (*contains) return grpc::Status::OK;
+  return gate_.Deny(
+      caller, rule,
+      fmt::format("{} may not fetch the file {}: it is not in the scene package {} of an open job",
+                  caller.Text(), digest.Hex(), package->Hex()));
 }
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 
 #include <atomic>
 
+#include "coordinator/package_files.h"
 #include "coordinator/stall_watch.h"
 #include "proto/blobs.grpc.pb.h"
 #include "proto/blobs/blob_store.h"
@@ -12,6 +13,7 @@ namespace tessera {
 
 class CallGate;
 struct FileThreads;
+struct Principal;
 
 struct TransferLoad {
   std::atomic<int> transfers{0};  // running now
@@ -36,12 +38,16 @@ class BlobService final : public proto::Blobs::Service {
                                                            const proto::DownloadRequest* request);
 
  private:
+  // Whether the caller may fetch the blob.
+  grpc::Status AdmitFetch(const Principal& caller, const proto::DownloadRequest& request,
+                          const Digest& digest);
   grpc::Status ListMissing(const proto::FindMissingRequest& request, proto::FindMissingAnswer& answer) const;
 
   const CallGate& gate_;
   const BlobStore& blobs_;
   FileThreads& threads_;
   TransferLoad load_;
+  PackageFiles packages_{blobs_};
 };
 
 }  // namespace tessera

@@ -13,6 +13,14 @@
 namespace tessera {
 namespace {
 
+// Who makes a call, and from where. A caller that could not be identified is none.
+std::string LogFieldsOf(const Principal& caller) {
+  std::string id;
+  if (caller.member != MemberId{}) id = fmt::format(" member={}", MemberIdText(caller.member));
+  if (caller.token_key != Digest{}) id = fmt::format(" token={}", TokenIdText(caller.token_key));
+  return fmt::format("by={}{} peer={}", LogText(caller.Text()), id, LogText(caller.peer));
+}
+
 grpc::Status Unauthenticated(const std::string& reason) {
   return {grpc::StatusCode::UNAUTHENTICATED,
           reason + "; ask an operator of the farm for a token and join again"};
@@ -30,6 +38,15 @@ CoreThread& UnaryCall::core() const {
 
 grpc::Status UnaryCall::AdmitToJob(const CoreContext& core, JobId job) const {
   return gate_->AdmitToJob(caller_, *rule_, core, job);
+}
+
+grpc::Status UnaryCall::AdmitToWorker(const CoreContext& core, WorkerId worker) const {
+  return gate_->AdmitToWorker(caller_, *rule_, core, worker);
+}
+
+void UnaryCall::Finish(const grpc::Status& status) const {
+  if (details_) CallGate::Audit(caller_, *rule_, *details_, status);
+  reactor_->Finish(Shortened(status));
 }
 
 grpc::Status UnaryCall::DiskFails(const std::string& reason) {
@@ -136,14 +153,41 @@ grpc::Status CallGate::AdmitToJob(const Principal& caller, const CallRule& rule,
   if (owner == nullptr) return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no job {}", Number(job))};
   const auto admitted = AdmitByOwner(caller, rule, job, *owner);
   if (admitted) return grpc::Status::OK;
-  const grpc::Status status(grpc::StatusCode::PERMISSION_DENIED, admitted.error().message);
+  return Deny(caller, rule, admitted.error().message);
+}
+
+grpc::Status CallGate::AdmitToWorker(const Principal& caller, const CallRule& rule, const CoreContext& core,
+                                     WorkerId worker) const {
+  return core.farm.HasJoined(worker) ? AdmitJoin(caller, rule, core, worker) : HasNotJoined();
+}
+
+grpc::Status CallGate::AdmitJoin(const Principal& caller, const CallRule& rule, const CoreContext& core,
+                                 WorkerId worker) const {
+  const auto member = core.farm.MemberOf(worker);
+  const bool is_others = member && *member != caller.member;
+  if (!is_others || ReachOf(caller.role, rule.permission) == Reach::kEverything) return grpc::Status::OK;
+  return Deny(caller, rule,
+              fmt::format("{} may not call {} for worker {:016x}, which is not its own", caller.Text(),
+                          rule.method, Number(worker)));
+}
+
+grpc::Status CallGate::Deny(const Principal& caller, const CallRule& rule, const std::string& reason) const {
+  const grpc::Status status(grpc::StatusCode::PERMISSION_DENIED, reason);
   LogDenial(caller, rule, status);
   return status;
 }
 
 void CallGate::LogDenial(const Principal& caller, const CallRule& rule, const grpc::Status& status) const {
-  denied_.Warn("call_denied", fmt::format("call={} peer={} reason={}", rule.method, LogText(caller.peer),
+  denied_.Warn("call_denied", fmt::format("call={} {} reason={}", rule.method, LogFieldsOf(caller),
                                           LogText(status.error_message())));
+}
+
+void CallGate::Audit(const Principal& caller, const CallRule& rule, const std::string& details,
+                     const grpc::Status& status) {
+  if (status.error_code() == grpc::StatusCode::PERMISSION_DENIED) return;
+  spdlog::info("audit call={} {}{}{} result={}", rule.method, LogFieldsOf(caller), details.empty() ? "" : " ",
+               details,
+               status.ok() ? "done" : fmt::format("failed reason={}", LogText(status.error_message())));
 }
 
 }  // namespace tessera

@@ -12,6 +12,7 @@
 #include "coordinator/core_thread.h"
 #include "coordinator/guarded.h"
 #include "coordinator/message_guard.h"
+#include "coordinator/open_calls.h"
 #include "coordinator/store/data_dir.h"
 #include "coordinator/task_pool.h"
 #include "proto/identity/subject.h"
@@ -34,14 +35,24 @@ class CallGate;
 class UnaryCall {
  public:
   UnaryCall(const CallGate& gate, const CallRule& rule, Principal caller, grpc::ServerUnaryReactor* reactor)
-      : gate_(&gate), rule_(&rule), caller_(std::move(caller)), reactor_(reactor) {}
+      : gate_(&gate),
+        rule_(&rule),
+        caller_(std::move(caller)),
+        reactor_(reactor),
+        details_(rule.effect == Effect::kChanges ? std::make_shared<std::string>() : nullptr) {}
   const Principal& caller() const { return caller_; }
   CoreThread& core() const;
 
   // See CallGate::AdmitToJob.
   grpc::Status AdmitToJob(const CoreContext& core, JobId job) const;
+  grpc::Status AdmitToWorker(const CoreContext& core, WorkerId worker) const;
 
-  void Finish(const grpc::Status& status) const { reactor_->Finish(Shortened(status)); }
+  // What a call that changes something is about, for its entry in the audit log: "job=3".
+  void Note(std::string details) const {
+    if (details_) *details_ = std::move(details);
+  }
+
+  void Finish(const grpc::Status& status) const;
 
   // Runs `query`, a grpc::Status(CoreContext&) that changes nothing, on the core thread and finishes with
   // what it returns.
@@ -55,18 +66,22 @@ class UnaryCall {
   // Runs `change`, a grpc::Status(CoreContext&), on the core thread. Finishes with its error, or, when
   // everything that it caused is on stable storage, with OK. If the disk takes nothing, or fewer than `bytes`
   // besides the usual, nothing is changed and the call finishes with that reason. If that shows only while
-  // the change is written, the call finishes with the reason as well, and the change is written later.
+  // the change is written, the call finishes with the reason as well, and the change is written later,
+  // followed by what `undo` does.
   template <typename Change>
-  void Apply(Change change, uint64_t bytes = 0) const {
-    path().threads.Post([call = *this, bytes, change = std::move(change)] {
+  void Apply(Change change, uint64_t bytes = 0, CoreThread::Event undo = {}) const {
+    path().threads.Post([call = *this, bytes, change = std::move(change), undo = std::move(undo)] {
       if (const auto space = call.path().directory.CheckSpace(bytes); !space)
         return call.Finish(DiskFails(space.error().message));
-      call.core().Post([call, change](CoreContext& core) {
+      call.core().Post([call, change, undo](CoreContext& core) {
         if (const auto& reason = core.farm.storage_reason(); !reason.empty())
           return call.Finish(DiskFails(reason));
         const grpc::Status status = GuardedStatus([&] { return change(core); });
         if (!status.ok()) return call.Finish(status);
-        core.answers.AfterSync([call](const Result<void>& synced) { call.Finish(Stored(synced)); });
+        core.answers.AfterSync([call, undo](const Result<void>& synced) {
+          if (!synced && undo) call.core().Post(undo);
+          call.Finish(Stored(synced));
+        });
       });
     });
   }
@@ -80,6 +95,7 @@ class UnaryCall {
   const CallRule* rule_;
   Principal caller_;
   grpc::ServerUnaryReactor* reactor_;
+  std::shared_ptr<std::string> details_;  // null if the call changes nothing
 };
 
 // Admits calls and runs their handlers. Thread safe. Every method of every service is one call of Unary or
@@ -90,7 +106,11 @@ class CallGate {
   using OnIdentified = std::function<void(std::string_view peer)>;
   // `farm` is the one that the core thread runs. Calls that are meant for another are refused.
   CallGate(const ChangePath& path, FarmId farm, AccessPolicy policy, OnIdentified on_identified = {})
-      : path_(path), farm_(farm), policy_(std::move(policy)), on_identified_(std::move(on_identified)) {}
+      : path_(path),
+        farm_(farm),
+        policy_(std::move(policy)),
+        on_identified_(std::move(on_identified)),
+        open_calls_(core().members(), [this](const Principal& caller) { return Recheck(caller); }) {}
   const ChangePath& path() const { return path_; }
   CoreThread& core() const { return path_.core; }
   FarmId farm() const { return farm_; }
@@ -115,13 +135,14 @@ class CallGate {
     return reactor;
   }
 
-  // Any other call, such as a stream: `make`, a Reactor*(const Principal&), returns its reactor.
+  // Any other call, such as a stream: `make`, a Reactor*(LastingCall), returns its reactor. It keeps the
+  // argument until it is done, or asks Recheck itself several times per second.
   template <typename Reactor, typename Make>
   Reactor* Serve(grpc::CallbackServerContext* context, const CallRule& rule, Make make) const {
     Principal caller;
     if (const grpc::Status admitted = Admit(*context, rule, caller); !admitted.ok())
       return new RefusedCall<Reactor>(admitted);
-    return make(caller);
+    return make(LastingCall(*context, std::move(caller), open_calls_));
   }
 
   // Whether an admitted caller may make the call for this job: NOT_FOUND if there is none, PERMISSION_DENIED,
@@ -133,11 +154,28 @@ class CallGate {
   // that cannot be told or holds no longer.
   grpc::Status IdentifyHolder(std::string_view uri, std::string_view pem, Principal& caller) const;
 
-  // For calls that last: UNAUTHENTICATED as soon as the certificate of the caller has expired or was revoked.
+  // Whether an admitted caller may make the call for this worker process: UNAVAILABLE if it has not joined,
+  // PERMISSION_DENIED, which is logged, if it is another member's.
+  grpc::Status AdmitToWorker(const Principal& caller, const CallRule& rule, const CoreContext& core,
+                             WorkerId worker) const;
+  // The same for a worker that is about to join.
+  grpc::Status AdmitJoin(const Principal& caller, const CallRule& rule, const CoreContext& core,
+                         WorkerId worker) const;
+
+  // The entry of a call in the audit log: who made it, from where, what it was about and what came of it.
+  // Omitted for calls that were denied, which have an entry already. `details`: fields of a log line.
+  static void Audit(const Principal& caller, const CallRule& rule, const std::string& details,
+                    const grpc::Status& status);
+  // PERMISSION_DENIED with this reason, which is logged.
+  grpc::Status Deny(const Principal& caller, const CallRule& rule, const std::string& reason) const;
+
+  // UNAUTHENTICATED if the certificate of the caller has expired or was revoked.
   grpc::Status Recheck(const Principal& caller) const;
 
  private:
   static constexpr std::chrono::seconds kLogInterval{10};
+  // Denials that are logged one by one in an interval; whoever was let in once can cause any number.
+  static constexpr int kDenialsLogged = 100;
 
   // Sets `caller` to whoever makes the call. UNAUTHENTICATED if that cannot be told or holds no longer,
   // PERMISSION_DENIED if the policy does not admit the caller. Both are logged.
@@ -153,7 +191,8 @@ class CallGate {
   const FarmId farm_;
   const AccessPolicy policy_;
   const OnIdentified on_identified_;
-  mutable RareLog denied_{kLogInterval};
+  mutable OpenCalls open_calls_;
+  mutable RareLog denied_{kLogInterval, kDenialsLogged};
 };
 
 }  // namespace tessera

@@ -99,17 +99,14 @@ Result<void> Coordinator::Parts::Recover(const CoordinatorOptions& options) {
 
 Result<void> Coordinator::Parts::OpenIdentity(const CoordinatorOptions& options) {
   if (options.insecure || !HasTcpAddress(options)) return {};
-  if (core->members().HasMembers() && !FarmIdentity::Exists(directory.IdentityPath()) &&
-      !options.start_afresh) {
-    return Failed(
-        fmt::format("{}: the key of the farm's authority is missing, so its members could not connect; put "
-                    "the folder back, or "
-                    "let all of them join again with --start-afresh",
-                    directory.IdentityPath()));
-  }
+  ExpectedAuthority expected;
+  if (!options.start_afresh) expected = {core->members().HasMembers(), core->members().authority()};
   const std::vector<std::string> names = options.names.empty() ? NamesOfThisMachine() : options.names;
-  auto opened = FarmIdentity::Open(directory.IdentityPath(), names, UnixNow());
+  auto opened = FarmIdentity::Open(directory.IdentityPath(), names, UnixNow(), expected);
   if (!opened) return opened.error();
+  core->Post([fingerprint = opened->authority().certificate().Fingerprint()](CoreContext& context) {
+    context.farm.membership().ChooseAuthority(fingerprint);
+  });
   if (opened->is_new())
     spdlog::info("authority_made fingerprint={}", opened->authority().certificate().Fingerprint().Hex());
   identity = std::move(*opened);

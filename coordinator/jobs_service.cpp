@@ -12,6 +12,7 @@
 #include "coordinator/watch_stream.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 namespace {
@@ -40,6 +41,7 @@ grpc::Status Answer(const Result<JobStatus>& changed, proto::JobStatus& answer) 
 // Applies `change` to a job and answers with its new status.
 void ChangeJob(const UnaryCall& call, JobId job, proto::JobStatus* answer,
                std::function<Result<JobStatus>(CoreContext&, JobId)> change) {
+  call.Note(fmt::format("job={}", Number(job)));
   call.Apply([=, change = std::move(change)](CoreContext& core) {
     const grpc::Status admitted = call.AdmitToJob(core, job);
     return admitted.ok() ? Answer(change(core, job), *answer) : admitted;
@@ -49,6 +51,7 @@ void ChangeJob(const UnaryCall& call, JobId job, proto::JobStatus* answer,
 // Applies `change` to the workers named `which` and answers with their new status.
 void ChangeWorkers(const UnaryCall& call, const std::string& which, proto::WorkersAnswer* answer,
                    std::function<void(Farm&, WorkerId)> change) {
+  call.Note(fmt::format("worker={}", LogText(which)));
   call.Apply([=, change = std::move(change)](CoreContext& core) {
     for (const WorkerStatus& worker : core.farm.FindWorkers(core.now, which))
       change(core.farm, worker.worker);
@@ -116,6 +119,7 @@ grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* conte
         if (!job && job.error().kind == ErrorKind::kBadInput) return ToStatus(job.error());
         if (!job) return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, job.error().message);
         answer->set_job(Number(*job));
+        call.Note(fmt::format("job={} name={}", Number(*job), LogText(shared->name)));
         return grpc::Status::OK;
       };
       call.Apply(submit, request->ByteSizeLong());
@@ -148,7 +152,9 @@ grpc::ServerUnaryReactor* JobsService::Status(grpc::CallbackServerContext* conte
 grpc::ServerWriteReactor<proto::JobStatus>* JobsService::Watch(grpc::CallbackServerContext* context,
                                                                const proto::JobRequest* request) {
   using Reactor = grpc::ServerWriteReactor<proto::JobStatus>;
-  return gate_.Serve<Reactor>(context, RuleFor("Jobs.Watch"), [=, this](const Principal& caller) {
+  return gate_.Serve<Reactor>(context, RuleFor("Jobs.Watch"), [=, this](const LastingCall& call) {
+    // The core thread asks whether the caller still may, so this call is not kept.
+    const Principal caller = call.caller();
     auto* const stream = new WatchStream;
     const auto link = stream->link();
     gate_.core().Post([=, this, job = JobId{request->job()}](CoreContext& core) {
@@ -195,9 +201,11 @@ grpc::ServerUnaryReactor* JobsService::SetPriority(grpc::CallbackServerContext* 
   return gate_.Unary(context, RuleFor("Jobs.SetPriority"), [=](const UnaryCall& call) {
     const auto priority = ReadPriority(request->priority());
     if (!priority) return call.Finish(ToStatus(priority.error()));
-    ChangeJob(call, JobId{request->job()}, answer, [priority = *priority](CoreContext& core, JobId job) {
-      return core.farm.SetPriority(core.now, job, priority);
-    });
+    ChangeJob(call, JobId{request->job()}, answer,
+              [priority = *priority, call](CoreContext& core, JobId job) {
+                call.Note(fmt::format("job={} priority={}", Number(job), priority));
+                return core.farm.SetPriority(core.now, job, priority);
+              });
   });
 }
 
@@ -208,6 +216,7 @@ grpc::ServerUnaryReactor* JobsService::Extend(grpc::CallbackServerContext* conte
     const uint32_t samples = request->samples_per_pixel();
     if (samples < 1 || samples > kSamplesPerPixelMax)
       return call.Finish(ToStatus(BadInput("message refused: samples_per_pixel is out of range")));
+    call.Note(fmt::format("job={} samples_per_pixel={}", Number(job), samples));
     const auto extend = [=](CoreContext& core) {
       if (core.farm.IsMovingSums(job)) return BeingWritten();
       return Answer(core.farm.Extend(core.now, job, samples), *answer);
@@ -272,8 +281,9 @@ grpc::ServerUnaryReactor* JobsService::ReleaseWorkers(grpc::CallbackServerContex
 grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::CallbackServerContext* context,
                                                                          const proto::FetchRequest* request) {
   using Reactor = grpc::ServerWriteReactor<proto::PictureChunk>;
-  return gate_.Serve<Reactor>(context, RuleFor("Jobs.FetchPicture"), [=, this](const Principal& caller) {
-    auto* const stream = new PictureStream(streams_, *context);
+  return gate_.Serve<Reactor>(context, RuleFor("Jobs.FetchPicture"), [=, this](LastingCall call) {
+    const Principal caller = call.caller();
+    auto* const stream = new PictureStream(streams_, std::move(call));
     if (streams_.count > kPictureStreamsMax) {
       stream->Refuse(
           {grpc::StatusCode::RESOURCE_EXHAUSTED, "too many pictures are being fetched; try again"});

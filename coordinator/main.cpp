@@ -14,6 +14,7 @@
 #include "proto/shell/log.h"
 #include "proto/shell/pause.h"
 #include "proto/shell/program.h"
+#include "proto/wire/tls_credentials.h"
 
 namespace tessera {
 namespace {
@@ -59,5 +60,6 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
 }  // namespace tessera
 
 int main(int argc, char** argv) {
+  tessera::AllowOnlyTls13();  // before there are threads
   return tessera::RunProgram("tessera-coordinator", argc, argv, tessera::Run);
 }

@@ -50,8 +50,8 @@ bool ReadAllAt(int file, uint64_t offset, std::string& bytes) {
 
 }  // namespace
 
-PictureStream::PictureStream(PictureStreams& streams, grpc::CallbackServerContext& context)
-    : streams_(streams), watched_(streams.stall_watch.Watch(context)) {
+PictureStream::PictureStream(PictureStreams& streams, LastingCall call)
+    : streams_(streams), call_(std::move(call)), watched_(streams.stall_watch.Watch(call_.context())) {
   ++streams_.count;
 }
 
@@ -94,6 +94,7 @@ Result<void> PictureStream::Keep(std::string bytes) {
 }
 
 void PictureStream::SendNext() {
+  if (const grpc::Status admitted = call_.Recheck(); !admitted.ok()) return Refuse(admitted);
   std::string& data = *chunk_.mutable_data();
   if (file_ < 0) {
     data = std::move(bytes_);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "coordinator/open_calls.h"
 #include "coordinator/stall_watch.h"
 #include "proto/jobs.grpc.pb.h"
 #include "renderer/util/result.h"
@@ -24,7 +25,7 @@ struct PictureStreams {
 // name.
 class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk> {
  public:
-  PictureStream(PictureStreams& streams, grpc::CallbackServerContext& context);
+  PictureStream(PictureStreams& streams, LastingCall call);
   ~PictureStream() override;
   // Whether the client has gone: nobody will read the picture.
   bool is_cancelled() const { return is_cancelled_; }
@@ -40,6 +41,7 @@ class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk>
   void OnDone() override;
 
   PictureStreams& streams_;
+  const LastingCall call_;
   const std::shared_ptr<StallWatch::Call> watched_;
   std::atomic<bool> is_cancelled_{false};
   std::string bytes_;  // unless they are in the file

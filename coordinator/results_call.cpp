@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "coordinator/call_gate.h"
 #include "coordinator/core/tile_request.h"
-#include "coordinator/core_thread.h"
 #include "coordinator/guarded.h"
 #include "coordinator/message_guard.h"
 #include "coordinator/results_intake.h"
@@ -76,16 +76,16 @@ std::string SenderOf(const std::string& peer, WorkerId worker) {
 
 }  // namespace
 
-ResultsCall::ResultsCall(CoreThread& core, ResultsIntake& intake, grpc::CallbackServerContext& context,
-                         CallId id, proto::ResultsAnswer& answer, std::atomic<uint64_t>& bytes_in)
-    : core_(core),
+ResultsCall::ResultsCall(const CallGate& gate, ResultsIntake& intake, LastingCall call, CallId id,
+                         proto::ResultsAnswer& answer, std::atomic<uint64_t>& bytes_in)
+    : gate_(gate),
       intake_(intake),
+      call_(std::move(call)),
       canceller_(std::make_shared<Canceller>()),
-      peer_(context.peer()),
       id_(id),
       answer_(answer),
       bytes_in_(bytes_in) {
-  canceller_->context = &context;
+  canceller_->context = &call_.context();
   StartRead(&received_);
 }
 
@@ -129,19 +129,21 @@ grpc::Status ResultsCall::Announced(const proto::ResultsRequest& announcement) {
     const std::lock_guard lock(canceller->mutex);
     if (canceller->context != nullptr) canceller->context->TryCancel();
   };
-  intake_.Enter({id_, SenderOf(peer_, worker_), bytes_ + decoded_bytes_, admitted, expired});
+  intake_.Enter({id_, SenderOf(call_.caller().peer, worker_), bytes_ + decoded_bytes_, admitted, expired});
   return grpc::Status::OK;
 }
 
 // Decodes here rather than on the core thread, so that checking and copying pixels uses many threads.
 grpc::Status ResultsCall::Received(const proto::ResultsRequest& results) {
   intake_.Arrived(id_);
-  auto units = ReadResults(core_.open_jobs(), results, farm_, decoded_bytes_);
+  auto units = ReadResults(gate_.core().open_jobs(), results, farm_, decoded_bytes_);
   if (!units) return ToStatus(units.error());
   intake_.Shrink(id_, decoded_bytes_);
   const auto shared = std::make_shared<std::vector<ReturnedUnit>>(std::move(*units));
-  core_.Post([this, shared](CoreContext& core) {
-    if (!core.farm.HasJoined(worker_)) return Finish(HasNotJoined());
+  gate_.core().Post([this, shared](CoreContext& core) {
+    const grpc::Status admitted =
+        gate_.AdmitToWorker(call_.caller(), RuleFor("Work.ReturnResults"), core, worker_);
+    if (!admitted.ok()) return Finish(Shortened(admitted));
     core.answers.AwaitResults(id_, [this](const FarmOutput::Results* answer) { Answer(answer); });
     core.farm.ReturnResults(core.now, id_, worker_, std::move(*shared));
   });

@@ -10,11 +10,12 @@
 #include <string>
 
 #include "coordinator/core/farm.h"
+#include "coordinator/open_calls.h"
 #include "proto/work.pb.h"
 
 namespace tessera {
 
-class CoreThread;
+class CallGate;
 class ResultsIntake;
 
 // Reads the announcement, waits until the results are admitted, reads them, passes them to the core and sends
@@ -22,7 +23,7 @@ class ResultsIntake;
 class ResultsCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
   // Adds the bytes read to `bytes_in`.
-  ResultsCall(CoreThread& core, ResultsIntake& intake, grpc::CallbackServerContext& context, CallId id,
+  ResultsCall(const CallGate& gate, ResultsIntake& intake, LastingCall call, CallId id,
               proto::ResultsAnswer& answer, std::atomic<uint64_t>& bytes_in);
 
  private:
@@ -41,10 +42,10 @@ class ResultsCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   grpc::Status Received(const proto::ResultsRequest& results);
   void Answer(const FarmOutput::Results* results);
 
-  CoreThread& core_;
+  const CallGate& gate_;
   ResultsIntake& intake_;
+  const LastingCall call_;
   const std::shared_ptr<Canceller> canceller_;
-  const std::string peer_;
   const CallId id_;
   proto::ResultsAnswer& answer_;
   std::atomic<uint64_t>& bytes_in_;

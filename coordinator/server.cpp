@@ -9,6 +9,7 @@
 #include "coordinator/listener/listener.h"
 #include "coordinator/listener/pending_connections.h"
 #include "proto/wire/channel.h"
+#include "proto/wire/local_socket.h"
 #include "renderer/text/unicode.h"
 
 namespace tessera {
@@ -27,6 +28,9 @@ Result<std::unique_ptr<CoordinatorServer>> CoordinatorServer::Start(
   // Errors are reported by this program, on one line.
   gpr_set_log_function([](gpr_log_func_args*) {});
   if (!security.socket_folder.empty()) {
+    const SocketFolderLock lock(security.socket_folder);
+    if (const int removed = RemoveStaleSockets(security.socket_folder); removed > 0)
+      spdlog::info("stale_sockets_removed count={} folder={}", removed, LogText(security.socket_folder));
     if (const auto opened = listener->OpenLocalSockets(security.socket_folder); !opened)
       spdlog::warn("local_socket_unavailable reason={}", LogText(opened.error().message));
   }

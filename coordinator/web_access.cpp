@@ -1,8 +1,6 @@
 #include "coordinator/web_access.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
-
 #include <future>
 #include <memory>
 
@@ -45,20 +43,32 @@ class WebAccess {
     const std::string_view role = caller.role ? RoleName(*caller.role) : "";
     return Visitor{caller.member, caller.name, std::string(role)};
   }
-  Result<void> Store(const MemberStatus& member, const std::string& peer) const;
+  Result<Visitor> Join(const Digest& key) const;
+  Result<void> Store(const MemberStatus& member) const;
 
   const CallGate& gate_;
   const ChangePath path_;
   const AccessPolicy policy_;
 };
 
-std::string MemberText(MemberId id, Role role, const std::string& name, const std::string& peer) {
-  return fmt::format("peer={} member={} role={} name={}", LogText(peer), MemberIdText(id), RoleName(role),
-                     LogText(name));
+Result<Visitor> WebAccess::Join(const Digest& key, const std::string& peer) const {
+  Principal caller;
+  caller.token_key = key;
+  caller.peer = peer;
+  auto joined = Join(key);
+  if (joined) {
+    CallGate::Audit(caller, kWebLoginRule,
+                    fmt::format("joined={} role={} name={}", MemberIdText(joined->member), joined->role,
+                                LogText(joined->name)),
+                    grpc::Status::OK);
+  } else {
+    gate_.Deny(caller, kWebLoginRule, joined.error().message);
+  }
+  return joined;
 }
 
 // The role is checked first: a token that is of no use here is not used up.
-Result<Visitor> WebAccess::Join(const Digest& key, const std::string& peer) const {
+Result<Visitor> WebAccess::Join(const Digest& key) const {
   const auto token = path_.core.members().FindToken(key);
   if (!token) return BadInput("this farm does not know the token");
   const UnixTime now = UnixNow();
@@ -75,27 +85,27 @@ Result<Visitor> WebAccess::Join(const Digest& key, const std::string& peer) cons
   caller.name = member.name;
   auto visitor = Admit(caller);
   if (!visitor) return visitor;
-  if (const auto stored = Store(member, peer); !stored) return stored.error();
+  if (const auto stored = Store(member); !stored) return stored.error();
   return visitor;
 }
 
 // Waits until the use of the token is on stable storage.
-Result<void> WebAccess::Store(const MemberStatus& member, const std::string& peer) const {
+Result<void> WebAccess::Store(const MemberStatus& member) const {
   if (const auto space = path_.directory.CheckSpace(0); !space) return space;
   // Shared: the core thread may answer after this call has stopped waiting.
   const auto promise = std::make_shared<std::promise<Result<void>>>();
   auto answer = promise->get_future();
-  path_.core.Post([=](CoreContext& core) {
+  CoreThread& core_thread = path_.core;
+  core_thread.Post([promise, member, &core_thread](CoreContext& core) {
     if (const std::string& reason = core.farm.storage_reason(); !reason.empty())
       return promise->set_value(Failed("the coordinator cannot write its data: " + reason));
     const auto joined = core.farm.membership().Join(UnixNow(), member);
     if (!joined) return promise->set_value(joined);
-    spdlog::info("member_joined {} token={} by=\"a browser\"",
-                 MemberText(member.id, member.role, member.name, peer), TokenIdText(member.token));
-    core.answers.AfterSync([promise](const Result<void>& synced) {
+    core.answers.AfterSync([promise, member, &core_thread](const Result<void>& synced) {
       if (synced) return promise->set_value({});
-      promise->set_value(Failed(
-          fmt::format("the coordinator cannot write its data: {}; {}", synced.error().message, kRemedy)));
+      // Nobody uses a membership that is not recorded.
+      core_thread.Post([id = member.id](CoreContext& later) { later.farm.membership().UndoJoin(id); });
+      promise->set_value(Failed("the coordinator cannot write its data: " + synced.error().message));
     });
   });
   if (answer.wait_for(kCorePatience) != std::future_status::ready)
@@ -108,7 +118,12 @@ void WebAccess::Leave(MemberId id, const std::string& peer) const {
     MembershipLedger& ledger = core.farm.membership();
     if (!ledger.RevokeMember(id)) return;
     const MemberStatus& member = ledger.members().at(id);
-    spdlog::info("member_left {}", MemberText(id, member.role, member.name, peer));
+    Principal caller;
+    caller.role = member.role;
+    caller.member = id;
+    caller.name = member.name;
+    caller.peer = peer;
+    CallGate::Audit(caller, kWebLogoutRule, "", grpc::Status::OK);
   });
 }
 

@@ -8,7 +8,10 @@
 namespace tessera {
 
 // The pages show what Permission::kView shows, so they follow that rule of the table (access.h).
-constexpr CallRule kWebPageRule{"the web pages", Permission::kView};
+constexpr CallRule kWebPageRule{"the web pages", Permission::kView, Effect::kReads};
+// For the audit log.
+constexpr CallRule kWebLoginRule{"Web.Login", Permission::kJoin, Effect::kChanges};
+constexpr CallRule kWebLogoutRule{"Web.Logout", Permission::kRenew, Effect::kChanges};
 
 // `gate` and the parts of `path` must outlive it.
 WebGate MakeWebGate(const CallGate& gate, const ChangePath& path, AccessPolicy policy);

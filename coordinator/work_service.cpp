@@ -14,7 +14,9 @@ constexpr std::chrono::milliseconds kExpiryInterval{250};
 // A call that waits for news. If it is cancelled, the worker is gone.
 class SynchronizeCall final : public grpc::ServerUnaryReactor {
  public:
-  SynchronizeCall(CoreThread& core, CallId id) : core_(core), id_(id) {}
+  SynchronizeCall(CoreThread& core, CallId id, LastingCall call)
+      : core_(core), id_(id), call_(std::move(call)) {}
+  const Principal& caller() const { return call_.caller(); }
 
  private:
   void OnCancel() override {
@@ -29,6 +31,7 @@ class SynchronizeCall final : public grpc::ServerUnaryReactor {
 
   CoreThread& core_;
   CallId id_;
+  const LastingCall call_;
 };
 
 }  // namespace
@@ -58,16 +61,22 @@ grpc::ServerUnaryReactor* WorkService::Synchronize(grpc::CallbackServerContext* 
                                                    const proto::WorkerState* request,
                                                    proto::WorkerDirective* answer) {
   using Reactor = grpc::ServerUnaryReactor;
-  return gate_.Serve<Reactor>(context, RuleFor("Work.Synchronize"), [=, this](const Principal&) {
+  return gate_.Serve<Reactor>(context, RuleFor("Work.Synchronize"), [=, this](LastingCall lasting) {
     CoreThread& thread = gate_.core();
     const CallId id{call_next_++};
-    auto* const call = new SynchronizeCall(thread, id);
+    auto* const call = new SynchronizeCall(thread, id, std::move(lasting));
     auto state = ReadWorkerState(*request);
     if (!state) {
       call->Finish(ToStatus(state.error()));
       return call;
     }
-    thread.Post([call, id, answer, state = std::move(*state)](CoreContext& core) {
+    const Principal& caller = call->caller();
+    state->member = caller.member;
+    if (caller.member != MemberId{}) state->name = caller.name;
+    thread.Post([=, this, state = std::move(*state)](CoreContext& core) {
+      const grpc::Status admitted =
+          gate_.AdmitJoin(call->caller(), RuleFor("Work.Synchronize"), core, state.worker);
+      if (!admitted.ok()) return call->Finish(Shortened(admitted));
       if (const grpc::Status may_join = CheckJoin(core.farm, state); !may_join.ok())
         return call->Finish(may_join);
       core.answers.AwaitDirective(id, [call, answer](const WorkerDirective* directive) {
@@ -83,8 +92,8 @@ grpc::ServerUnaryReactor* WorkService::Synchronize(grpc::CallbackServerContext* 
 grpc::ServerReadReactor<grpc::ByteBuffer>* WorkService::ReturnResults(grpc::CallbackServerContext* context,
                                                                       proto::ResultsAnswer* answer) {
   using Reactor = grpc::ServerReadReactor<grpc::ByteBuffer>;
-  return gate_.Serve<Reactor>(context, RuleFor("Work.ReturnResults"), [=, this](const Principal&) {
-    return new ResultsCall(gate_.core(), intake_, *context, CallId{call_next_++}, *answer, bytes_in_);
+  return gate_.Serve<Reactor>(context, RuleFor("Work.ReturnResults"), [=, this](LastingCall call) {
+    return new ResultsCall(gate_, intake_, std::move(call), CallId{call_next_++}, *answer, bytes_in_);
   });
 }
 
@@ -98,7 +107,7 @@ grpc::ServerUnaryReactor* WorkService::ReturnFailure(grpc::CallbackServerContext
     if (!farm) return call.Finish(ToStatus(farm.error()));
     // A failure of another farm is answered, so that the worker forgets it.
     const auto apply = [=, farm = *farm](CoreContext& core, const auto& fail) -> grpc::Status {
-      if (!core.farm.HasJoined(worker)) return HasNotJoined();
+      if (const grpc::Status admitted = call.AdmitToWorker(core, worker); !admitted.ok()) return admitted;
       answer->set_farm(WriteFarmId(core.farm.id()));
       if (farm == core.farm.id()) fail();
       return grpc::Status::OK;

@@ -20,7 +20,7 @@
 
 namespace tessera {
 
-constexpr uint32_t kProtocolVersion = 5;           // counts changes that older programs would misread
+constexpr uint32_t kProtocolVersion = 6;           // counts changes that older programs would misread
 constexpr const char* kSoftwareVersion = "0.1.0";  // one per farm: pictures are exact per release
 
 constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message
@@ -147,8 +147,9 @@ struct WorkerState {
   uint32_t protocol = kProtocolVersion;
   WorkerId worker{};
   FarmId farm;            // of which the leases are
+  MemberId member{};      // whose certificate it has; 0: none. The coordinator sets it
   uint64_t sequence = 0;  // of Synchronize calls
-  std::string name;
+  std::string name;       // for people; of a member, the name in the farm's list of members
   int slots = 1;
   std::string software_version = kSoftwareVersion;
   std::string build_digest;  // raw bytes; may be empty

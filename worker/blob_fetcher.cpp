@@ -38,12 +38,14 @@ bool MayPass(const grpc::Status& status) {
 
 }  // namespace
 
-Result<std::string> BlobFetcher::Get(const Digest& digest, uint64_t size_max) {
+Result<std::string> BlobFetcher::Get(const Digest& package, const Digest& digest, uint64_t size_max) {
   if (auto cached = ReadCached(digest, size_max)) return std::move(*cached);
-  auto bytes = DownloadToMemory(digest, std::min(size_max, kSceneFileSizeMax));
+  Wanted wanted{package, digest, std::min(size_max, kSceneFileSizeMax)};
+  auto bytes = DownloadToMemory(wanted);
   if (!bytes) return bytes;
   // The second time the coordinator reads its file again and drops it if it is corrupt.
-  if (Sha256(*bytes) != digest) bytes = DownloadToMemory(digest, std::min(size_max, kSceneFileSizeMax), true);
+  wanted.suspect = Sha256(*bytes) != digest;
+  if (wanted.suspect) bytes = DownloadToMemory(wanted);
   if (!bytes) return bytes;
   if (Sha256(*bytes) != digest) {
     return Failed(
@@ -65,33 +67,34 @@ std::optional<std::string> BlobFetcher::ReadCached(const Digest& digest, uint64_
   return std::nullopt;
 }
 
-Result<std::string> BlobFetcher::DownloadToMemory(const Digest& digest, uint64_t size_max, bool suspect) {
+Result<std::string> BlobFetcher::DownloadToMemory(const Wanted& wanted) {
   std::string bytes;
   const auto add = [&](std::string_view piece) -> Result<void> {
     bytes += piece;
     return {};
   };
-  const auto done = Download(digest, size_max, {[&] { return uint64_t{bytes.size()}; }, add}, suspect);
+  const auto done = Download(wanted, {[&] { return uint64_t{bytes.size()}; }, add});
   if (!done) return done.error();
   return bytes;
 }
 
-Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, const Sink& sink, bool suspect) {
-  const std::string what = fmt::format("fetch file {}", digest.Hex());
+Result<void> BlobFetcher::Download(const Wanted& wanted, const Sink& sink) {
+  const std::string what = fmt::format("fetch file {}", wanted.digest.Hex());
   Backoff backoff(seed_);
   auto progress_at = std::chrono::steady_clock::now();
   while (true) {
     const uint64_t before = sink.size();
     proto::DownloadRequest request;
-    request.set_digest(WriteDigest(digest));
+    request.set_digest(WriteDigest(wanted.digest));
+    request.set_package(WriteDigest(wanted.package));
     request.set_offset(before);
-    request.set_suspect(suspect);
+    request.set_suspect(wanted.suspect);
     std::optional<uint64_t> size;
     const auto take = [&](const proto::DownloadChunk& chunk) -> Result<void> {
       if (!size) size = chunk.size();
       on_bytes_(chunk.data().size());
       const bool fits =
-          *size <= size_max && sink.size() <= *size && chunk.data().size() <= *size - sink.size();
+          *size <= wanted.size_max && sink.size() <= *size && chunk.data().size() <= *size - sink.size();
       return fits ? sink.add(chunk.data())
                   : Failed(fmt::format("cannot {}: it is larger than announced", what));
     };
@@ -112,7 +115,7 @@ Result<void> BlobFetcher::Download(const Digest& digest, uint64_t size_max, cons
   }
 }
 
-Result<uint64_t> BlobFetcher::FetchFile(const PackageFile& file) {
+Result<uint64_t> BlobFetcher::FetchFile(const Digest& package, const PackageFile& file) {
   const auto begun = std::chrono::steady_clock::now();
   bool suspect = false;
   while (cache_.Size(file.digest) != file.size) {
@@ -127,7 +130,8 @@ Result<uint64_t> BlobFetcher::FetchFile(const PackageFile& file) {
     BlobStore::Partial& blob = **partial;
     const uint64_t before = blob.received();
     const auto add = [&](std::string_view piece) { return blob.Add(piece); };
-    const auto done = Download(file.digest, file.size, {[&] { return blob.received(); }, add}, suspect);
+    const auto done =
+        Download({package, file.digest, file.size, suspect}, {[&] { return blob.received(); }, add});
     if (!done) return done.error();
     const auto finished = blob.Finish();
     if (finished) return file.size - before;
@@ -140,7 +144,7 @@ Result<uint64_t> BlobFetcher::FetchFile(const PackageFile& file) {
 }
 
 Result<uint64_t> BlobFetcher::FetchPackage(const Digest& digest) {
-  const auto manifest = Get(digest, kManifestBytesMax);
+  const auto manifest = Get(digest, digest, kManifestBytesMax);
   if (!manifest) return manifest.error();
   const auto package = DecodeScenePackage(*manifest);
   if (!package) return package.error();
@@ -158,7 +162,7 @@ Result<uint64_t> BlobFetcher::FetchPackage(const Digest& digest) {
   std::optional<Error> error;
   const auto fetch_next = [&] {
     for (size_t next = taken++; next < queue.size() && !stop_.stop_requested(); next = taken++) {
-      const auto done = FetchFile(queue[next]);
+      const auto done = FetchFile(digest, queue[next]);
       if (done) {
         fetched += *done;
         continue;

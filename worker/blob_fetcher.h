@@ -42,8 +42,9 @@ class BlobFetcher {
         seed_(seed),
         on_bytes_(std::move(on_bytes)),
         patience_(patience) {}
-  // The bytes of the blob. A download that breaks is resumed where it stopped, as long as it makes progress.
-  Result<std::string> Get(const Digest& digest, uint64_t size_max);
+  // The bytes of a blob of a scene package: a file or the manifest. A download that breaks is resumed where
+  // it stopped, as long as it makes progress.
+  Result<std::string> Get(const Digest& package, const Digest& digest, uint64_t size_max);
   // Fetches all files of the package into the cache, several in parallel, each once per machine. Returns the
   // number of bytes received. Files that do not fit into the cache are left to Get.
   Result<uint64_t> FetchPackage(const Digest& package);
@@ -54,11 +55,15 @@ class BlobFetcher {
     std::function<uint64_t()> size;
     std::function<Result<void>(std::string_view)> add;
   };
-  // `suspect`: other bytes than those of the digest were received before.
-  Result<void> Download(const Digest& digest, uint64_t size_max, const Sink& sink, bool suspect = false);
+  struct Wanted {
+    Digest package, digest;
+    uint64_t size_max = 0;
+    bool suspect = false;  // other bytes than those of the digest were received before
+  };
+  Result<void> Download(const Wanted& wanted, const Sink& sink);
   std::optional<std::string> ReadCached(const Digest& digest, uint64_t size_max);
-  Result<std::string> DownloadToMemory(const Digest& digest, uint64_t size_max, bool suspect = false);
-  Result<uint64_t> FetchFile(const PackageFile& file);
+  Result<std::string> DownloadToMemory(const Wanted& wanted);
+  Result<uint64_t> FetchFile(const Digest& package, const PackageFile& file);
 
   std::shared_ptr<grpc::Channel> channel_;
   const BlobStore& cache_;

@@ -5,6 +5,7 @@
 #include "proto/blobs/blob_store.h"
 #include "proto/shell/log.h"
 #include "proto/shell/program.h"
+#include "proto/wire/tls_credentials.h"
 #include "renderer/formats/loader/module_loader.h"
 #include "worker/cache_folder.h"
 #include "worker/farm_login.h"
@@ -46,5 +47,6 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
 }  // namespace tessera
 
 int main(int argc, char** argv) {
+  tessera::AllowOnlyTls13();  // before there are threads
   return tessera::RunProgram(tessera::kProgram, argc, argv, tessera::Run);
 }

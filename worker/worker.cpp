@@ -224,8 +224,8 @@ void Worker::LoadScene(const SceneRequest& order) {
   if (closing_.stop_requested()) return;
   meter_.LoaderDoes(ActivityMeter::Loader::kLoading, Clock::now());
   synchronizer_.NotifyNews();
-  const FetchBlob fetch = [this](const Digest& digest, uint64_t size_max) {
-    return fetcher_.Get(digest, size_max);
+  const FetchBlob fetch = [&](const Digest& digest, uint64_t size_max) {
+    return fetcher_.Get(order.package, digest, size_max);
   };
   auto scene = LoadWithinLimits(order.scene_file, load_limits_,
                                 [&] { return LoadOrderedScene(order, fetch, assets_); });

@@ -166,7 +166,8 @@ class Uploader {
           SendBlob(stub_, context.get(), source, std::min(held, source.size), bytes_sent_);
       if (status.ok()) return {};
       const bool too_late = std::chrono::steady_clock::now() > deadline;
-      if (!IsTransient(status) || too_late || !Pause(broken_.get_token(), waits.Next()))
+      const bool may_pass = IsTransient(status) || WasCutOff(status, broken_.get_token());
+      if (!may_pass || too_late || !Pause(broken_.get_token(), waits.Next()))
         return connection_.ErrorOf(status, what);
       ReportSlow(what, status);
       const auto missing = FindMissing({WriteDigest(source.digest)});

@@ -287,8 +287,8 @@ Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(c
     grpc::Status status = reader->Finish();
     if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "the coordinator closed the stream"};
     const bool too_late = std::chrono::steady_clock::now() - last_report > kWatchPatience;
-    if (!IsTransient(status) || too_late ||
-        !AwaitNextAttempt(*connection_->channel, connection_->stop, waits.Next()))
+    const bool may_pass = IsTransient(status) || WasCutOff(status, connection_->stop);
+    if (!may_pass || too_late || !AwaitNextAttempt(*connection_->channel, connection_->stop, waits.Next()))
       return watched.ErrorOf(status, connection_->ErrorOf(status, what));
   }
 }

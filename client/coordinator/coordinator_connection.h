@@ -82,6 +82,12 @@ inline bool AwaitNextAttempt(grpc::Channel& channel, const std::stop_token& stop
   return !stop.stop_requested();
 }
 
+// Whether the coordinator cancelled the call, as it does with peers that stall and with members that are
+// revoked. The next call brings the reason.
+inline bool WasCutOff(const grpc::Status& status, const std::stop_token& stop) {
+  return status.error_code() == grpc::StatusCode::CANCELLED && !stop.stop_requested();
+}
+
 // Calls `attempt`, which makes one call and returns its status, until it succeeds, fails with an error that
 // does not pass, a stop is requested, or kRetryPatience is over. Errors name the call as `what`. Every call
 // of the protocol may be repeated.
@@ -93,8 +99,9 @@ Result<void> WithRetries(const Connection& connection, const std::string& what, 
     const grpc::Status status = attempt();
     if (status.ok()) return {};
     const auto wait = waits.Next();
-    const bool retry = status.error_code() == grpc::StatusCode::UNAVAILABLE &&
-                       std::chrono::steady_clock::now() + wait < deadline;
+    const bool may_pass =
+        status.error_code() == grpc::StatusCode::UNAVAILABLE || WasCutOff(status, connection.stop);
+    const bool retry = may_pass && std::chrono::steady_clock::now() + wait < deadline;
     if (!retry || !AwaitNextAttempt(*connection.channel, connection.stop, wait))
       return connection.ErrorOf(status, what);
   }

@@ -30,6 +30,7 @@ enum class Kind : uint32_t {
   kMemberRenewed = 43,
   kMemberRevoked = 44,
   kJobOwned = 45,
+  kAuthorityChosen = 46,
 };
 
 void Add(ByteWriter& out, const JobSubmitted& fact) {
@@ -152,6 +153,11 @@ void Add(ByteWriter& out, const JobOwned& fact) {
   out.AddText(fact.owner.name);
 }
 
+void Add(ByteWriter& out, const AuthorityChosen& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kAuthorityChosen));
+  AddDigest(out, fact.fingerprint);
+}
+
 // Returns nullopt for facts that are not about members.
 std::optional<Fact> ReadMembershipFact(Kind kind, ByteReader& in) {
   switch (kind) {
@@ -172,6 +178,10 @@ std::optional<Fact> ReadMembershipFact(Kind kind, ByteReader& in) {
       return MemberRenewed{id, static_cast<UnixTime>(in.Read64())};
     }
     case Kind::kMemberRevoked: return MemberRevoked{MemberId{in.Read64()}};
+    case Kind::kAuthorityChosen: {
+      AuthorityChosen fact;
+      return ReadDigest(in, fact.fingerprint) ? std::optional<Fact>(fact) : std::nullopt;
+    }
     case Kind::kJobOwned: {
       JobOwned fact;
       fact.job = JobId{in.Read64()};

@@ -122,10 +122,15 @@ struct MemberRevoked {
   MemberId id{};
 };
 
-using Fact =
-    std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended, JobsForgotten,
-                 FrameResumed, JobPaused, JobPriorityChanged, WorkerQuarantined, VoteRecorded, UnitsCounted,
-                 TokenIssued, TokenRevoked, MemberJoined, MemberRenewed, MemberRevoked, JobOwned>;
+// The authority that issues the certificates of members from now on.
+struct AuthorityChosen {
+  Digest fingerprint{};
+};
+
+using Fact = std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended,
+                          JobsForgotten, FrameResumed, JobPaused, JobPriorityChanged, WorkerQuarantined,
+                          VoteRecorded, UnitsCounted, TokenIssued, TokenRevoked, MemberJoined, MemberRenewed,
+                          MemberRevoked, JobOwned, AuthorityChosen>;
 
 // A 32-bit number of the kind, then its members in order (byte_codec.h), texts and lists preceded by a 64-bit
 // length. The meaning of a number never changes: a kind whose members change gets another number, and those

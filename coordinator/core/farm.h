@@ -46,7 +46,9 @@ class Farm {
   // Why the worker cannot join now, or empty: it should try again later.
   std::string WhyNoPlace(WorkerId worker) const;
   // Whether the worker has sent its state to this process: before that nothing that it returns is accepted.
-  bool HasJoined(WorkerId worker) const { return state_.scheduler.HasJoined(worker); }
+  bool HasJoined(WorkerId worker) const { return state_.scheduler.MemberOf(worker).has_value(); }
+  // Whose certificate the worker has, 0 if it has none. Returns nullopt if it has not joined.
+  std::optional<MemberId> MemberOf(WorkerId worker) const { return state_.scheduler.MemberOf(worker); }
   // Answered in some later output: when there is news for the worker, at the latest after the wait it asked
   // for. A worker that comes from another farm, or from none, is answered in the next.
   void Synchronize(Instant now, CallId call, WorkerState state);

@@ -85,6 +85,7 @@ void FarmRecovery::Restore(const Fact& fact) {
           [&](const MemberJoined& each) { state_.membership.Restore(each); },
           [&](const MemberRenewed& each) { state_.membership.Restore(each); },
           [&](const MemberRevoked& each) { state_.membership.Restore(each); },
+          [&](const AuthorityChosen& each) { state_.membership.Restore(each); },
       },
       fact);
 }

@@ -38,6 +38,7 @@ void MembershipLedger::Restore(const MemberRevoked& fact) {
 
 // Members come first: a token holds the uses that were left after they joined.
 void MembershipLedger::AppendSnapshot(std::vector<Fact>& facts) const {
+  if (authority_) facts.emplace_back(AuthorityChosen{*authority_});
   for (const auto& [id, member] : members_) {
     MemberStatus joined = member;
     joined.revoked = false;
@@ -50,6 +51,12 @@ void MembershipLedger::AppendSnapshot(std::vector<Fact>& facts) const {
     facts.emplace_back(TokenIssued{std::move(issued)});
     if (token.revoked) facts.emplace_back(TokenRevoked{key});
   }
+}
+
+void MembershipLedger::ChooseAuthority(const Digest& fingerprint) {
+  if (authority_ == fingerprint) return;
+  facts_.emplace_back(AuthorityChosen{fingerprint});
+  authority_ = fingerprint;
 }
 
 Result<void> MembershipLedger::IssueToken(const TokenStatus& token) {
@@ -79,7 +86,7 @@ Result<void> MembershipLedger::Join(UnixTime now, const MemberStatus& member) {
     return Failed(why + "; ask an operator of the farm for another");
   Forget(now);
   if (members_.size() >= kMembersMax)
-    return Failed(fmt::format("the farm has {} members, which is its limit", kMembersMax));
+    return Failed(fmt::format("the farm has {} members, which is its limit; revoke some", kMembersMax));
   if (members_.contains(member.id)) return Failed("the number of the new member is taken; try again");
   facts_.emplace_back(MemberJoined{member});
   Restore(MemberJoined{member});
@@ -99,6 +106,17 @@ Result<void> MembershipLedger::Enrol(UnixTime now, const MemberStatus& member) {
     known->second.expires = member.expires;
   }
   return {};
+}
+
+void MembershipLedger::UndoJoin(MemberId id) {
+  if (!RevokeMember(id)) return;
+  const auto token = tokens_.find(members_.at(id).token);
+  if (token == tokens_.end()) return;
+  ++token->second.uses_left;
+  TokenStatus issued = token->second;
+  issued.revoked = false;
+  facts_.emplace_back(TokenIssued{std::move(issued)});
+  if (token->second.revoked) facts_.emplace_back(TokenRevoked{token->first});
 }
 
 Result<void> MembershipLedger::Renew(UnixTime now, MemberId id, UnixTime expires) {
@@ -130,12 +148,15 @@ bool MembershipLedger::RevokeMember(MemberId id) {
 
 // Needs no facts: what a later process restores of them it forgets again. A member whose last certificate has
 // expired long ago cannot come back with it, revoked or not; but an organisation may issue another for the
-// same member.
+// same member. One that was revoked makes room when there is no other: whoever is not known is refused as
+// well.
 void MembershipLedger::Forget(UnixTime now) {
+  const bool are_full = members_.size() >= kMembersMax;
   std::erase_if(members_, [&](const auto& each) {
     const MemberStatus& member = each.second;
     const bool may_return = member.IsOfOrganisation() && member.revoked;
-    return member.expires + kForgetAfter_s < now && !may_return;
+    const bool is_unneeded = member.expires + kForgetAfter_s < now || (member.revoked && are_full);
+    return is_unneeded && !may_return;
   });
   std::erase_if(tokens_, [&](const auto& each) {
     const TokenStatus& token = each.second;

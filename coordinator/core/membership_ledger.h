@@ -32,6 +32,7 @@ class MembershipLedger {
   void Restore(const MemberJoined& fact);
   void Restore(const MemberRenewed& fact);
   void Restore(const MemberRevoked& fact);
+  void Restore(const AuthorityChosen& fact) { authority_ = fact.fingerprint; }
   // Facts that lead to the present state.
   void AppendSnapshot(std::vector<Fact>& facts) const;
 
@@ -42,11 +43,18 @@ class MembershipLedger {
   // The holder of a certificate of an organisation becomes a member, or has a later certificate. Does nothing
   // if that is known.
   Result<void> Enrol(UnixTime now, const MemberStatus& member);
+  // The member never got its certificate: it is revoked, and its token has its use back.
+  void UndoJoin(MemberId id);
   // The member has a certificate until `expires`.
   Result<void> Renew(UnixTime now, MemberId id, UnixTime expires);
   // Return false if there is none, or if it was revoked already.
   bool RevokeToken(const Digest& key);
   bool RevokeMember(MemberId id);
+
+  // The farm's authority has this fingerprint from now on. Does nothing if it had it before.
+  void ChooseAuthority(const Digest& fingerprint);
+  // Returns nullopt if it is not known: the farm has never had one, or had it before it was recorded.
+  const std::optional<Digest>& authority() const { return authority_; }
 
   // Why the token cannot be used, or empty.
   std::string WhyUnusable(UnixTime now, const Digest& key) const;
@@ -57,6 +65,7 @@ class MembershipLedger {
   void Forget(UnixTime now);
 
   std::vector<Fact>& facts_;
+  std::optional<Digest> authority_;
   std::map<Digest, TokenStatus> tokens_;
   std::map<MemberId, MemberStatus> members_;
 };

@@ -39,6 +39,26 @@ Result<Authority> OpenAuthority(const std::string& path, bool& is_new, UnixTime 
   return Authority::FromPem(*pem, path);
 }
 
+// Members of a farm accept its authority alone, so a farm that has some does not get another one unasked.
+Result<void> CheckExpected(const std::string& folder, const ExpectedAuthority& expected) {
+  if (!expected.has_members) return {};
+  constexpr const char* kRemedy =
+      "so its members could not connect; put the folder back, or let all of them join again with "
+      "--start-afresh";
+  const std::string path = AuthorityPath(folder);
+  if (!std::filesystem::exists(path))
+    return Failed(fmt::format("{}: the key of the farm's authority is missing, {}", folder, kRemedy));
+  if (!expected.fingerprint) return {};
+  const auto pem = ReadPrivateFile(path);
+  if (!pem) return pem.error();
+  const auto authority = Authority::FromPem(*pem, path);
+  if (!authority) return authority.error();
+  const Digest found = authority->certificate().Fingerprint();
+  if (found == *expected.fingerprint) return {};
+  return Failed(fmt::format("{}: holds the authority of another farm (fingerprint {}, this farm's is {}), {}",
+                            folder, found.Hex(), expected.fingerprint->Hex(), kRemedy));
+}
+
 // Whether the certificate can be used for at least half of its life, by this authority and for these names.
 bool IsUsable(const std::string& path, const Authority& authority, const std::vector<std::string>& names,
               UnixTime now) {
@@ -84,7 +104,8 @@ bool FarmIdentity::Exists(const std::string& folder) {
 }
 
 Result<FarmIdentity> FarmIdentity::Open(const std::string& folder, std::vector<std::string> host_names,
-                                        UnixTime now) {
+                                        UnixTime now, const ExpectedAuthority& expected) {
+  if (auto checked = CheckExpected(folder, expected); !checked) return checked.error();
   if (auto made = PreparePrivateFolder(folder); !made) return made.error();
   bool is_new = false;
   auto authority = OpenAuthority(AuthorityPath(folder), is_new, now);

@@ -4,6 +4,7 @@
 //   shown.pem         with a certificate of an organisation: what is shown instead (organisation.h)
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,19 @@ namespace tessera {
 // A coordinator's certificate is made again when less than half of this is left.
 constexpr std::chrono::hours kCoordinatorLifetime{24 * 365};
 
+// What a farm knows of its authority: that members have certificates of it, and its fingerprint.
+struct ExpectedAuthority {
+  bool has_members = false;
+  std::optional<Digest> fingerprint;  // if it is known
+};
+
 class FarmIdentity {
  public:
   // Reads the folder and makes what is missing. The coordinator's certificate is also made again if it is not
-  // for `host_names`, has less than half of its life left or is not of this authority.
+  // for `host_names`, has less than half of its life left or is not of this authority. Fails and leaves the
+  // folder as it is if its authority is missing or is not that of `expected`.
   static Result<FarmIdentity> Open(const std::string& folder, std::vector<std::string> host_names,
-                                   UnixTime now);
+                                   UnixTime now, const ExpectedAuthority& expected = {});
 
   // Whether the folder has an authority.
   static bool Exists(const std::string& folder);

@@ -7,6 +7,7 @@ namespace tessera {
 
 void MemberBoard::Set(const MembershipLedger& ledger) {
   const std::unique_lock lock(mutex_);
+  authority_ = ledger.authority();
   members_ = ledger.members();
   tokens_ = ledger.tokens();
 }
@@ -24,10 +25,19 @@ void MemberBoard::Note(const Fact& fact) {
     change_member(renewed->id, [&](MemberStatus& member) { member.expires = renewed->expires; });
   } else if (const auto* revoked = std::get_if<MemberRevoked>(&fact)) {
     change_member(revoked->id, [](MemberStatus& member) { member.revoked = true; });
+    ++revocations_;
   } else if (const auto* issued = std::get_if<TokenIssued>(&fact)) {
     const std::unique_lock lock(mutex_);
     tokens_[issued->token.key] = issued->token;
+  } else if (const auto* chosen = std::get_if<AuthorityChosen>(&fact)) {
+    const std::unique_lock lock(mutex_);
+    authority_ = chosen->fingerprint;
   }
+}
+
+std::optional<Digest> MemberBoard::authority() const {
+  const std::shared_lock lock(mutex_);
+  return authority_;
 }
 
 bool MemberBoard::HasMembers() const {

@@ -8,8 +8,12 @@ void RareLog::Warn(const std::string& event, const std::string& detail) {
   const std::lock_guard lock(mutex_);
   ++count_;
   const auto now = std::chrono::steady_clock::now();
-  if (now < due_) return;
-  due_ = now + interval_;
+  if (now >= due_) {
+    due_ = now + interval_;
+    left_ = burst_;
+  }
+  if (left_ == 0) return;
+  --left_;
   spdlog::warn("{} count={} {}", event, count_, detail);
   count_ = 0;
 }

@@ -8,18 +8,21 @@
 
 namespace tessera {
 
-// Writes the first event immediately and counts the others of an interval, so that an attack cannot fill the
+// Writes the first events of an interval immediately and counts the others, so that an attack cannot fill the
 // disk of the log. Thread safe.
 class RareLog {
  public:
-  explicit RareLog(std::chrono::milliseconds interval) : interval_(interval) {}
+  // `burst`: the events that are written in an interval.
+  explicit RareLog(std::chrono::milliseconds interval, int burst = 1) : interval_(interval), burst_(burst) {}
   // Logs "EVENT count=N DETAIL" as a warning. N includes the events since the last line.
   void Warn(const std::string& event, const std::string& detail);
 
  private:
   const std::chrono::milliseconds interval_;
+  const int burst_;
   std::mutex mutex_;
   std::chrono::steady_clock::time_point due_{};  // guarded by mutex_
+  int left_ = 0;                                 // of the burst; guarded by mutex_
   uint64_t count_ = 0;                           // guarded by mutex_
 };
 

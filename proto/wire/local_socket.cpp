@@ -1,11 +1,19 @@
 #include "proto/wire/local_socket.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include "proto/identity/private_file.h"
 
@@ -14,6 +22,22 @@ namespace {
 
 bool IsWildcard(const std::string& host) {
   return host == "0.0.0.0" || host == "::";
+}
+
+constexpr const char* kSocketEnding = ".socket";
+
+// Whether the kernel knows that nobody listens on the socket. A listener that is only busy is one.
+bool IsDeserted(const std::string& path) {
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  if (path.size() >= sizeof name.sun_path) return false;
+  std::memcpy(name.sun_path, path.c_str(), path.size() + 1);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (socket < 0) return false;
+  const bool is_refused =
+      ::connect(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name) != 0 && errno == ECONNREFUSED;
+  ::close(socket);
+  return is_refused;
 }
 
 }  // namespace
@@ -31,6 +55,28 @@ Result<void> PrepareLocalSocketFolder(const std::string& folder) {
   return PreparePrivateFolder(folder);
 }
 
+SocketFolderLock::SocketFolderLock(const std::string& folder)
+    : folder_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (folder_ >= 0) ::flock(folder_, LOCK_EX);
+}
+
+SocketFolderLock::~SocketFolderLock() {
+  if (folder_ >= 0) ::close(folder_);
+}
+
+int RemoveStaleSockets(const std::string& folder) {
+  int removed = 0;
+  std::error_code failed;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, failed)) {
+    const std::string path = entry.path().string();
+    struct stat status {};
+    if (entry.path().extension() != kSocketEnding || ::lstat(path.c_str(), &status) != 0) continue;
+    const bool is_ours = S_ISSOCK(status.st_mode) && status.st_uid == ::geteuid();
+    if (is_ours && IsDeserted(path) && ::unlink(path.c_str()) == 0) ++removed;
+  }
+  return removed;
+}
+
 std::optional<Address> LocalSocketOf(const Address& address, const std::string& folder) {
   if (address.kind != Address::Kind::kTcp) return std::nullopt;
   std::string host = address.host;
@@ -39,7 +85,8 @@ std::optional<Address> LocalSocketOf(const Address& address, const std::string& 
   std::ranges::replace_if(
       host, [](char each) { return std::isalnum(static_cast<unsigned char>(each)) == 0 && each != '.'; },
       '_');
-  auto socket = ParseAddress(fmt::format("unix:{}/{}-{}.socket", folder, host, address.port), "local socket");
+  auto socket =
+      ParseAddress(fmt::format("unix:{}/{}-{}{}", folder, host, address.port, kSocketEnding), "local socket");
   return socket ? std::optional(std::move(*socket)) : std::nullopt;
 }
 

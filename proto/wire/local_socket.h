@@ -20,6 +20,23 @@ std::string LocalSocketFolder(const ReadVariable& environment);
 // Creates the folder with mode 0700, or checks that it belongs to this user alone.
 Result<void> PrepareLocalSocketFolder(const std::string& folder);
 
+// Keeps other coordinators of this user from opening sockets in the folder while it exists, so that none is
+// seen between being named and listening. Waits for them. Does nothing if there is no such folder.
+class SocketFolderLock {
+ public:
+  explicit SocketFolderLock(const std::string& folder);
+  ~SocketFolderLock();
+  SocketFolderLock(const SocketFolderLock&) = delete;
+  SocketFolderLock& operator=(const SocketFolderLock&) = delete;
+
+ private:
+  int folder_;
+};
+
+// Removes sockets of this user in the folder on which nobody listens, such as those of coordinators that were
+// killed. Call it with a lock. Returns how many.
+int RemoveStaleSockets(const std::string& folder);
+
 // The socket of a TCP address that this machine alone can reach, or that stands for all addresses of this
 // machine. Returns nullopt for others, and if the path would be too long for a socket.
 std::optional<Address> LocalSocketOf(const Address& address, const std::string& folder);

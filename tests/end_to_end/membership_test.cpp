@@ -1,5 +1,9 @@
 // Members join over TLS with tokens; everybody else stays out.
 #include <gmock/gmock.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <memory>
 
 #include "tests/end_to_end/membership_fixture.h"
 
@@ -17,7 +21,7 @@ TEST_F(MembershipOfAFarm, AJobIsRenderedByAWorkerThatJoinedForAUserWhoLoggedIn) 
   EXPECT_EQ(outcome.code, 0) << outcome.errors;
   EXPECT_EQ(As("ada", "fetch 1 -o farm.exr").code, 0);
   EXPECT_EQ(Bytes("farm.exr"), oracle);
-  EXPECT_THAT(coordinator().Errors(), HasSubstr("member_joined"));
+  EXPECT_THAT(coordinator().Errors(), HasSubstr("audit call=Access.Join by=\"the holder of a token\""));
 }
 
 TEST_F(MembershipOfAFarm, AWorkerRestartsWithTheSameTokenAndWithoutOne) {
@@ -70,6 +74,48 @@ TEST_F(MembershipOfAFarm, RolesLimitWhatMembersMayDo) {
   EXPECT_THAT(As("wanda", "jobs").errors, HasSubstr("may not call Jobs.List"));
   EXPECT_THAT(As("vera", "access").errors, HasSubstr("needs the role operator"));
   EXPECT_THAT(coordinator().Errors(), HasSubstr("call_denied"));
+}
+
+TEST_F(MembershipOfAFarm, UsersTouchOnlyTheirOwnJobsAndSeeWhoseTheOthersAre) {
+  LogIn("ada", "user");
+  LogIn("bob", "user");
+  const Outcome submitted = As("ada", "submit " + BoxScene() + " --spp 8");
+  ASSERT_EQ(submitted.code, 0) << submitted.errors;
+  for (const char* command : {"cancel 1", "pause 1", "priority 1 5", "fetch 1 --preview"}) {
+    const Outcome denied = As("bob", command);
+    EXPECT_EQ(denied.code, 1) << command;
+    EXPECT_THAT(denied.errors, HasSubstr("which belongs to \"ada\"; ask its owner or an operator"));
+  }
+  EXPECT_THAT(As("bob", "jobs").output, HasSubstr("  ada  "));
+  EXPECT_THAT(As("bob", "status 1").output, HasSubstr(", owner ada: waiting"));
+  EXPECT_THAT(As("bob", "jobs --json").output, HasSubstr("\"owner\":\"ada\",\"owner_member\":\""));
+  EXPECT_EQ(As("ada", "cancel 1").code, 0);
+}
+
+TEST_F(MembershipOfAFarm, SocketsOfKilledCoordinatorsAreRemovedByTheNext) {
+  std::filesystem::create_directory(Path("user"));
+  const auto start = [&](const std::string& data_dir) {
+    return std::make_unique<Process>(
+        folder(), "/usr/bin/env",
+        std::vector<std::string>{"XDG_RUNTIME_DIR=" + Path("user"), BinaryDir() + "/bin/tessera-coordinator",
+                                 "--listen", "127.0.0.1:0", "--data-dir", Path(data_dir)});
+  };
+  const auto sockets = [&] {
+    const std::filesystem::directory_iterator entries(Path("user/tessera"));
+    return std::distance(begin(entries), end(entries));
+  };
+  const auto killed = start("first");
+  ASSERT_TRUE(killed->AwaitErrors("listening on")) << killed->Errors();
+  killed->Signal(SIGKILL);
+  killed->Wait();
+  EXPECT_EQ(sockets(), 1);
+  const auto next = start("second");
+  ASSERT_TRUE(next->AwaitErrors("listening on")) << next->Errors();
+  EXPECT_THAT(next->Errors(), HasSubstr("stale_sockets_removed count=1"));
+  EXPECT_EQ(sockets(), 1);
+  next->Signal(SIGTERM);
+  EXPECT_EQ(next->Wait(), 0);
+  EXPECT_EQ(sockets(), 0);
 }
 
 TEST_F(MembershipOfAFarm, WhoeverIsRevokedIsOutFromTheNextCallOnAndAfterARestart) {

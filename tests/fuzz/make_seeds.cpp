@@ -106,6 +106,7 @@ void SaveFacts() {
                         JobPaused{JobId{1}, true},
                         JobPriorityChanged{JobId{1}, -3},
                         JobOwned{JobId{1}, {MemberId{7}, "ada"}},
+                        AuthorityChosen{Sha256("authority")},
                         WorkerQuarantined{WorkerId{9}, "blade", true, "disagrees"},
                         VoteRecorded{Unit(), WorkerId{9}, "blade", Sha256("result")},
                         UnitsCounted{JobId{1}, 1, 2, 3}};

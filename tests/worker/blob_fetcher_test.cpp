@@ -89,7 +89,7 @@ class BlobFetcherTest : public testing::Test {
     const auto cache = BlobStore::Open(folder_ / "cache", BlobStoreOptions::Cache(1 << 20));
     BlobFetcher fetcher(
         OpenChannel(address), *cache, {}, 1, [](uint64_t) {}, patience);
-    auto bytes = fetcher.Get(Sha256(bytes_), 1 << 20);
+    auto bytes = fetcher.Get(Sha256("package"), Sha256(bytes_), 1 << 20);
     calls_ = server.calls();
     return bytes;
   }

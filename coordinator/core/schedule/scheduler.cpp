@@ -139,9 +139,10 @@ bool Scheduler::IsFull(WorkerId worker) const {
   return state_.workers.is_full() && state_.workers.Find(worker) == nullptr;
 }
 
-bool Scheduler::HasJoined(WorkerId id) const {
+std::optional<MemberId> Scheduler::MemberOf(WorkerId id) const {
   const WorkerRecord* const worker = state_.workers.Find(id);
-  return worker != nullptr && worker->has_joined;
+  if (worker == nullptr || !worker->has_joined) return std::nullopt;
+  return worker->member;
 }
 
 bool Scheduler::IsComplete(const Job& job, uint32_t frame) const {

@@ -74,8 +74,9 @@ class Scheduler {
   // Whether results of the worker count: those of a worker in quarantine do not.
   bool IsTrusted(WorkerId worker) const;
   bool IsFull(WorkerId worker) const;
-  // Whether the worker has sent its state to this process.
-  bool HasJoined(WorkerId worker) const;
+  // The member whose certificate the worker has, 0 if it has none. Returns nullopt if the worker has not sent
+  // its state to this process.
+  std::optional<MemberId> MemberOf(WorkerId worker) const;
 
   // ---- Results ----
   // Whether the unit can be a part of an open frame, whoever holds it.

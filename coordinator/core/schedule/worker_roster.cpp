@@ -59,6 +59,7 @@ std::pair<WorkerRecord*, bool> WorkerRoster::Admit(Instant now, const WorkerStat
     worker.pending.has_notice = worker.is_blocked();
     if (worker.is_blocked()) news_.insert(state.worker);
   }
+  worker.member = state.member;
   worker.name = state.name;
   worker.software_version = state.software_version;
   worker.tags = state.tags;

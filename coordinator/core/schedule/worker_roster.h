@@ -35,6 +35,7 @@ struct PendingDirective {
 
 struct WorkerRecord {
   WorkerId id{};
+  MemberId member{};  // whose certificate it has; 0: none
   std::string name, software_version;
   std::set<std::string> tags;
   uint64_t machine = 0;  // the same for all workers on it; 0: not known

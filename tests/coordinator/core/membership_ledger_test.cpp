@@ -45,6 +45,7 @@ class Membership : public testing::Test {
       const MembershipLedger restored = RestoredFrom(facts, output);
       EXPECT_EQ(restored.tokens(), ledger_.tokens());
       EXPECT_EQ(restored.members(), ledger_.members());
+      EXPECT_EQ(restored.authority(), ledger_.authority());
     }
     EXPECT_TRUE(output.empty());
   }
@@ -52,6 +53,37 @@ class Membership : public testing::Test {
   std::vector<Fact> facts_;
   MembershipLedger ledger_{facts_};
 };
+
+TEST_F(Membership, AJoinThatIsUndoneGivesItsUseBackAndLetsNobodyIn) {
+  ASSERT_TRUE(ledger_.IssueToken(Token(1)));
+  ASSERT_TRUE(ledger_.Join(kNow, Member(1)));
+  ledger_.UndoJoin(MemberId{1});
+  ledger_.UndoJoin(MemberId{1});
+  ledger_.UndoJoin(MemberId{9});
+  EXPECT_TRUE(ledger_.members().at(MemberId{1}).revoked);
+  EXPECT_EQ(ledger_.tokens().at(kKey).uses_left, 1u);
+  ExpectSameAfterRestart();
+  EXPECT_TRUE(ledger_.Join(kNow, Member(2)));
+  EXPECT_FALSE(ledger_.Join(kNow, Member(3)));
+  ExpectSameAfterRestart();
+}
+
+TEST_F(Membership, UndoingAJoinDoesNotRestoreARevokedToken) {
+  ASSERT_TRUE(ledger_.IssueToken(Token(2)));
+  ASSERT_TRUE(ledger_.Join(kNow, Member(1)));
+  ASSERT_TRUE(ledger_.RevokeToken(kKey));
+  ledger_.UndoJoin(MemberId{1});
+  EXPECT_FALSE(ledger_.Join(kNow, Member(2)));
+  ExpectSameAfterRestart();
+}
+
+TEST_F(Membership, TheAuthorityIsRecordedWhenItChanges) {
+  EXPECT_EQ(ledger_.authority(), std::nullopt);
+  for (const char* name : {"first", "first", "second"}) ledger_.ChooseAuthority(Sha256(name));
+  EXPECT_EQ(ledger_.authority(), Sha256("second"));
+  EXPECT_EQ(facts_.size(), 2u);
+  ExpectSameAfterRestart();
+}
 
 TEST_F(Membership, ATokenLetsInAsManyAsItSays) {
   ASSERT_TRUE(ledger_.IssueToken(Token(2)));
@@ -101,6 +133,17 @@ TEST_F(Membership, TokensAreLimitedAndThoseThatCannotBeUsedMakeRoom) {
   EXPECT_THAT(ledger_.IssueToken(token).error().message, HasSubstr("limit"));
   EXPECT_TRUE(ledger_.RevokeToken(Sha256("7")));
   EXPECT_TRUE(ledger_.IssueToken(token));
+}
+
+TEST_F(Membership, MembersAreLimitedAndThoseThatWereRevokedMakeRoom) {
+  ASSERT_TRUE(ledger_.IssueToken(Token(2)));
+  for (size_t i = 1; i <= kMembersMax; ++i) ledger_.Restore(MemberJoined{Member(i, Sha256("another token"))});
+  EXPECT_THAT(ledger_.Join(kNow, Member(kMembersMax + 1)).error().message,
+              HasSubstr("which is its limit; revoke some"));
+  EXPECT_EQ(ledger_.tokens().at(kKey).uses_left, 2u) << "the token was not used";
+  EXPECT_TRUE(ledger_.RevokeMember(MemberId{7}));
+  EXPECT_TRUE(ledger_.Join(kNow, Member(kMembersMax + 1)));
+  EXPECT_FALSE(ledger_.Join(kNow, Member(kMembersMax + 2)));
 }
 
 TEST_F(Membership, WhatExpiredLongAgoIsForgotten) {
