@@ -105,8 +105,7 @@ const Certificate& TlsServer::certificate() const {
   return *state_->certificate;
 }
 
-TlsStream::TlsStream(const TlsServer& server, int socket)
-    : state_(new State{server, nullptr, "", ""}) {
+TlsStream::TlsStream(const TlsServer& server, int socket) : state_(new State{server, nullptr, "", ""}) {
   state_->ssl.reset(SSL_new(server.state_->context.get()));
   TESSERA_CHECK(state_->ssl != nullptr);
   SSL_set_app_data(state_->ssl.get(), state_.get());

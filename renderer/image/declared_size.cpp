@@ -4,8 +4,8 @@
 #include <cstdlib>
 
 #include "renderer/description/number.h"
-#include "renderer/util/header_reader.h"
 #include "renderer/image/image_limits.h"
+#include "renderer/util/header_reader.h"
 
 namespace tessera {
 namespace {

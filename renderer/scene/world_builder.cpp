@@ -67,8 +67,7 @@ class WorldBuilder {
 
 // Media are checked even where they are not followed.
 Result<void> WorldBuilder::AddMedia() {
-  Result<MediumTable> media =
-      MediumTable::Build(scene_, render_from_world_, request_.files, diagnostics_);
+  Result<MediumTable> media = MediumTable::Build(scene_, render_from_world_, request_.files, diagnostics_);
   if (!media) return media.error();
   if (!request_.with_media) return {};
   for (const MediumDescription& medium : scene_.media) {

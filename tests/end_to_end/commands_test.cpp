@@ -28,7 +28,8 @@ TEST_F(Commands, SubmitWatchAndFetchGiveThePicture) {
   EXPECT_THAT(watched.errors, HasSubstr("samples/s"));
   const Outcome status = Ask({"status", job});
   EXPECT_EQ(status.code, 0);
-  EXPECT_THAT(status.output, HasSubstr("job " + job + " \"little box\", owner local, priority 3: finished  100.0 %"));
+  EXPECT_THAT(status.output,
+              HasSubstr("job " + job + " \"little box\", owner local, priority 3: finished  100.0 %"));
   const Outcome jobs = Ask({"jobs"});
   EXPECT_THAT(jobs.output, HasSubstr("little box"));
   EXPECT_THAT(Ask({"jobs", "--json"}).output, HasSubstr("\"priority\":3"));
