@@ -59,7 +59,7 @@ TEST_F(TextFromOutside, AJobMayHaveAnyNameButForgesNoLogLine) {
   const std::string log = coordinator().Errors();
   EXPECT_THAT(log, Not(HasSubstr("\njob_ended job=7")));
   EXPECT_THAT(log,
-              HasSubstr("name=\"x\\\" priority=9 job_ended job=7 state=failed reason=\\\"\\\\\" priority=0"));
+              HasSubstr("name=\"x\\\" priority=9 job_ended job=7 state=failed reason=\\\"\\\\\" owner="));
   for (const std::string& text : {log, Ask({"jobs"}).output, Ask({"jobs", "--json"}).output}) {
     EXPECT_THAT(text, Not(HasSubstr("\xe2\x80\xae")));
     EXPECT_THAT(text, Not(HasSubstr("\xc2\x9b")));
