@@ -3,6 +3,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -14,10 +15,29 @@
 
 namespace tessera::image_module {
 
+// Reads at positions of the file only: they come from the file itself, and the library's class takes any.
+class BoundedReader final : public OIIO::Filesystem::IOMemReader {
+ public:
+  using IOMemReader::IOMemReader;
+  bool seek(int64_t offset) override { return offset >= 0 && IOMemReader::seek(offset); }
+  size_t read(void* values, size_t size) override {
+    const size_t count = pread(values, size, m_pos);
+    m_pos += static_cast<int64_t>(count);
+    return count;
+  }
+  size_t pread(void* values, size_t size, int64_t offset) override {
+    const size_t whole = this->size();
+    if (offset < 0 || static_cast<uint64_t>(offset) >= whole) return 0;
+    const size_t count = std::min(size, whole - static_cast<size_t>(offset));
+    std::memcpy(values, buffer().data() + offset, count);
+    return count;
+  }
+};
+
 struct OpenPicture {
   explicit OpenPicture(const PictureFile& file) : memory(file.bytes, file.size) {}
 
-  OIIO::Filesystem::IOMemReader memory;
+  BoundedReader memory;
   std::unique_ptr<OIIO::ImageInput> input;  // reads from `memory`
   OIIO::TypeDesc type;
   std::vector<const char*> channel_names;
