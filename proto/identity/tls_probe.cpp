@@ -30,7 +30,8 @@ TlsProbe::TlsProbe(int socket, const std::string& identity_pem) : state_(std::ma
   }
   state_->ssl.reset(SSL_new(context));
   TESSERA_CHECK(state_->ssl != nullptr);
-  static constexpr unsigned char kProtocols[] = "\2h2";
+  // HTTP/2 is that of a coordinator; its web page has the other.
+  static constexpr unsigned char kProtocols[] = "\2h2\10http/1.1";
   SSL_set_alpn_protos(state_->ssl.get(), kProtocols, sizeof kProtocols - 1);
   BIO* const bio = MakeSocketBio(socket);
   SSL_set_bio(state_->ssl.get(), bio, bio);

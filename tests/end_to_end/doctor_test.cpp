@@ -154,6 +154,16 @@ TEST_F(Doctor, NamesAddressesThatAreOpenInPlainText) {
               HasSubstr("is open to other machines in plain text, without a login"));
 }
 
+TEST_F(Doctor, FindsThatTheWebPageIsEncrypted) {
+  StartCoordinator({"--https", "127.0.0.1:0"});
+  const std::string found = Examine({ThisCoordinator()});
+  EXPECT_THAT(found, Not(HasSubstr("plain text")));
+  const std::string open = "is open to only this machine, encrypted";
+  const size_t first = found.find(open);
+  ASSERT_NE(first, std::string::npos) << found;
+  EXPECT_NE(found.find(open, first + 1), std::string::npos) << found;
+}
+
 TEST_F(Doctor, NamesLimitsThatAreTooLow) {
   EXPECT_THAT(
       Examine({"this machine"}, "", "ulimit -n 512;"),
