@@ -51,7 +51,7 @@ class MembershipLedger {
   bool RevokeToken(const Digest& key);
   bool RevokeMember(MemberId id);
 
-  // The farm's authority has this fingerprint from now on. Does nothing if it had it before.
+  // Records the fingerprint of the farm's authority. Does nothing if it is recorded already.
   void ChooseAuthority(const Digest& fingerprint);
   // Returns nullopt if it is not known: the farm has never had one, or had it before it was recorded.
   const std::optional<Digest>& authority() const { return authority_; }

@@ -21,7 +21,7 @@ std::string LocalSocketFolder(const ReadVariable& environment);
 Result<void> PrepareLocalSocketFolder(const std::string& folder);
 
 // Keeps other coordinators of this user from opening sockets in the folder while it exists, so that none is
-// seen between being named and listening. Waits for them. Does nothing if there is no such folder.
+// seen between being named and listening. Waits for them. Does nothing if the folder does not exist.
 class SocketFolderLock {
  public:
   explicit SocketFolderLock(const std::string& folder);

@@ -63,8 +63,8 @@ class TlsClient {
   TlsClient(const TlsClient&) = delete;
   TlsClient& operator=(const TlsClient&) = delete;
 
-  // Returns the certificate of the server, if this end of the handshake succeeds. A server that refuses the
-  // certificate of the client says so with what it sends next.
+  // Returns whether this end of the handshake succeeds. If the server refuses the certificate of the client,
+  // only the next read fails.
   bool Handshake() { return SSL_connect(ssl_) == 1; }
   Certificate ServerCertificate() const { return Certificate(SSL_get1_peer_certificate(ssl_)); }
   bool Send(const std::string& bytes) {

@@ -114,7 +114,7 @@ inline Geometry InstanceScene() {
   return geometry;
 }
 
-// Instances that turn, stretch and travel, some in two ways at once, beside others that stand still.
+// Instances that rotate, scale and translate, some in two ways at the same time, beside static ones.
 inline Geometry MovingScene() {
   TestRandom random(9);
   Geometry geometry = InstanceScene();
