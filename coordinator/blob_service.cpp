@@ -19,6 +19,7 @@ namespace {
 
 // Running at the same time, each with an open file and 2 MB of memory. They fill any network.
 constexpr int kTransfersMax = 64;
+constexpr const char* kTooManyTransfers = "too many transfers are running";
 // How long one call may check files. Clients try again, and what was checked is not checked again.
 constexpr std::chrono::seconds kFindMissingMax{10};
 // Syncing more takes long.
@@ -34,7 +35,7 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
         call_(std::move(call)),
         watched_(load.stall_watch.Watch(call_.context())) {
     if (++load_.transfers > kTransfersMax) {
-      Answer({grpc::StatusCode::UNAVAILABLE, "too many transfers are running; try again"});
+      Answer(TryAgain(kTooManyTransfers));
       return;
     }
     ReadNext();
@@ -107,7 +108,7 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   static grpc::Status Refusal(const Error& error) {
     switch (error.kind) {
       case ErrorKind::kBadInput: return {grpc::StatusCode::DATA_LOSS, error.message};
-      case ErrorKind::kInterrupted: return {grpc::StatusCode::UNAVAILABLE, error.message};
+      case ErrorKind::kInterrupted: return TryAgain(error.message);
       case ErrorKind::kFailed: break;
     }
     return {grpc::StatusCode::RESOURCE_EXHAUSTED, error.message};
@@ -137,7 +138,7 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
         call_(std::move(call)),
         watched_(load.stall_watch.Watch(call_.context())) {
     if (++load_.transfers > kTransfersMax) {
-      Finish({grpc::StatusCode::RESOURCE_EXHAUSTED, "too many transfers are running; try again"});
+      Finish(TryAgain(kTooManyTransfers));
       return;
     }
     threads_.brief.Post([this, request, admit = std::move(admit)] {
@@ -266,8 +267,7 @@ grpc::Status BlobService::ListMissing(const proto::FindMissingRequest& request,
     const auto digest = ReadDigest(bytes, "digest");
     if (!digest) return ToStatus(digest.error());
     if (std::chrono::steady_clock::now() > deadline)
-      return {grpc::StatusCode::UNAVAILABLE,
-              "the coordinator is still checking the files that it has; try again"};
+      return TryAgain("the coordinator is still checking the files that it has");
     if (blobs_.UseVerified(*digest)) continue;
     answer.add_missing(bytes);
     answer.add_held(blobs_.Arrived(*digest));

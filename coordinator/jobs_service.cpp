@@ -62,9 +62,8 @@ void ChangeWorkers(const UnaryCall& call, const std::string& which, proto::Worke
   });
 }
 
-// Callers try again.
 grpc::Status BeingWritten() {
-  return {grpc::StatusCode::UNAVAILABLE, "a picture of the job is being written; try again"};
+  return TryAgain("a picture of the job is being written");
 }
 
 // Of a job that has ended.
@@ -285,8 +284,7 @@ grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::C
     const Principal caller = call.caller();
     auto* const stream = new PictureStream(streams_, std::move(call));
     if (streams_.count > kPictureStreamsMax) {
-      stream->Refuse(
-          {grpc::StatusCode::RESOURCE_EXHAUSTED, "too many pictures are being fetched; try again"});
+      stream->Refuse(TryAgain("too many pictures are being fetched"));
       return stream;
     }
     const JobId job{request->job()};
@@ -320,8 +318,7 @@ void JobsService::SendLater(PictureStream* stream, std::function<Result<std::str
                             std::function<void(const std::string& reason)> refuse) {
   if (++streams_.waiting > kPicturesWaitingMax) {
     --streams_.waiting;
-    return stream->Refuse(
-        {grpc::StatusCode::RESOURCE_EXHAUSTED, "too many pictures are waiting to be made; try again"});
+    return stream->Refuse(TryAgain("too many pictures are waiting to be made"));
   }
   background_.Post([=, this, make = std::move(make), refuse = std::move(refuse)] {
     const bool is_wanted = !stream->is_cancelled();
@@ -346,8 +343,7 @@ void JobsService::SendFile(PictureStream* stream, FrameId id, const PictureFile&
     gate_.core().Post([=](CoreContext& core) {
       const auto lost = core.farm.PictureDamaged(id, reason);
       stream->Refuse(lost ? grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, *lost)
-                          : grpc::Status(grpc::StatusCode::UNAVAILABLE,
-                                         fmt::format("{}; it is being made again; try again", reason)));
+                          : TryAgain(reason + "; it is being made again"));
     });
   };
   SendLater(stream, read, refuse);

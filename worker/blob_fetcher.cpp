@@ -30,7 +30,8 @@ constexpr size_t kParallelDownloads = 4;
 // Between looks for a file that another thread or process is fetching.
 constexpr std::chrono::milliseconds kPollInterval{50};
 
-// Whether the same download may succeed later. A coordinator refuses transfers while it has too many.
+// Whether the same download may succeed later. gRPC ends calls with RESOURCE_EXHAUSTED while the coordinator
+// is short of memory.
 bool MayPass(const grpc::Status& status) {
   return IsTransient(status) || status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED ||
          status.error_code() == grpc::StatusCode::ABORTED;
@@ -109,8 +110,7 @@ Result<void> BlobFetcher::Download(const Wanted& wanted, const Sink& sink) {
       backoff.Reset();
     }
     const bool again = MayPass(status) && now - progress_at < patience_.download;
-    if (again && status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED)
-      waits_.Warn("fetch_postponed", fmt::format("reason={}", LogText(status.error_message())));
+    if (again) waits_.Warn("fetch_postponed", fmt::format("reason={}", LogText(status.error_message())));
     if (!again || !Pause(stop_, backoff.Next())) return ToError(status, what);
   }
 }

@@ -12,7 +12,8 @@ Result<std::unique_ptr<CoordinatorClient>> Connect(const ConnectionOptions& opti
   if (!endpoint) return endpoint.error();
   const auto print_waiting = [&](const std::string& reason) {
     PrintNote("tessera: the coordinator at {} does not answer: {}; waiting for it up to {:.0f} s\n",
-              endpoint->address.Text(), reason, std::chrono::duration<double>(options.patience).count());
+              endpoint->address.Text(), reason,
+              std::chrono::duration<double>(options.patience.connection).count());
   };
   return CoordinatorClient::Connect(*endpoint, options.patience, cancellation.token(), print_waiting);
 }

@@ -27,6 +27,10 @@ constexpr const char* kCertificateVariable = "TESSERA_TLS_CERT";
 constexpr const char* kKeyVariable = "TESSERA_TLS_KEY";
 constexpr const char* kAuthorityVariable = "TESSERA_TLS_CA";
 
+int64_t InSeconds(std::chrono::milliseconds duration) {
+  return std::chrono::duration_cast<std::chrono::seconds>(duration).count();
+}
+
 void AddFrameFlags(CLI::App& app, SceneOptions& options) {
   AddValue(app, "--frames", "A-B[xSTEP]",
            "Render a sequence: one scene file per frame if SCENE has a place for the frame number "
@@ -130,7 +134,6 @@ void AddTlsFlags(CLI::App& app, TlsFiles& files) {
 void AddConnectionFlags(CLI::App& app, ConnectionOptions& options) {
   options.farm.coordinator = Environment(kCoordinatorVariable);
   options.farm.farm = Environment(kFarmVariable);
-  options.patience = kPatienceDefault;
   AddText(app, "--coordinator", "ADDR",
           WithDefault(
               "Address of the coordinator: HOST:PORT or unix:PATH",
@@ -142,13 +145,13 @@ void AddConnectionFlags(CLI::App& app, ConnectionOptions& options) {
   AddSwitch(app, "--insecure", "Connect without encryption, to a coordinator on this machine alone",
             options.farm.insecure);
   AddValue(app, "--patience", "N",
-           WithDefault("Seconds to wait for a coordinator that does not answer",
-                       fmt::format("{}", kPatienceDefault.count())),
-           options.patience,
-           [](std::string_view flag, std::string_view word) -> Result<std::chrono::milliseconds> {
+           WithDefault("Seconds to wait for a coordinator that does not answer or asks to try again later",
+                       fmt::format("{}, and {} once connected", InSeconds(options.patience.connection),
+                                   InSeconds(options.patience.calls))),
+           options.patience, [](std::string_view flag, std::string_view word) -> Result<Patience> {
              const auto seconds = ParseInteger(flag, word, 0, kPatienceMax_s);
              if (!seconds) return seconds.error();
-             return std::chrono::milliseconds(std::chrono::seconds(*seconds));
+             return Patience{std::chrono::seconds(*seconds), std::chrono::seconds(*seconds)};
            });
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 
+#include "client/coordinator/coordinator_client.h"
 #include "client/coordinator/farm_choice.h"
 #include "client/scene_options.h"
 #include "proto/shell/flags.h"
@@ -22,16 +23,12 @@ void AddRequiredSamples(CLI::App& app, uint32_t& samples_per_pixel);
 // Which coordinator a command calls.
 struct ConnectionOptions {
   FarmChoice farm;
-  std::chrono::milliseconds patience{};  // how long to wait for a coordinator that does not answer
+  Patience patience;
 };
 // Certificates of an organisation. The defaults come from the environment.
 void AddTlsFlags(CLI::App& app, TlsFiles& files);
 // The defaults come from the environment, or are constants.
 void AddConnectionFlags(CLI::App& app, ConnectionOptions& options);
-
-// The time that a coordinator may take to answer if the user does not choose one: a restart takes less, and a
-// mistyped address should not cost more.
-constexpr std::chrono::seconds kPatienceDefault{15};
 
 // Where a picture is written.
 struct OutputOptions {

@@ -143,7 +143,7 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
   if (!farm) return farm.error();
   const auto endpoint = ChooseFarm({(*farm)->address(), "", false});
   if (!endpoint) return endpoint.error();
-  const auto client = CoordinatorClient::Connect(*endpoint, kPatienceDefault, cancellation.token());
+  const auto client = CoordinatorClient::Connect(*endpoint, Patience{}, cancellation.token());
   if (!client) return client.error();
   if (auto sent = (*client)->Upload(job->packed); !sent) return sent.error();
   const auto id =

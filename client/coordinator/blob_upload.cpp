@@ -152,31 +152,23 @@ class Uploader {
     if (on_slow_ && !std::exchange(is_reported_, true))
       on_slow_(fmt::format("waiting to {}: {}", what, CleanReason(status.error_message())));
   }
-  // An interrupted upload continues where it stopped, as long as some bytes get through within
-  // kRetryPatience.
+  // An interrupted upload continues where it stopped, as long as some bytes get through in time.
   Result<void> SendOne(const Source& source, uint64_t held) {
     const std::string what = source.is_manifest    ? "send the list of files"
                              : source.path.empty() ? "send the scene from standard input"
                                                    : "send " + source.path;
-    Backoff waits = RetryWaits();
-    auto deadline = std::chrono::steady_clock::now() + kRetryPatience;
+    Retries retries(connection_.channel, broken_.get_token(), connection_.patience);
     while (true) {
       CallContext context(broken_.get_token(), connection_.farm);
       const grpc::Status status =
           SendBlob(stub_, context.get(), source, std::min(held, source.size), bytes_sent_);
       if (status.ok()) return {};
-      const bool too_late = std::chrono::steady_clock::now() > deadline;
-      const bool may_pass = IsTransient(status) || WasCutOff(status, broken_.get_token());
-      if (!may_pass || too_late || !Pause(broken_.get_token(), waits.Next()))
-        return connection_.ErrorOf(status, what);
+      if (!retries.Again(status)) return connection_.ErrorOf(status, what);
       ReportSlow(what, status);
       const auto missing = FindMissing({WriteDigest(source.digest)});
       if (!missing) return missing.error();
       if (missing->empty()) return {};
-      if (missing->begin()->second > held) {
-        deadline = std::chrono::steady_clock::now() + kRetryPatience;
-        waits.Reset();
-      }
+      if (missing->begin()->second > held) retries.Progress();
       held = missing->begin()->second;
     }
   }

@@ -17,7 +17,7 @@ constexpr std::chrono::seconds kSlowConnection{1};
 // How long a stop may go unnoticed while connecting.
 constexpr std::chrono::milliseconds kConnectSlice{100};
 // For a coordinator that is away while a job is watched: its machine may be restarting.
-constexpr std::chrono::minutes kWatchPatience{30};
+constexpr std::chrono::milliseconds kWatchPatience = std::chrono::minutes(30);
 // Submissions of a scene whose stored files turn out to be damaged. One suffices unless the disk of the
 // coordinator is failing.
 constexpr int kSubmitAttemptsMax = 3;
@@ -175,15 +175,15 @@ Result<void> CoordinatorClient::StartThreads() {
 }
 
 Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const Endpoint& endpoint,
-                                                                      std::chrono::milliseconds patience,
+                                                                      const Patience& patience,
                                                                       std::stop_token stop,
                                                                       const OnSlow& on_slow) {
   std::unique_ptr<Connection> connection(
-      new Connection{endpoint, stop, {}, {}, OpenChannel(endpoint), {}, {}, {}});
+      new Connection{endpoint, patience.calls, stop, {}, {}, OpenChannel(endpoint), {}, {}, {}});
   connection->jobs = proto::Jobs::NewStub(connection->channel);
   connection->blobs = proto::Blobs::NewStub(connection->channel);
   connection->access = proto::Access::NewStub(connection->channel);
-  auto reached = WaitForCoordinator(*connection->channel, endpoint, patience, stop, on_slow);
+  auto reached = WaitForCoordinator(*connection->channel, endpoint, patience.connection, stop, on_slow);
   if (!reached) return reached.error();
   proto::HealthAnswer health;
   auto asked = Call(*connection, &proto::Jobs::Stub::Health, proto::HealthRequest(), health,
@@ -267,8 +267,7 @@ Result<JobStatus> CoordinatorClient::Extend(JobId job, uint32_t samples_per_pixe
 
 Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(const JobStatus&)>& report) {
   const std::string what = fmt::format("watch job {}", Number(job));
-  auto last_report = std::chrono::steady_clock::now();
-  Backoff waits = RetryWaits();
+  Retries retries(connection_->channel, connection_->stop, std::max(kWatchPatience, connection_->patience));
   const auto submitted = connection_->submissions.find(job);
   WatchedJob watched(job, submitted == connection_->submissions.end() ? 0 : submitted->second);
   while (true) {
@@ -281,15 +280,11 @@ Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(c
       if (const auto same = watched.Check(*status); !same) return same.error();
       report(*status);
       if (HasEnded(status->state)) return status;
-      last_report = std::chrono::steady_clock::now();
-      waits.Reset();
+      retries.Progress();
     }
     grpc::Status status = reader->Finish();
     if (status.ok()) status = {grpc::StatusCode::UNAVAILABLE, "the coordinator closed the stream"};
-    const bool too_late = std::chrono::steady_clock::now() - last_report > kWatchPatience;
-    const bool may_pass = IsTransient(status) || WasCutOff(status, connection_->stop);
-    if (!may_pass || too_late || !AwaitNextAttempt(*connection_->channel, connection_->stop, waits.Next()))
-      return watched.ErrorOf(status, connection_->ErrorOf(status, what));
+    if (!retries.Again(status)) return watched.ErrorOf(status, connection_->ErrorOf(status, what));
   }
 }
 

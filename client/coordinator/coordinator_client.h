@@ -1,6 +1,7 @@
 // The calls that `tessera` makes to a coordinator.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <set>
@@ -26,20 +27,27 @@ struct UploadReport {
   uint64_t bytes_sent = 0;  // including the list of files and everything that was sent twice
 };
 
+// How long to wait for a coordinator.
+struct Patience {
+  // Until it answers for the first time. A restart takes less, and a mistyped address should not cost more.
+  std::chrono::milliseconds connection{15'000};
+  // While it is away or asks to try again later.
+  std::chrono::milliseconds calls{60'000};
+};
+
 // Every call is meant for the farm that answered Connect, and fails if another farm answers at the address
-// later. Every call waits for its answer and is repeated for a limited time while the coordinator is away. A
-// request to stop ends each of them with kInterrupted. Used by one thread at a time.
+// later. Every call waits for its answer and is repeated with growing pauses while the coordinator is away or
+// asks to try again. A request to stop ends each of them with kInterrupted. Used by one thread at a time.
 class CoordinatorClient {
  public:
   // Starts the threads that connections need, or fails if the system grants too few. Connect starts them too;
   // call this before other processes of this user are started.
   static Result<void> StartThreads();
   using OnSlow = std::function<void(const std::string& reason)>;
-  // Fails if no coordinator answers there within `patience` or if its version differs. If the answer takes
-  // longer than a moment, calls `on_slow`, if given, once with the reason.
+  // Fails if no coordinator answers there in time or if its version differs. If the answer takes longer than
+  // a moment, calls `on_slow`, if given, once with the reason.
   static Result<std::unique_ptr<CoordinatorClient>> Connect(const Endpoint& endpoint,
-                                                            std::chrono::milliseconds patience,
-                                                            std::stop_token stop,
+                                                            const Patience& patience, std::stop_token stop,
                                                             const OnSlow& on_slow = nullptr);
   ~CoordinatorClient();
   CoordinatorClient(const CoordinatorClient&) = delete;

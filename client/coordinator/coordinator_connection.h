@@ -22,17 +22,10 @@
 namespace tessera {
 
 constexpr std::chrono::seconds kCallPatience{60};  // for one answer
-// For a coordinator that is away. One that restarts is back sooner.
-constexpr std::chrono::seconds kRetryPatience{60};
-constexpr std::chrono::milliseconds kRetryMax{3000};  // between two attempts
-
-// The waits between attempts of one call.
-inline Backoff RetryWaits() {
-  return Backoff(RandomId(), kBackoffFirst, kRetryMax);
-}
 
 struct CoordinatorClient::Connection {
   Endpoint endpoint;
+  std::chrono::milliseconds patience;  // for repeating a call
   std::stop_token stop;
   FarmId farm;                            // that answered first; every later call is meant for it
   std::map<JobId, uint64_t> submissions;  // of the jobs that were submitted over this connection
@@ -82,28 +75,52 @@ inline bool AwaitNextAttempt(grpc::Channel& channel, const std::stop_token& stop
   return !stop.stop_requested();
 }
 
-// Whether the coordinator cancelled the call, as it does with peers that stall and with members that are
-// revoked. The next call brings the reason.
-inline bool WasCutOff(const grpc::Status& status, const std::stop_token& stop) {
-  return status.error_code() == grpc::StatusCode::CANCELLED && !stop.stop_requested();
-}
+// Decides which failed calls are made again, and waits before that: longer after each failure, and for at
+// most `patience` since the first. Every call of the protocol may be repeated. Used by one thread.
+class Retries {
+ public:
+  Retries(std::shared_ptr<grpc::Channel> channel, std::stop_token stop, std::chrono::milliseconds patience)
+      : channel_(std::move(channel)), stop_(std::move(stop)), patience_(patience) {
+    Progress();
+  }
+  // After a call that failed with `status`: waits and returns true if it should be made again.
+  bool Again(const grpc::Status& status) {
+    const auto wait = waits_.Next();
+    const bool is_in_time = std::chrono::steady_clock::now() + wait < progress_at_ + patience_;
+    return (IsTransient(status) || WasCutOff(status)) && is_in_time &&
+           AwaitNextAttempt(*channel_, stop_, wait);
+  }
+  // The call got further before it failed: patience and waits start again.
+  void Progress() {
+    progress_at_ = std::chrono::steady_clock::now();
+    waits_.Reset();
+  }
 
-// Calls `attempt`, which makes one call and returns its status, until it succeeds, fails with an error that
-// does not pass, a stop is requested, or kRetryPatience is over. Errors name the call as `what`. Every call
-// of the protocol may be repeated.
+ private:
+  static constexpr std::chrono::milliseconds kWaitMax{3000};
+
+  // Whether the coordinator cancelled the call, as it does with peers that stall and with members that are
+  // revoked. The next call brings the reason.
+  bool WasCutOff(const grpc::Status& status) const {
+    return status.error_code() == grpc::StatusCode::CANCELLED && !stop_.stop_requested();
+  }
+
+  const std::shared_ptr<grpc::Channel> channel_;
+  const std::stop_token stop_;
+  const std::chrono::milliseconds patience_;
+  std::chrono::steady_clock::time_point progress_at_;
+  Backoff waits_{RandomId(), kBackoffFirst, kWaitMax};
+};
+
+// Calls `attempt`, which makes one call and returns its status, until it succeeds or is not to be repeated
+// (see Retries). Errors name the call as `what`.
 template <typename Connection, typename Attempt>
 Result<void> WithRetries(const Connection& connection, const std::string& what, Attempt attempt) {
-  const auto deadline = std::chrono::steady_clock::now() + kRetryPatience;
-  Backoff waits = RetryWaits();
+  Retries retries(connection.channel, connection.stop, connection.patience);
   while (true) {
     const grpc::Status status = attempt();
     if (status.ok()) return {};
-    const auto wait = waits.Next();
-    const bool may_pass =
-        status.error_code() == grpc::StatusCode::UNAVAILABLE || WasCutOff(status, connection.stop);
-    const bool retry = may_pass && std::chrono::steady_clock::now() + wait < deadline;
-    if (!retry || !AwaitNextAttempt(*connection.channel, connection.stop, wait))
-      return connection.ErrorOf(status, what);
+    if (!retries.Again(status)) return connection.ErrorOf(status, what);
   }
 }
 

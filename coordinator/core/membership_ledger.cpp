@@ -87,7 +87,7 @@ Result<void> MembershipLedger::Join(UnixTime now, const MemberStatus& member) {
   Forget(now);
   if (members_.size() >= kMembersMax)
     return Failed(fmt::format("the farm has {} members, which is its limit; revoke some", kMembersMax));
-  if (members_.contains(member.id)) return Failed("the number of the new member is taken; try again");
+  if (members_.contains(member.id)) return Failed("the number of the new member is taken; join again");
   facts_.emplace_back(MemberJoined{member});
   Restore(MemberJoined{member});
   return {};

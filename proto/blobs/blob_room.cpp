@@ -64,7 +64,7 @@ Result<void> BlobRoom::Take(uint64_t bytes) {
   if (TryTake(bytes)) return {};
   // Waits for the core thread, so before any lock.
   const auto in_use = NamesInUse();
-  if (!in_use) return Error{ErrorKind::kInterrupted, "the coordinator is busy; try again"};
+  if (!in_use) return Error{ErrorKind::kInterrupted, "the coordinator is busy"};
   const std::lock_guard one_at_a_time(evicting_);
   Evict(bytes, *in_use);
   if (TryTake(bytes)) return {};

@@ -227,7 +227,7 @@ Result<int> BlobStore::OpenIncoming(uint64_t offset, bool alone, Partial& partia
   }
   ::close(file);
   if (offset > 0 || alone)
-    return Error{ErrorKind::kInterrupted, "the bytes sent earlier are no longer there; send the file again"};
+    return Error{ErrorKind::kInterrupted, "the bytes sent earlier are no longer there"};
   partial.temporary_ += ".XXXXXX";
   const int own = ::mkostemp(partial.temporary_.data(), O_CLOEXEC);
   if (own < 0) return folder_->Named(SystemError(partial.temporary_, "cannot be created"));

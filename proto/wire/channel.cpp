@@ -201,6 +201,10 @@ Error ToError(const grpc::Status& status, const std::string& what) {
   }
 }
 
+grpc::Status TryAgain(const std::string& reason) {
+  return {grpc::StatusCode::UNAVAILABLE, reason + "; try again"};
+}
+
 grpc::Status CoordinatorEnds() {
   return {grpc::StatusCode::UNAVAILABLE, "the coordinator is shutting down"};
 }

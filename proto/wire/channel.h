@@ -60,11 +60,16 @@ grpc::Status Shortened(const grpc::Status& status);
 // The error of a failed call. `what` names what was tried, such as "submit the job". INVALID_ARGUMENT and
 // NOT_FOUND become kBadInput, CANCELLED kInterrupted, everything else kFailed.
 Error ToError(const grpc::Status& status, const std::string& what);
+// The answer to a call that is refused because of something that passes by itself, such as a queue that is
+// full. Callers try again, with growing pauses. Other refusals have other status codes: repeating the call
+// does not help before somebody has changed something.
+grpc::Status TryAgain(const std::string& reason);
 // The answer to calls that a coordinator cannot serve any more because it ends. Callers try again.
 grpc::Status CoordinatorEnds();
 // A worker returned something before this process of the coordinator knew it: it should try again.
 grpc::Status HasNotJoined();
-// Whether the same call may succeed later: the coordinator was not reached or did not answer in time.
+// Whether the same call may succeed later: the coordinator was not reached, did not answer in time or
+// answered TryAgain.
 bool IsTransient(const grpc::Status& status);
 
 }  // namespace tessera

@@ -15,7 +15,7 @@ PROGRAMS = r"^(proto|coordinator|worker|renderer|client)/"
 
 # Where gRPC and generated messages may be included: the code of both ends of a connection, and tests of it.
 GRPC_FOLDERS = (r"^(proto/wire|client/(coordinator|doctor)|coordinator(/listener|/web)?|worker|"
-                r"tests/(proto/wire|coordinator(/listener|/web)?|worker|bench|end_to_end|chaos|fuzz))/[^/]*$")
+                r"tests/(proto/wire|client/coordinator|coordinator(/listener|/web)?|worker|bench|end_to_end|chaos|fuzz))/[^/]*$")
 
 # (files, pattern in the code outside comments and strings, message)
 FORBIDDEN = [
@@ -135,7 +135,12 @@ def check_language(root, path, problems):
     text = path.read_text(encoding="utf-8")
     # A phrase may be broken over two lines of a comment.
     joined = re.sub(r"\n(\s*//)", lambda m: " " * (len(m.group(0))), text)
-    for source, phrases in ((joined, PHRASES), (strings_only(text), PHRASES_IN_STRINGS)):
+    strings = strings_only(text)
+    if re.search(PROGRAMS, name) and name != "proto/wire/channel.cpp":
+        for match in re.finditer(r"; try again\"", strings):
+            line = text.count("\n", 0, match.start()) + 1
+            problems.append(f"{name}:{line}: answer TryAgain (proto/wire/channel.h): clients repeat only such calls")
+    for source, phrases in ((joined, PHRASES), (strings, PHRASES_IN_STRINGS)):
         for pattern, advice in phrases:
             for match in re.finditer(pattern, source):
                 line = text.count("\n", 0, match.start()) + 1

@@ -117,7 +117,7 @@ TEST_F(Services, TransfersBeyondTheLimitAreToldToTryAgain) {
     }
     return reader->Finish().error_code();
   };
-  EXPECT_EQ(next(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(next(), grpc::StatusCode::UNAVAILABLE);
   for (Unread& each : unread) {
     each.context.TryCancel();
     each.reader->Finish();

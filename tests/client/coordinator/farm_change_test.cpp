@@ -24,8 +24,8 @@ class FarmChange : public Services {
  protected:
   FarmChange() { client_ = NewClient(); }
   std::unique_ptr<CoordinatorClient> NewClient() {
-    auto client =
-        CoordinatorClient::Connect(*ParseAddress("unix:" + (folder / "socket"), "test"), kPatience, {});
+    auto client = CoordinatorClient::Connect(*ParseAddress("unix:" + (folder / "socket"), "test"),
+                                             {kPatience, kPatience}, {});
     EXPECT_TRUE(client) << client.error().message;
     return std::move(*client);
   }
