@@ -5,6 +5,7 @@
 
 namespace tessera {
 
-constexpr std::string_view kLayerNames[] = {"samples", "albedo", "normal", "depth"};
+constexpr std::string_view kLayerNames[] = {"samples",       "albedo",          "normal",      "depth",
+                                            "crypto_object", "crypto_material", "crypto_asset"};
 
 }  // namespace tessera

@@ -79,8 +79,10 @@ class SceneBuilder {
 
  private:
   Result<void> SettleMotion(const std::string& name);
-  Result<void> ReadSettings();
+  Result<void> ReadSettings(const std::string& name);
   Result<void> DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator);
+  Result<std::vector<EmittingShape>> BuildNamedWorld(const IntegratorChoice& integrator,
+                                                     const std::string& name);
   Result<void> BuildAccelerator();
   void SurveyAccelerators();
   Result<void> CheckLights(const std::string& name);
@@ -110,7 +112,7 @@ Result<void> SceneBuilder::SettleMotion(const std::string& name) {
   return StopMotion(*options_.time, scene_);
 }
 
-Result<void> SceneBuilder::ReadSettings() {
+Result<void> SceneBuilder::ReadSettings(const std::string& name) {
   Scene::Data& data = *data_;
   const Result<SceneOptions> scene_options = ReadSceneOptions(scene_, scene_.diagnostics);
   if (!scene_options) return scene_options.error();
@@ -148,9 +150,7 @@ Result<void> SceneBuilder::ReadSettings() {
   data.estimator.techniques = {integrator->sample_lights, integrator->sample_bsdf};
 
   if (Result<void> described = DescribeFrame(*film, *integrator); !described) return described;
-  const WorldRequest request{scene_, files_, images_, integrator->light_sampler,
-                             data.estimator.integrator.follows_media};
-  const Result<std::vector<EmittingShape>> emitters = BuildWorld(request, &data.world, scene_.diagnostics);
+  const Result<std::vector<EmittingShape>> emitters = BuildNamedWorld(*integrator, name);
   if (!emitters) return emitters.error();
   if (data.world.has_subsurface && data.estimator.integrator.kind != IntegratorKind::kVolPath) {
     scene_.diagnostics.Warn(
@@ -187,6 +187,26 @@ Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const Integra
   data.frame.attributes = HeaderAttributes(data, integrator);
   data.buckets.AddAttributes(data.frame.attributes);
   return data.frame.Check();
+}
+
+// Names what the world holds if the picture has mattes.
+Result<std::vector<EmittingShape>> SceneBuilder::BuildNamedWorld(const IntegratorChoice& integrator,
+                                                                 const std::string& name) {
+  Scene::Data& data = *data_;
+  std::optional<SceneNames> names;
+  if (HasMattes(data.layers)) names.emplace(scene_);
+  const WorldRequest request{scene_,
+                             files_,
+                             images_,
+                             integrator.light_sampler,
+                             data.estimator.integrator.follows_media,
+                             names ? &*names : nullptr};
+  Result<std::vector<EmittingShape>> emitters = BuildWorld(request, &data.world, scene_.diagnostics);
+  if (!emitters || !names) return emitters;
+  data.mattes = MatteTable(*names, data.world.geometry);
+  AddMatteNames(data.layers, data.mattes, name, scene_.diagnostics, data.frame.attributes);
+  if (Result<void> good = data.frame.Check(); !good) return good.error();
+  return emitters;
 }
 
 // A scene without light renders black, as in pbrt, except for its wavefront renderer, which refuses it.
@@ -227,7 +247,7 @@ void SceneBuilder::SurveyAccelerators() {
 Result<std::unique_ptr<Scene::Data>> SceneBuilder::Build(const std::string& name, Scene::Depth depth) {
   const auto start = std::chrono::steady_clock::now();
   if (Result<void> settled = SettleMotion(name); !settled) return settled.error();
-  if (Result<void> settings = ReadSettings(); !settings) return settings.error();
+  if (Result<void> settings = ReadSettings(name); !settings) return settings.error();
   if (Result<void> lit = CheckLights(name); !lit) return lit.error();
   const auto accelerator = ChooseAccelerator(scene_.accelerator, options_.accelerator);
   if (!accelerator) return accelerator.error();

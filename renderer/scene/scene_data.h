@@ -11,6 +11,7 @@
 #include "renderer/integrator/world.h"
 #include "renderer/sampler/sampler_settings.h"
 #include "renderer/scene/film_sensor.h"
+#include "renderer/scene/mattes.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/spectral_buckets.h"
 
@@ -28,6 +29,7 @@ struct Scene::Data {
   bool pixel_jitter = true;       // else samples are at the centres of pixels and of the lens
   bool wavelength_jitter = true;  // else all samples have the same wavelengths
   std::set<std::string> layers;   // in the frame: names in Layers()
+  MatteTable mattes;              // empty unless a layer needs it
   SceneSummary summary;
 };
 

@@ -16,14 +16,14 @@ class PixelRenderer {
         sampler_(data.sampler.sampler),
         rgb_{*layout.SlotOf("R"), *layout.SlotOf("G"), *layout.SlotOf("B")},
         weight_(layout.weight()),
-        layers_(data.layers, layout, data.sensor),
+        layers_(data.layers, layout, data.sensor, data.mattes),
         buckets_(data.buckets, layout),
         statistics_(*statistics) {}
 
   // Renders samples `range` of pixel (x, y).
   void Render(int x, int y, SampleRange range, TileBuilder& tile) {
     for (uint32_t index = range.begin; index < range.end(); ++index) {
-      Sample(x, y, index, tile.Values());
+      Sample(x, y, index, tile);
       tile.AddSample();
     }
     tile.EndPixel();
@@ -36,7 +36,8 @@ class PixelRenderer {
   }
 
  private:
-  void Sample(int x, int y, uint32_t index, float* values) {
+  void Sample(int x, int y, uint32_t index, TileBuilder& tile) {
+    float* const values = tile.Values();
     sampler_.StartSample(x, y, index);
     FilterSample filter = data_.filter.Sample(sampler_.Get2D());
     const float u_wavelengths = sampler_.Get1D();
@@ -55,7 +56,7 @@ class PixelRenderer {
     const CameraSample seen = camera.GenerateRay(film, u_lens, u_time);
     const PathContext context{data_.world, data_.estimator.path, wavelengths, sampler_, rays_};
     SampledSpectrum radiance(0.0f);
-    if (seen.weight > 0) radiance = Estimate(context, seen.ray, filter.weight, values) * seen.weight;
+    if (seen.weight > 0) radiance = Estimate(context, seen.ray, filter.weight, tile) * seen.weight;
     const Rgb rgb = data_.sensor.ToRgb(radiance, wavelengths);
     values[weight_] = filter.weight;
     if (!IsFinite(rgb)) {
@@ -68,9 +69,10 @@ class PixelRenderer {
     if (!buckets_.empty()) buckets_.Add(radiance, wavelengths, filter.weight, values);
   }
 
-  SampledSpectrum Estimate(const PathContext& context, const Ray& ray, float filter_weight, float* values) {
+  SampledSpectrum Estimate(const PathContext& context, const Ray& ray, float filter_weight,
+                           TileBuilder& tile) {
     if (layers_.empty()) return EstimateRadiance(context, data_.estimator, ray);
-    layers_.Start(context.wavelengths, filter_weight, values);
+    layers_.Start(context.wavelengths, filter_weight, tile);
     return EstimateRadiance(context, data_.estimator, ray, layers_);
   }
 

@@ -91,6 +91,7 @@ Result<std::vector<Shape>> WorldBuilder::MakeShapes(const ShapeDescription& desc
                                                     const Transform& transform) {
   SurfaceProperties surface;
   surface.material = description.material.index;
+  if (request_.names != nullptr) surface.name = request_.names->IndexOf(description);
   surface.is_interface = world_.materials.IsInterface(description.material.index);
   surface.inside_medium = MediumIndex(description.inside_medium);
   surface.outside_medium = MediumIndex(description.outside_medium);
@@ -163,7 +164,8 @@ Result<void> WorldBuilder::AddGroups() {
 }
 
 Result<void> WorldBuilder::AddInstances() {
-  for (const InstanceDescription& instance : scene_.instances) {
+  for (size_t i = 0; i < scene_.instances.size(); ++i) {
+    const InstanceDescription& instance = scene_.instances[i];
     CheckLoadBudget();
     const auto object = objects_.find(instance.name);
     if (object == objects_.end()) {
@@ -173,6 +175,8 @@ Result<void> WorldBuilder::AddInstances() {
       if (Result<void> added = AddInstance(part, instance.world_from_object, instance.location); !added)
         return added;
     }
+    if (request_.names != nullptr)
+      request_.names->NoteInstances(world_.geometry.instances.size(), static_cast<int>(i));
   }
   for (const Part& part : moving_shapes_) {
     if (Result<void> added = AddMovingInstance(part, AnimatedTransform(), part.location); !added)
@@ -180,6 +184,7 @@ Result<void> WorldBuilder::AddInstances() {
     const auto instance = static_cast<uint32_t>(world_.geometry.instances.size()) - 1;
     for (size_t i = part.emitters_begin; i < part.emitters_end; ++i) emitters_[i].instance = instance;
   }
+  if (request_.names != nullptr) request_.names->NoteMovingShapes(world_.geometry.instances.size());
   return {};
 }
 

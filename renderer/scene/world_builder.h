@@ -8,6 +8,7 @@
 #include "renderer/description/scene_description.h"
 #include "renderer/image/image.h"
 #include "renderer/integrator/world.h"
+#include "renderer/scene/matte_names.h"
 
 namespace tessera {
 
@@ -16,7 +17,8 @@ struct WorldRequest {
   FileSource& files;
   ImageCache& images;
   LightSamplerKind light_sampler = LightSamplerKind::kTree;
-  bool with_media = false;  // the integrator follows media
+  bool with_media = false;      // the integrator follows media
+  SceneNames* names = nullptr;  // of mattes; null if nothing is named
 };
 
 // Fills geometry, textures, materials, media and lights of `world`, whose camera is ready. The accelerator

@@ -24,6 +24,7 @@ struct SurfaceProperties {
   // Light of primitive 0; primitive i is light area_light + i. -1: no emitter.
   int area_light = -1;
   int inside_medium = -1, outside_medium = -1;
+  int name = 0;  // in mattes: an index that its user knows
   // Only a change of medium, no surface: rays pass.
   bool is_interface = false;
   // Opacity. Below 1 a ray passes with probability 1 - alpha, decided by a hash of its origin and direction.

@@ -39,6 +39,8 @@ Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, Surfa
   const Transform render_from_object =
       world_from_object.IsAnimated() ? Transform() : render_from_world * world_from_object.Fixed();
   surface.alpha = textures.Float(reader, "alpha", 1);
+  // The names of mattes, which are not of the shape itself.
+  for (const char* name : {"name", "asset"}) reader.FindString(name);
   std::vector<Form> forms = kind->reader({reader,
                                           {render_from_object, description.reverse_orientation},
                                           files,

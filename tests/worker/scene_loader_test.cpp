@@ -30,6 +30,25 @@ TEST(SceneLoader, RefusesAFrameOtherThanTheOneOrdered) {
   EXPECT_THAT(scene.error().message, HasSubstr("differs from the one submitted"));
 }
 
+// The coordinator writes the names of mattes as the submitting client sent them, without reading the scene.
+TEST(SceneLoader, RefusesNamesOfMattesOtherThanThoseOfTheScene) {
+  BlobMap blobs;
+  RenderOptions options;
+  options.aovs = {"crypto_object"};
+  SceneRequest order = MakeOrder(blobs, kTinyScene, options);
+  EXPECT_TRUE(LoadOrderedScene(order, blobs.Fetcher()));
+  int manifests = 0;
+  for (auto& [name, value] : order.frame.attributes) {
+    if (!name.ends_with("/manifest")) continue;
+    value.insert(1, R"("forged":"00800000",)");
+    ++manifests;
+  }
+  EXPECT_EQ(manifests, 1);
+  const auto scene = LoadOrderedScene(order, blobs.Fetcher());
+  ASSERT_FALSE(scene);
+  EXPECT_THAT(scene.error().message, HasSubstr("differs from the one submitted"));
+}
+
 TEST(SceneLoader, APackageThatLacksAFileFailsByName) {
   BlobMap blobs;
   const SceneRequest order = MakeOrder(blobs, std::string(kTinyScene) + "Include \"more.pbrt\"\n");
