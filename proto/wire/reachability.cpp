@@ -1,6 +1,5 @@
 #include "proto/wire/reachability.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <grpcpp/support/status.h>
@@ -8,7 +7,6 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -17,12 +15,12 @@
 #include <functional>
 #include <mutex>
 #include <system_error>
-#include <thread>
 
 #include "proto/identity/private_file.h"
 #include "proto/identity/private_key.h"
 #include "proto/identity/server_check.h"
 #include "proto/identity/tls_probe.h"
+#include "proto/wire/probe_socket.h"
 #include "renderer/util/file.h"
 
 namespace tessera {
@@ -47,45 +45,8 @@ constexpr char kSettingsFrame = 4;
 
 constexpr const char* kNotCoordinator = "the program that answers there is not a Tessera coordinator";
 
-class Socket {
- public:
-  explicit Socket(int family) : fd_(::socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {}
-  ~Socket() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  int fd() const { return fd_; }
-  // Waits for `events`. Returns false at the deadline.
-  bool Await(short events, Clock::time_point deadline) const {
-    pollfd event{fd_, events, 0};
-    while (true) {
-      const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
-      const int count = ::poll(&event, 1, left > 0 ? static_cast<int>(left) : 0);
-      if (count > 0) return true;
-      if (count == 0 || errno != EINTR) return false;
-    }
-  }
-
- private:
-  int fd_;
-};
-
-// Returns 0 or an error number.
-int Connect(const Socket& socket, const sockaddr* address, socklen_t size, Clock::time_point deadline) {
-  if (socket.fd() < 0) return errno;
-  if (::connect(socket.fd(), address, size) == 0) return 0;
-  // EAGAIN: the queue of a Unix socket is full.
-  if (errno == EAGAIN) return ETIMEDOUT;
-  if (errno != EINPROGRESS) return errno;
-  if (!socket.Await(POLLOUT, deadline)) return ETIMEDOUT;
-  int error = 0;
-  socklen_t error_size = sizeof error;
-  return ::getsockopt(socket.fd(), SOL_SOCKET, SO_ERROR, &error, &error_size) == 0 ? error : errno;
-}
-
 // A connection is there: finds out who answers.
-Reachability Greet(const Socket& socket) {
+Reachability Greet(const ProbeSocket& socket) {
   const auto deadline = Clock::now() + kGreetingPatience;
   if (::send(socket.fd(), kGreeting, kGreetingBytes, MSG_NOSIGNAL) != static_cast<ssize_t>(kGreetingBytes))
     return {false, "the program that listens there closes connections"};
@@ -137,14 +98,14 @@ Obstacle ObstacleOf(int error) {
   }
 }
 
-Reachability CheckUnix(const Address& address) {
+Reachability CheckUnix(const Address& address, Interruption& interruption) {
   sockaddr_un name{};
   name.sun_family = AF_UNIX;
   if (address.path.size() >= sizeof name.sun_path) return {false, "the path of the socket is too long"};
   std::memcpy(name.sun_path, address.path.data(), address.path.size());
-  const Socket socket(AF_UNIX);
+  const ProbeSocket socket(AF_UNIX, interruption);
   const int error =
-      Connect(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name, Clock::now() + kConnectPatience);
+      socket.Connect(reinterpret_cast<const sockaddr*>(&name), sizeof name, Clock::now() + kConnectPatience);
   return error == 0 ? Greet(socket) : Reachability{false, ConnectError(error, address), ObstacleOf(error)};
 }
 
@@ -159,19 +120,16 @@ std::string ResolveError(int error, const std::string& host) {
 }
 
 // Connects and calls `greet` with the connection.
-Reachability CheckTcp(const Address& address, const std::function<Reachability(const Socket&)>& greet) {
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  const int failed =
-      ::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &found);
-  if (failed != 0) return {false, ResolveError(failed, address.host), Obstacle::kName};
-  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> list(found, &::freeaddrinfo);
+Reachability CheckTcp(const Address& address, Interruption& interruption,
+                      const std::function<Reachability(const ProbeSocket&)>& greet) {
+  const ResolvedHost host = Resolve(address.host, address.port, interruption);
+  if (host.error != 0) return {false, ResolveError(host.error, address.host), Obstacle::kName};
   const auto deadline = Clock::now() + kConnectPatience;
   int error = ETIMEDOUT;
-  for (const addrinfo* each = found; each != nullptr && Clock::now() < deadline; each = each->ai_next) {
-    const Socket socket(each->ai_family);
-    error = Connect(socket, each->ai_addr, each->ai_addrlen, deadline);
+  for (const addrinfo* each = host.addresses.get(); each != nullptr && Clock::now() < deadline;
+       each = each->ai_next) {
+    const ProbeSocket socket(each->ai_family, interruption);
+    error = socket.Connect(each->ai_addr, each->ai_addrlen, deadline);
     if (error == 0) return greet(socket);
   }
   return {false, ConnectError(error, address), ObstacleOf(error)};
@@ -266,7 +224,7 @@ Result<TlsGreeting> GreetingOf(const TlsFiles& files, const std::string& host) {
       [files, host](const auto& chain) { return WhyNotTheHost(chain, files, host); }};
 }
 
-Reachability GreetTls(const Socket& socket, const Result<TlsGreeting>& greeting) {
+Reachability GreetTls(const ProbeSocket& socket, const Result<TlsGreeting>& greeting) {
   if (!greeting) return {false, greeting.error().message};
   const auto deadline = Clock::now() + kGreetingPatience;
   TlsProbe probe(socket.fd(), greeting->identity_pem);
@@ -286,40 +244,9 @@ Reachability GreetTls(const Socket& socket, const Result<TlsGreeting>& greeting)
           Obstacle::kNotAdmitted};
 }
 
-// Nobody listens on the local socket of the address: finds out who listens on the address itself.
-Reachability CheckForeign(const Address& address) {
-  const Reachability found = CheckTcp(address, Greet);
-  if (found.speaks_http2) {
-    return {false,
-            "the coordinator there was started with --insecure; add --insecure here too if that is wanted"};
-  }
-  const auto chain = FetchCertificates(address);
-  if (!chain || !ClaimsCoordinator(*chain)) return found;
-  return {false,
-          "the coordinator there belongs to another user or machine, and there is no login for it; ask its "
-          "operator "
-          "for a token and join with it"};
-}
-
-Reachability CheckEndpoint(const Endpoint& endpoint) {
-  if (endpoint.login)
-    return CheckTcp(endpoint.address,
-                    [&](const Socket& socket) { return GreetTls(socket, GreetingOf(*endpoint.login)); });
-  if (endpoint.organisation) {
-    return CheckTcp(endpoint.address, [&](const Socket& socket) {
-      return GreetTls(socket, GreetingOf(*endpoint.organisation, endpoint.address.host));
-    });
-  }
-  if (endpoint.target.kind == Address::Kind::kTcp) return CheckTcp(endpoint.target, Greet);
-  const Reachability found = CheckUnix(endpoint.target);
-  return found.speaks_http2 || !endpoint.IsLocalSocket() ? found : CheckForeign(endpoint.address);
-}
-
-}  // namespace
-
-Result<std::vector<Certificate>> FetchCertificates(const Address& address) {
+Result<std::vector<Certificate>> CertificatesAt(const Address& address, Interruption& interruption) {
   std::vector<Certificate> chain;
-  const Reachability found = CheckTcp(address, [&](const Socket& socket) -> Reachability {
+  const Reachability found = CheckTcp(address, interruption, [&](const ProbeSocket& socket) -> Reachability {
     TlsProbe probe(socket.fd(), "");
     const auto done = probe.Handshake(Clock::now() + kGreetingPatience);
     if (!done) return {false, fmt::format("the TLS handshake failed ({})", done.error().message)};
@@ -330,7 +257,45 @@ Result<std::vector<Certificate>> FetchCertificates(const Address& address) {
   return chain;
 }
 
+// Nobody listens on the local socket of the address: finds out who listens on the address itself.
+Reachability CheckForeign(const Address& address, Interruption& interruption) {
+  const Reachability found = CheckTcp(address, interruption, Greet);
+  if (found.speaks_http2) {
+    return {false,
+            "the coordinator there was started with --insecure; add --insecure here too if that is wanted"};
+  }
+  const auto chain = CertificatesAt(address, interruption);
+  if (!chain || !ClaimsCoordinator(*chain)) return found;
+  return {false,
+          "the coordinator there belongs to another user or machine, and there is no login for it; ask its "
+          "operator for a token and join with it"};
+}
+
+Reachability CheckEndpoint(const Endpoint& endpoint, Interruption& interruption) {
+  if (endpoint.login) {
+    return CheckTcp(endpoint.address, interruption,
+                    [&](const ProbeSocket& socket) { return GreetTls(socket, GreetingOf(*endpoint.login)); });
+  }
+  if (endpoint.organisation) {
+    return CheckTcp(endpoint.address, interruption, [&](const ProbeSocket& socket) {
+      return GreetTls(socket, GreetingOf(*endpoint.organisation, endpoint.address.host));
+    });
+  }
+  if (endpoint.target.kind == Address::Kind::kTcp) return CheckTcp(endpoint.target, interruption, Greet);
+  const Reachability found = CheckUnix(endpoint.target, interruption);
+  return found.speaks_http2 || !endpoint.IsLocalSocket() ? found
+                                                         : CheckForeign(endpoint.address, interruption);
+}
+
+}  // namespace
+
+Result<std::vector<Certificate>> FetchCertificates(const Address& address) {
+  Interruption never;
+  return CertificatesAt(address, never);
+}
+
 struct ReachabilityCheck::Shared {
+  Interruption interruption;
   std::mutex mutex;
   std::condition_variable_any ended;
   std::optional<Reachability> result;
@@ -338,14 +303,24 @@ struct ReachabilityCheck::Shared {
 
 ReachabilityCheck::ReachabilityCheck(const Endpoint& endpoint) : shared_(std::make_shared<Shared>()) {
   try {
-    std::thread([endpoint, shared = shared_] {
-      Reachability result = CheckEndpoint(endpoint);
+    thread_ = std::thread([endpoint, shared = shared_] {
+      Reachability result = CheckEndpoint(endpoint, shared->interruption);
       const std::lock_guard lock(shared->mutex);
       shared->result = std::move(result);
       shared->ended.notify_all();
-    }).detach();
+    });
   } catch (const std::system_error&) {  // no thread
     shared_->result = Reachability{false, "it is not reached"};
+  }
+}
+
+// A thread that uses OpenSSL must have ended before the program does, as OpenSSL frees its data at exit.
+ReachabilityCheck::~ReachabilityCheck() {
+  if (!thread_.joinable()) return;
+  if (shared_->interruption.Request()) {
+    thread_.detach();
+  } else {
+    thread_.join();
   }
 }
 

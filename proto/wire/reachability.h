@@ -7,6 +7,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "proto/identity/certificate.h"
@@ -43,17 +44,21 @@ struct Reachability {
 };
 
 // Resolves, connects, shows the certificate of a login and exchanges the first bytes of HTTP/2, on a thread
-// of its own, which may outlive this object: a name server that does not answer cannot be interrupted. Not
-// thread safe.
+// of its own. Destruction ends it within milliseconds, unless it waits for a name server, which cannot be
+// interrupted: then it outlives this object and ends with the answer. Not thread safe.
 class ReachabilityCheck {
  public:
   explicit ReachabilityCheck(const Endpoint& endpoint);
+  ~ReachabilityCheck();
+  ReachabilityCheck(const ReachabilityCheck&) = delete;
+  ReachabilityCheck& operator=(const ReachabilityCheck&) = delete;
   // Waits for the result, at most for `patience` or until a stop is requested.
   std::optional<Reachability> Await(std::chrono::milliseconds patience, std::stop_token stop = {});
 
  private:
   struct Shared;
   std::shared_ptr<Shared> shared_;
+  std::thread thread_;
 };
 
 // The result of a check that is given enough time to end.

@@ -8,9 +8,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <optional>
 #include <thread>
 #include <vector>
 
+#include "proto/wire/probe_socket.h"
 #include "proto/work.grpc.pb.h"
 #include "tests/listening_socket.h"
 
@@ -79,6 +82,33 @@ TEST(Reachability, NamesAMachineThatDoesNotAnswer) {
 TEST(Reachability, NamesAProgramThatListensButDoesNotAnswer) {
   const ListeningSocket listener(8);
   EXPECT_THAT(CheckReachability(Local(listener.port())).reason, HasSubstr("timed out: the program"));
+}
+
+// A thread that is left behind would use libraries that are being unloaded when the program ends.
+TEST(Reachability, ACheckThatIsGivenUpHasEndedItsConnection) {
+  const ListeningSocket listener(8);
+  std::optional<ReachabilityCheck> check(std::in_place, Local(listener.port()));
+  const int peer = ::accept(listener.fd(), nullptr, nullptr);
+  char greeting[64];
+  EXPECT_GT(::recv(peer, greeting, sizeof greeting, 0), 0);
+  check.reset();
+  EXPECT_EQ(::recv(peer, greeting, sizeof greeting, MSG_DONTWAIT), 0);
+  ::close(peer);
+}
+
+TEST(Reachability, NoConnectionStartsAfterAnInterruption) {
+  const ListeningSocket listener(8);
+  Interruption interruption;
+  EXPECT_FALSE(interruption.Request());
+  EXPECT_NE(Resolve("127.0.0.1", listener.port(), interruption).error, 0);
+  const ProbeSocket socket(AF_INET, interruption);
+  sockaddr_in name{};
+  name.sin_family = AF_INET;
+  name.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  name.sin_port = htons(static_cast<uint16_t>(listener.port()));
+  EXPECT_EQ(socket.Connect(reinterpret_cast<sockaddr*>(&name), sizeof name,
+                           std::chrono::steady_clock::now() + std::chrono::seconds(60)),
+            ECONNABORTED);
 }
 
 TEST(Reachability, NamesProgramsThatAreNoCoordinator) {
