@@ -18,9 +18,9 @@ struct SampledWavelengths {
   Float4 pdf;     // per nm; 0 for a terminated wavelength
   __m128i index;  // lambda rounded to the nearest whole nm, minus kLambdaMin: a place in a dense table
 
-  // Density proportional to an approximation of the eye's sensitivity (Radziszewski et al. 2009, as used by
-  // Pharr, Jakob, Humphreys 2023, section 4.5.4). The four are u, u + 1/4, u + 1/2, u + 3/4, wrapped. u in
-  // [0, 1).
+  // With a density that follows what the eye is sensitive to, so that the four together see nearly the colour
+  // that all wavelengths would: colour noise is what they miss. The four are u, u + 1/4, u + 1/2, u + 3/4,
+  // wrapped. u in [0, 1).
   static SampledWavelengths SampleVisible(float u);
   // The density per nm of SampleVisible at a wavelength; 0 outside [kLambdaMin, kLambdaMax].
   static float VisiblePdf(float lambda);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "renderer/integrator/path_context.h"
@@ -91,10 +92,11 @@ inline float InfiniteLightPdf(const World& world, const ReferencePoint& referenc
 }
 
 // The probability of ending a path whose next ray is expected to bring the share `expected` of the radiance
-// that it finds; 0 before the second vertex.
+// that it finds; 0 before the second vertex. Paths go on with the square root of the share, because the
+// variance that a survivor's larger weight adds outweighs the rays that its end would save.
 inline float EndProbability(float expected, int depth) {
   if (depth <= 1 || !(expected < 1)) return 0;
-  return std::max(0.0f, 1 - expected);
+  return 1 - std::sqrt(std::max(0.0f, expected));
 }
 
 }  // namespace tessera

@@ -62,24 +62,43 @@ ZSobolSampler::ZSobolSampler(uint64_t seed, Randomization randomization, int log
 
 void ZSobolSampler::StartSample(int x, int y, uint32_t index) {
   const uint64_t pixel = SpreadBits(static_cast<uint32_t>(x)) | SpreadBits(static_cast<uint32_t>(y)) << 1;
+  if (morton_place_ >> log2_samples_ != pixel) is_kept_ = 0;
   morton_place_ = pixel << log2_samples_ | index;
   dimension_ = 0;
 }
 
-// The Morton place with its base-4 digits permuted, each by a hash of the digits above it and the dimension;
-// with an odd number of bits the last is a base-2 digit.
-uint64_t ZSobolSampler::Index() const {
-  const bool odd = (log2_samples_ & 1) != 0;
-  const uint64_t salt = Hash(seed_, dimension_);
-  uint64_t index = 0;
-  for (int digit = base4_digits_ - 1; digit >= (odd ? 1 : 0); --digit) {
-    const int shift = 2 * digit - (odd ? 1 : 0);
+// Each digit is permuted by a hash of the digits above it and the dimension.
+uint64_t ZSobolSampler::Permuted(int begin, int end, uint64_t salt) const {
+  const int odd = log2_samples_ & 1;
+  uint64_t permuted = 0;
+  for (int digit = begin - 1; digit >= end; --digit) {
+    const int shift = 2 * digit - odd;
     const uint64_t above = morton_place_ >> (shift + 2);
     const int order = static_cast<int>(((MixBits(above ^ salt) >> 32) * 24) >> 32);
     const uint64_t value = (kDigitOrders.order[order] >> (2 * ((morton_place_ >> shift) & 3))) & 3;
-    index |= value << shift;
+    permuted |= value << shift;
   }
-  if (odd) index |= (morton_place_ & 1) ^ (MixBits((morton_place_ >> 1) ^ salt) >> 63);
+  return permuted;
+}
+
+// The Morton place with its base-4 digits permuted; with an odd number of bits the last is a base-2 digit.
+uint64_t ZSobolSampler::Index() {
+  const uint64_t salt = Hash(seed_, dimension_);
+  const int of_sample = (log2_samples_ + 1) / 2;  // the digits below depend on the index of the sample
+  uint64_t index = 0;
+  if (dimension_ >= kKept) {
+    index = Permuted(base4_digits_, of_sample, salt);
+  } else {
+    const uint64_t bit = uint64_t{1} << dimension_;
+    if ((is_kept_ & bit) == 0) {
+      kept_[dimension_] = Permuted(base4_digits_, of_sample, salt);
+      is_kept_ |= bit;
+    }
+    index = kept_[dimension_];
+  }
+  const int odd = log2_samples_ & 1;
+  index |= Permuted(of_sample, odd, salt);
+  if (odd != 0) index |= (morton_place_ & 1) ^ (MixBits((morton_place_ >> 1) ^ salt) >> 63);
   return index;
 }
 

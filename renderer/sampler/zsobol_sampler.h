@@ -3,6 +3,9 @@
 // number of samples.
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "renderer/math/vec.h"
 #include "renderer/sampler/sampler_directive.h"
 #include "renderer/sampler/sobol.h"
@@ -22,7 +25,12 @@ class ZSobolSampler {
   Point2 Get2D();
 
  private:
-  uint64_t Index() const;
+  // Dimensions whose digits of the pixel are kept while its samples are drawn.
+  static constexpr int kKept = 64;
+
+  uint64_t Index();
+  // The permuted digits end ... begin - 1 of the Morton place.
+  uint64_t Permuted(int begin, int end, uint64_t salt) const;
   float Fraction(uint64_t index, int column, uint32_t seed) const {
     return RandomizedFraction(randomization_, SobolBitsWide(*matrices_, index, column), seed);
   }
@@ -34,6 +42,9 @@ class ZSobolSampler {
   int base4_digits_;           // of the Morton place
   uint64_t morton_place_ = 0;  // of the sample: its index is the lowest digits
   int dimension_ = 0;
+  // Of each dimension whose bit is set in is_kept_: the permuted digits that all samples of the pixel share.
+  std::array<uint64_t, kKept> kept_{};
+  uint64_t is_kept_ = 0;
 };
 
 }  // namespace tessera

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace tessera::film_sensor {
@@ -54,6 +55,27 @@ TEST(FilmSensor, TheObserverSeesTheWhiteOfTheColourSpaceAsWhite) {
     const Rgb white = White(FilmSensor::Observer(space, {}, 0), *space.illuminant());
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(white[c], 1, 0.01f) << name;
   }
+}
+
+// What the four wavelengths of a path miss of white is the noise that a grey picture without any other has.
+TEST(FilmSensor, FourWavelengthsSeeWhiteAlmostWithoutColourNoise) {
+  const ColorSpace& srgb = ColorSpace::Srgb();
+  const FilmSensor sensor = FilmSensor::Observer(srgb, {}, 0);
+  double luminance = 0;
+  for (size_t i = 0; i < srgb.illuminant()->size(); ++i)
+    luminance += static_cast<double>((*srgb.illuminant())[i]) * static_cast<double>(CieY()[i]);
+  constexpr int kSamples = 1000;
+  std::array<double, 3> squares{};
+  for (int i = 0; i < kSamples; ++i) {
+    const auto wavelengths = SampledWavelengths::SampleVisible((static_cast<float>(i) + 0.5f) / kSamples);
+    const Rgb seen = sensor.ToRgb(
+        SampleTable(*srgb.illuminant(), wavelengths) / static_cast<float>(luminance), wavelengths);
+    for (int c = 0; c < 3; ++c) {
+      const double error = static_cast<double>(seen[c]) - 1;
+      squares[static_cast<size_t>(c)] += error * error;
+    }
+  }
+  for (const double sum : squares) EXPECT_LT(std::sqrt(sum / kSamples), 0.06);
 }
 
 TEST(FilmSensor, WhiteBalanceMakesItsDaylightWhite) {
