@@ -1,7 +1,8 @@
-// Renders scenes on this machine and prints for each: load seconds, camera paths and rays per CPU second,
-// relMSE against a reference, and relMSE x CPU seconds, the figure to compare, as it does not depend on the
-// number of samples. Usage:
+// Renders scenes on this machine and prints for each: load seconds, camera paths and rays per CPU second, the
+// peak of memory, relMSE against a reference, and relMSE x CPU seconds, the figure to compare, as it does not
+// depend on the number of samples. Usage:
 //   scene_bench [--spp N] [--seeds K] [--threads T] [--csv FILE] SCENE=REFERENCE.exr ...
+//   scene_bench --compare BEFORE.csv AFTER.csv
 // The picture has the size of its reference. relMSE is the mean of (a - b)^2 / (b^2 + 0.01) over R, G and B
 // without the largest 0.1 % of values. The noise of a single reference is divided out as 1 + spp / reference
 // spp
@@ -9,11 +10,15 @@
 // reference is only timed.
 #include <fmt/format.h>
 
+#include <sys/resource.h>
+
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "renderer/util/file.h"
+#include "tests/bench/bench_table.h"
 #include "tests/bench/frame_run.h"
 
 namespace tessera {
@@ -30,15 +35,59 @@ struct BenchOptions {
   bool json = false;
   std::string csv, accelerator, integrator, write;
   std::vector<std::string> scenes;
+  std::vector<std::string> compare;  // two CSV files
 };
 
-struct Row {
-  std::string name;
-  double load_seconds = 0, render_wall = 0, render_cpu = 0;
-  double relmse = 0;
+// The sum of a figure over seeds, and of its squares.
+struct SeedSum {
+  double sum = 0, squares = 0;
+  int count = 0;
+
+  void Add(double value) {
+    sum += value;
+    squares += value * value;
+    ++count;
+  }
+  double Mean() const { return sum / count; }
+  // The relative standard error of the mean; 0 if there is one seed.
+  double Spread() const {
+    if (count < 2 || !(sum > 0)) return 0;
+    const double variance = std::max(0.0, squares / count - Mean() * Mean()) * count / (count - 1);
+    return std::sqrt(variance / count) / Mean();
+  }
+};
+
+struct SceneSums {
+  SeedSum load_cpu, render_cpu, render_wall, relmse;
   uint64_t paths = 0;
   RenderStatistics rays;
+
+  BenchRow Row(const std::string& scene) const;
 };
+
+// Megabytes, up to now.
+double PeakMemory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+BenchRow SceneSums::Row(const std::string& scene) const {
+  const auto per_second = [this](uint64_t count) { return static_cast<double>(count) / render_cpu.sum; };
+  return {.scene = scene,
+          .load_cpu_s = load_cpu.Mean(),
+          .render_cpu_s = render_cpu.Mean(),
+          .render_wall_s = render_wall.Mean(),
+          .paths_per_cpu_s = per_second(paths),
+          .camera_rays_per_cpu_s = per_second(rays.camera_rays),
+          .bounce_rays_per_cpu_s = per_second(rays.bounce_rays),
+          .shadow_rays_per_cpu_s = per_second(rays.shadow_rays),
+          .relmse = relmse.Mean(),
+          .relmse_x_cpu_s = relmse.Mean() * render_cpu.Mean(),
+          .cpu_spread = render_cpu.Spread(),
+          .relmse_spread = relmse.Spread(),
+          .peak_mb = PeakMemory()};
+}
 
 // SCENE or SCENE=REFERENCES.
 struct SceneArgument {
@@ -104,7 +153,7 @@ void PrintJson(const SceneArgument& argument, const Scene& scene, const FrameRun
 }
 
 Result<void> MeasureOnce(const SceneArgument& argument, const BenchOptions& options, uint64_t seed,
-                         Row* row) {
+                         SceneSums* sums) {
   DiskFileSource files(argument.folder);
   const double load_start = CpuSeconds();
   const Result<std::unique_ptr<Scene>> loaded = Scene::Load(
@@ -123,61 +172,77 @@ Result<void> MeasureOnce(const SceneArgument& argument, const BenchOptions& opti
   }
   const uint32_t spp = scene.frame().samples_per_pixel;
   const double noise = argument.references.pictures.size() == 1 ? 1 + spp / options.reference_spp : 1;
-  row->load_seconds += load_seconds / options.seeds;
-  row->render_cpu += run.cpu_seconds;
-  row->render_wall += run.wall_seconds;
-  row->relmse += error.trimmed / noise / options.seeds;
-  row->paths += static_cast<uint64_t>(run.picture.bounds.area()) * spp;
-  row->rays.camera_rays += run.rays.camera_rays;
-  row->rays.bounce_rays += run.rays.bounce_rays;
-  row->rays.shadow_rays += run.rays.shadow_rays;
+  sums->load_cpu.Add(load_seconds);
+  sums->render_cpu.Add(run.cpu_seconds);
+  sums->render_wall.Add(run.wall_seconds);
+  sums->relmse.Add(error.trimmed / noise);
+  sums->paths += static_cast<uint64_t>(run.picture.bounds.area()) * spp;
+  sums->rays.camera_rays += run.rays.camera_rays;
+  sums->rays.bounce_rays += run.rays.bounce_rays;
+  sums->rays.shadow_rays += run.rays.shadow_rays;
   return {};
 }
 
-Result<Row> Measure(const std::string& text, const BenchOptions& options) {
+Result<BenchRow> Measure(const std::string& text, const BenchOptions& options) {
   const Result<SceneArgument> argument = SceneArgument::Read(text);
   if (!argument) return argument.error();
-  Row row;
-  row.name = argument->folder.substr(argument->folder.rfind('/') + 1);
+  SceneSums sums;
   for (int i = 0; i < options.seeds; ++i) {
     const uint64_t seed = options.first_seed + static_cast<uint64_t>(i);
-    if (Result<void> measured = MeasureOnce(*argument, options, seed, &row); !measured)
+    if (Result<void> measured = MeasureOnce(*argument, options, seed, &sums); !measured)
       return measured.error();
   }
-  return row;
+  return sums.Row(argument->folder.substr(argument->folder.rfind('/') + 1));
+}
+
+void PrintRow(const BenchRow& row) {
+  fmt::print(
+      "| {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} | {:.2f} | {:.2f} | {:.2f} | {:.5f} | {:.4f} | {:.0f} |\n",
+      row.scene, row.load_cpu_s, row.render_cpu_s, row.render_wall_s, row.paths_per_cpu_s / 1e3,
+      row.camera_rays_per_cpu_s / 1e6, row.bounce_rays_per_cpu_s / 1e6, row.shadow_rays_per_cpu_s / 1e6,
+      row.relmse, row.relmse_x_cpu_s, row.peak_mb);
+  std::fflush(stdout);
+}
+
+int Fail(const Error& error) {
+  fmt::print(stderr, "{}\n", error.message);
+  return static_cast<int>(error.kind);
 }
 
 int Run(const BenchOptions& options) {
-  std::string csv =
-      "scene,load_cpu_s,render_cpu_s,render_wall_s,paths_per_cpu_s,rays_per_cpu_s,relmse,relmse_x_cpu_s\n";
   if (!options.json) {
     fmt::print(
-        "| scene | load CPU s | CPU s | wall s | k paths/CPU s | M rays/CPU s | relMSE | relMSE x CPU s |\n");
-    fmt::print("|---|---|---|---|---|---|---|---|\n");
+        "| scene | load CPU s | CPU s | wall s | k paths/CPU s | M camera rays/CPU s | M bounce rays/CPU s | "
+        "M shadow rays/CPU s | relMSE | relMSE x CPU s | peak MB |\n");
+    fmt::print("|---|---|---|---|---|---|---|---|---|---|---|\n");
   }
+  std::vector<BenchRow> rows;
   for (const std::string& scene : options.scenes) {
-    const Result<Row> row = Measure(scene, options);
-    if (!row) {
-      fmt::print(stderr, "{}\n", row.error().message);
-      return static_cast<int>(row.error().kind);
-    }
-    const double cpu = row->render_cpu / options.seeds, wall = row->render_wall / options.seeds;
-    const double paths = static_cast<double>(row->paths) / row->render_cpu;
-    const double rays = static_cast<double>(row->rays.rays()) / row->render_cpu;
-    if (!options.json) {
-      fmt::print("| {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} | {:.2f} | {:.5f} | {:.4f} |\n", row->name,
-                 row->load_seconds, cpu, wall, paths / 1e3, rays / 1e6, row->relmse, row->relmse * cpu);
-      std::fflush(stdout);
-    }
-    csv += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.0f},{:.0f},{:.6f},{:.6f}\n", row->name, row->load_seconds,
-                       cpu, wall, paths, rays, row->relmse, row->relmse * cpu);
+    const Result<BenchRow> row = Measure(scene, options);
+    if (!row) return Fail(row.error());
+    if (!options.json) PrintRow(*row);
+    rows.push_back(*row);
   }
-  if (!options.csv.empty()) {
-    if (Result<void> written = WriteFileAtomically(options.csv, csv); !written) {
-      fmt::print(stderr, "{}\n", written.error().message);
-      return 1;
-    }
-  }
+  if (options.csv.empty()) return 0;
+  const Result<void> written = WriteFileAtomically(options.csv, ToCsv(rows));
+  return written ? 0 : Fail(written.error());
+}
+
+Result<std::vector<BenchRow>> LoadBench(const std::string& path) {
+  constexpr uint64_t kSizeMax = 1 << 20;
+  const Result<std::string> text = ReadFile(path, kSizeMax);
+  if (!text) return text.error();
+  Result<std::vector<BenchRow>> rows = ReadBenchCsv(*text);
+  if (!rows) return BadInput(path + ": " + rows.error().message);
+  return rows;
+}
+
+int CompareFiles(const std::vector<std::string>& files) {
+  const Result<std::vector<BenchRow>> before = LoadBench(files[0]);
+  if (!before) return Fail(before.error());
+  const Result<std::vector<BenchRow>> after = LoadBench(files[1]);
+  if (!after) return Fail(after.error());
+  fmt::print("{}", CompareBenches(*before, *after));
   return 0;
 }
 
@@ -202,7 +267,18 @@ int main(int argc, char** argv) {
   app.add_flag("--json", options.json, "Print one JSON line per run instead of a table");
   app.add_option("--write", options.write, "Write the last picture to this EXR file");
   app.add_option("--csv", options.csv, "Also write the table to this CSV file");
-  app.add_option("scenes", options.scenes, "SCENE or SCENE=REFERENCE.exr[,REFERENCE.exr] ...")->required();
+  auto* compare =
+      app.add_option("--compare", options.compare,
+                     "Render nothing: compare two CSV files, scene by scene; more than 1 is better, ~ "
+                     "marks what noise explains")
+          ->expected(2);
+  app.add_option("scenes", options.scenes, "SCENE or SCENE=REFERENCE.exr[,REFERENCE.exr] ...")
+      ->excludes(compare);
   CLI11_PARSE(app, argc, argv);
+  if (!options.compare.empty()) return tessera::CompareFiles(options.compare);
+  if (options.scenes.empty()) {
+    fmt::print(stderr, "scene_bench: name a scene, or two CSV files with --compare\n");
+    return 2;
+  }
   return tessera::Run(options);
 }
