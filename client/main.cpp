@@ -3,6 +3,7 @@
 
 #include "client/commands/command_line.h"
 #include "client/commands/commands.h"
+#include "client/coordinator/coordinator_client.h"
 #include "proto/shell/program.h"
 
 namespace tessera {
@@ -31,5 +32,6 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
 }  // namespace tessera
 
 int main(int argc, char** argv) {
+  tessera::CoordinatorClient::PrepareProcess();
   return tessera::RunProgram("tessera", argc, argv, tessera::Run);
 }

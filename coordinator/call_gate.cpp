@@ -8,6 +8,7 @@
 #include "coordinator/membership/member_board.h"
 #include "proto/identity/certificate.h"
 #include "proto/identity/subject.h"
+#include "proto/shell/log.h"
 #include "renderer/text/unicode.h"
 
 namespace tessera {
@@ -185,9 +186,9 @@ void CallGate::LogDenial(const Principal& caller, const CallRule& rule, const gr
 void CallGate::Audit(const Principal& caller, const CallRule& rule, const std::string& details,
                      const grpc::Status& status) {
   if (status.error_code() == grpc::StatusCode::PERMISSION_DENIED) return;
-  spdlog::info("audit call={} {}{}{} result={}", rule.method, LogFieldsOf(caller), details.empty() ? "" : " ",
-               details,
-               status.ok() ? "done" : fmt::format("failed reason={}", LogText(status.error_message())));
+  WriteAuditEntry(fmt::format(
+      "call={} {}{}{} result={}", rule.method, LogFieldsOf(caller), details.empty() ? "" : " ", details,
+      status.ok() ? "done" : fmt::format("failed reason={}", LogText(status.error_message()))));
 }
 
 }  // namespace tessera

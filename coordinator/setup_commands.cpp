@@ -93,8 +93,10 @@ void AddTokenFlags(CLI::App& app, TokenOptions& options) {
 Result<Endpoint> TokenOptions::ChooseCoordinator() const {
   const auto address = ParseAddress(coordinator.empty() ? "127.0.0.1:7700" : coordinator, "--coordinator");
   if (!address) return address.error();
-  return ChooseEndpoint(*address, {false, LoginStore(PersonalLoginFolder(Environment)),
-                                   LocalSocketFolder(Environment), "run: tessera login TOKEN"});
+  EndpointRules rules{false, LoginStore(PersonalLoginFolder(Environment)), LocalSocketFolder(Environment),
+                      "run: tessera login TOKEN"};
+  rules.prefer_local_socket = true;
+  return ChooseEndpoint(*address, rules);
 }
 
 Result<proto::TokenAnswer> AskForToken(const TokenOptions& options, const Endpoint& endpoint,

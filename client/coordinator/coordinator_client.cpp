@@ -8,6 +8,7 @@
 #include "proto/wire/convert.h"
 #include "proto/wire/membership_calls.h"
 #include "proto/wire/reachability.h"
+#include "proto/wire/tls_credentials.h"
 
 namespace tessera {
 namespace {
@@ -169,6 +170,10 @@ Error CoordinatorClient::Connection::ErrorOf(const grpc::Status& status, const s
 CoordinatorClient::CoordinatorClient(std::unique_ptr<Connection> connection)
     : connection_(std::move(connection)) {}
 CoordinatorClient::~CoordinatorClient() = default;
+
+void CoordinatorClient::PrepareProcess() {
+  AllowOnlyTls13();
+}
 
 Result<void> CoordinatorClient::StartThreads() {
   return StartGrpc();

@@ -4,7 +4,9 @@
 #include <sys/resource.h>
 #include <sys/timex.h>
 
+#include "proto/probe.h"
 #include "proto/terms.h"
+#include "renderer/scene/probe.h"
 #include "renderer/util/cores.h"
 #include "renderer/util/threads.h"
 
@@ -50,9 +52,24 @@ Finding CheckClock(const std::string& where) {
 
 }  // namespace
 
+Finding CheckProbe(const std::string& where, const Result<Digest>& rendered) {
+  if (!rendered)
+    return {Severity::kProblem, where, "this machine cannot render: " + rendered.error().message,
+            "install the release again"};
+  if (rendered->Hex() == kProbeDigest)
+    return {Severity::kGood, where, "renders the same bits as all machines of this release", {}};
+  return {Severity::kProblem, where,
+          fmt::format("renders other bits than this release: the probe unit has the digest {}, expected {}; "
+                      "no coordinator accepts a worker of this machine",
+                      rendered->Hex(), kProbeDigest),
+          "install the release that was built for this system; if it is, its processor or a library "
+          "(libembree, glibc) computes something else"};
+}
+
 Findings CheckMachine() {
   const std::string where = fmt::format("this machine, Tessera {}", kSoftwareVersion);
-  return {CheckThreadsHere(where), CheckDescriptors(where), CheckClock(where)};
+  return {CheckThreadsHere(where), CheckDescriptors(where), CheckClock(where),
+          CheckProbe(where, RenderProbe())};
 }
 
 }  // namespace tessera

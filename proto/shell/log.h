@@ -16,4 +16,8 @@ std::span<const std::string_view> LogLevels();
 // offset, level, text. Call it once.
 void StartLog(const std::string& level);
 
+// Writes an entry of the audit log, "audit " and the text, as a line of level info where log lines go. The
+// level of StartLog does not hide it: who changed what is recorded however little else is wanted.
+void WriteAuditEntry(const std::string& text);
+
 }  // namespace tessera

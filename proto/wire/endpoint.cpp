@@ -50,9 +50,11 @@ Result<Endpoint> ChooseEndpoint(const Address& address, const EndpointRules& rul
                     address.Text(), rules.advice));
   }
   if (rules.organisation.IsUsed()) return EndpointOfOrganisation(address, rules.organisation);
+  const auto socket = LocalSocketOf(address, rules.socket_folder);
+  if (rules.prefer_local_socket && socket && IsListening(*socket))
+    return Endpoint{address, *socket, std::nullopt};
   if (const auto login = rules.logins.FindAddress(address.Text())) return EndpointOf(*login);
   // A coordinator of this user may be about to start on an address of this machine.
-  const auto socket = LocalSocketOf(address, rules.socket_folder);
   if (socket && (address.IsLocal() || std::filesystem::exists(socket->path)))
     return Endpoint{address, *socket, std::nullopt};
   return BadInput(

@@ -41,11 +41,15 @@ struct EndpointRules {
   std::string advice;
   // Certificates of an organisation, if wanted: then all of its files are.
   TlsFiles organisation = {};
+  // For what an operator does: the local socket, if a coordinator listens there, goes before a login, which
+  // may be one with another role.
+  bool prefer_local_socket = false;
 };
 
 // Chooses, in this order: a Unix socket as it is; plain text if `insecure`, for addresses of this machine
-// alone; certificates of an organisation, which are checked; the login for this address; the local socket of
-// an address of this machine. An error that says how to get a login if there is none of them.
+// alone; certificates of an organisation, which are checked; the local socket if it is preferred; the login
+// for this address; the local socket of an address of this machine. An error that says how to get a login if
+// there is none of them.
 Result<Endpoint> ChooseEndpoint(const Address& address, const EndpointRules& rules);
 
 }  // namespace tessera

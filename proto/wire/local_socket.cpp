@@ -77,6 +77,12 @@ int RemoveStaleSockets(const std::string& folder) {
   return removed;
 }
 
+bool IsListening(const Address& socket) {
+  struct stat status {};
+  return ::lstat(socket.path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode) &&
+         status.st_uid == ::geteuid() && !IsDeserted(socket.path);
+}
+
 std::optional<Address> LocalSocketOf(const Address& address, const std::string& folder) {
   if (address.kind != Address::Kind::kTcp) return std::nullopt;
   std::string host = address.host;

@@ -41,4 +41,7 @@ int RemoveStaleSockets(const std::string& folder);
 // machine. Returns nullopt for others, and if the path would be too long for a socket.
 std::optional<Address> LocalSocketOf(const Address& address, const std::string& folder);
 
+// Whether a program of this user listens on the socket.
+bool IsListening(const Address& socket);
+
 }  // namespace tessera

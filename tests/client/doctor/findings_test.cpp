@@ -8,7 +8,9 @@
 #include "client/doctor/facts_findings.h"
 #include "client/doctor/file_checks.h"
 #include "client/doctor/listening_sockets.h"
+#include "client/doctor/machine_checks.h"
 #include "proto/identity/authority.h"
+#include "proto/probe.h"
 #include "tests/listening_socket.h"
 
 namespace tessera {
@@ -21,6 +23,16 @@ using testing::SizeIs;
 
 constexpr UnixTime kExamined = 1'800'000'000;
 constexpr UnixTime kDay_s = 24 * 3600;
+
+TEST(Probe, AMachineThatRendersOtherBitsIsAProblem) {
+  EXPECT_EQ(CheckProbe("here", Digest::FromHex(kProbeDigest).value()).severity, Severity::kGood);
+  const Digest other = Sha256("other bits");
+  const Finding differs = CheckProbe("here", other);
+  EXPECT_EQ(differs.severity, Severity::kProblem);
+  EXPECT_THAT(differs.what, HasSubstr(other.Hex()));
+  EXPECT_THAT(differs.what, HasSubstr(std::string(kProbeDigest)));
+  EXPECT_EQ(CheckProbe("here", Failed("no scene")).severity, Severity::kProblem);
+}
 
 // ---- Files
 // ----------------------------------------------------------------------------------------------------

@@ -2,8 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -86,6 +90,25 @@ TEST_F(Endpoints, AnAddressWithoutALoginIsRefusedWithTheRemedy) {
   EXPECT_THAT(endpoint.error().message, HasSubstr("tessera login TOKEN"));
   std::ofstream(folder_ + "/10.0.0.5-7700.socket") << "";
   EXPECT_TRUE(Choose("10.0.0.5:7700")) << "a coordinator of this user listens there";
+}
+
+TEST_F(Endpoints, TheLocalSocketGoesBeforeALoginWhereItIsPreferred) {
+  LogIn("127.0.0.1:7700");
+  const Address address = *ParseAddress("127.0.0.1:7700", "test");
+  EndpointRules rules{false, Logins(), folder_, "run: tessera login TOKEN"};
+  rules.prefer_local_socket = true;
+  EXPECT_TRUE(ChooseEndpoint(address, rules)->login) << "nobody listens on the socket";
+  const Address socket = *LocalSocketOf(address, folder_);
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  std::memcpy(name.sun_path, socket.path.c_str(), socket.path.size() + 1);
+  const int listener = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(::bind(listener, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
+  ASSERT_EQ(::listen(listener, 1), 0);
+  EXPECT_TRUE(ChooseEndpoint(address, rules)->IsLocalSocket());
+  EXPECT_TRUE(Choose("127.0.0.1:7700")->login) << "everybody else uses the login";
+  ::close(listener);
+  EXPECT_TRUE(ChooseEndpoint(address, rules)->login) << "its coordinator was killed";
 }
 
 TEST_F(Endpoints, PlainTextIsForThisMachineAlone) {
