@@ -14,9 +14,7 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
   const std::stop_callback on_termination(termination, [&cancellation] {
     cancellation.Cancel({ErrorKind::kInterrupted, "interrupted"});
   });
-  std::vector<Command> commands;
-  for (const MakeCommandFunction make : kCommands) commands.push_back(make());
-  const auto parsed = ParseCommandLine(commands, arguments);
+  const auto parsed = ParseCommandLine(AllCommands(), arguments);
   if (!parsed) return parsed.error();
   if (!parsed->answer.empty()) {
     fmt::print("{}", parsed->answer);

@@ -90,6 +90,8 @@ Command AccessCommand() {
   return MakeCommand<AccessOptions>({
       .name = "access",
       .summary = "List or revoke the members and join tokens of a farm",
+      .examples = {{"List members and tokens", "tessera access"},
+                   {"Revoke a member by name", "tessera access --revoke ada"}},
       .add_flags = AddAccessFlags,
       .run = RunAccess,
   });

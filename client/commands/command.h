@@ -5,8 +5,10 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "client/cancellation.h"
+#include "client/reference/reference.h"
 #include "renderer/util/result.h"
 
 namespace CLI {
@@ -19,6 +21,7 @@ namespace tessera {
 struct Command {
   std::string name;
   std::string summary;  // imperative: "Pause a job"
+  std::vector<Example> examples;
   // Adds the flags and arguments (proto/shell/flags.h).
   std::function<void(CLI::App& app)> add_flags;
   // Fails if the options that were parsed do not make sense together.
@@ -33,6 +36,7 @@ template <typename Options>
 struct CommandParts {
   std::string name;
   std::string summary;
+  std::vector<Example> examples = {};  // at least one
   std::function<void(CLI::App& app, Options& options)> add_flags;
   std::function<Result<void>(const Options& options)> check = nullptr;
   std::function<Result<int>(const Options& options, Cancellation& cancellation)> run;
@@ -45,6 +49,7 @@ Command MakeCommand(CommandParts<Options> parts) {
   return {
       parts.name,
       parts.summary,
+      parts.examples,
       [options, add_flags = parts.add_flags](CLI::App& app) { add_flags(app, *options); },
       [options, check = parts.check] { return check ? check(*options) : Result<void>(); },
       [options, run = parts.run](Cancellation& cancellation) { return run(*options, cancellation); },

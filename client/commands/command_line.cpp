@@ -8,13 +8,22 @@
 #include "proto/shell/flags.h"
 
 namespace tessera {
+namespace {
+
+void AddCommand(const Command& command, CLI::App& app) {
+  CLI::App& added = *app.add_subcommand(command.name, command.summary);
+  command.add_flags(added);
+  added.footer(ExamplesText(command.examples));
+}
+
+}  // namespace
 
 Result<CommandLine> ParseCommandLine(const std::vector<Command>& commands,
                                      const std::vector<std::string>& arguments) {
   CLI::App app("Render scenes on this machine or on a farm of machines.", "tessera");
   app.footer("Run \"tessera COMMAND --help\" for the flags of a command.");
-  for (const Command& command : commands)
-    command.add_flags(*app.add_subcommand(command.name, command.summary));
+  app.require_subcommand(0, 1);  // a later word with the name of a command is an argument
+  for (const Command& command : commands) AddCommand(command, app);
   const auto answer = ParseArguments(app, arguments);
   if (!answer) return answer.error();
   if (!answer->empty()) return CommandLine{*answer, nullptr};
@@ -23,6 +32,16 @@ Result<CommandLine> ParseCommandLine(const std::vector<Command>& commands,
   const auto command = std::ranges::find(commands, chosen.front()->get_name(), &Command::name);
   if (auto checked = command->check(); !checked) return checked.error();
   return CommandLine{"", command->run};
+}
+
+std::vector<CommandReference> ReferenceOf(const std::vector<Command>& commands) {
+  std::vector<CommandReference> reference;
+  for (const Command& command : commands) {
+    CLI::App app;
+    AddCommand(command, app);
+    reference.push_back(ReferenceOf(*app.get_subcommands(nullptr).front(), command.examples));
+  }
+  return reference;
 }
 
 }  // namespace tessera

@@ -22,4 +22,7 @@ struct CommandLine {
 Result<CommandLine> ParseCommandLine(const std::vector<Command>& commands,
                                      const std::vector<std::string>& arguments);
 
+// What the commands accept, in their order.
+std::vector<CommandReference> ReferenceOf(const std::vector<Command>& commands);
+
 }  // namespace tessera

@@ -9,6 +9,7 @@ namespace tessera {
 Command AccessCommand();
 Command CancelCommand();
 Command CompareCommand();
+Command CompletionCommand();
 Command DoctorCommand();
 Command DrainCommand();
 Command ExtendCommand();
@@ -17,6 +18,7 @@ Command InfoCommand();
 Command JobsCommand();
 Command KindsCommand();
 Command LoginCommand();
+Command ManCommand();
 Command PauseCommand();
 Command PriorityCommand();
 Command ReleaseCommand();
@@ -38,6 +40,10 @@ inline constexpr MakeCommandFunction kCommands[] = {
     // Workers of a farm.
     WorkersCommand, DrainCommand, ReleaseCommand,
     // Who belongs to a farm.
-    LoginCommand, AccessCommand, DoctorCommand};
+    LoginCommand, AccessCommand, DoctorCommand,
+    // This program.
+    CompletionCommand, ManCommand};
+
+std::vector<Command> AllCommands();
 
 }  // namespace tessera

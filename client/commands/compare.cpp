@@ -64,6 +64,8 @@ Command CompareCommand() {
   return MakeCommand<CompareOptions>({
       .name = "compare",
       .summary = "Compare two pictures",
+      .examples = {{"Check that two pictures are identical", "tessera compare a.exr b.exr"},
+                   {"Allow small differences", "tessera compare a.exr b.exr --tolerance 0.001"}},
       .add_flags = AddCompareFlags,
       .run = RunCompare,
   });

@@ -123,6 +123,8 @@ Command DoctorCommand() {
   return MakeCommand<DoctorOptions>({
       .name = "doctor",
       .summary = "Examine this machine, its keys and its way to the farm, and explain what to do",
+      .examples = {{"Examine this machine", "tessera doctor"},
+                   {"Examine the way to a coordinator", "tessera doctor --coordinator farm.example:7700"}},
       .add_flags = AddDoctorFlags,
       .run = RunDoctor,
   });

@@ -26,6 +26,7 @@ Command ExtendCommand() {
   return MakeCommand<ExtendOptions>({
       .name = "extend",
       .summary = "Add samples to a job that is running or finished",
+      .examples = {{"Continue a finished job up to 1024 samples per pixel", "tessera extend 12 --spp 1024"}},
       .add_flags = AddExtendFlags,
       .run = RunExtend,
   });

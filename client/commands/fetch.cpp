@@ -144,6 +144,9 @@ Command FetchCommand() {
   return MakeCommand<FetchOptions>({
       .name = "fetch",
       .summary = "Fetch the picture of a job, or the pictures of a sequence",
+      .examples = {{"Fetch the picture of job 12", "tessera fetch 12 -o picture.exr"},
+                   {"Fetch what is rendered so far, to look at",
+                    "tessera fetch 12 --preview --png preview.png"}},
       .add_flags = AddFetchFlags,
       .check = CheckFetch,
       .run = RunFetch,

@@ -143,6 +143,7 @@ Command InfoCommand() {
   return MakeCommand<InfoOptions>({
       .name = "info",
       .summary = "Describe a scene and list what differs from what it asks for",
+      .examples = {{"Describe a scene", "tessera info scene.pbrt"}},
       .add_flags = AddInfoFlags,
       .run = RunInfo,
   });

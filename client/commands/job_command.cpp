@@ -32,6 +32,7 @@ Command JobCommand(const std::string& name, const std::string& summary, const Jo
   return MakeCommand<JobOptions>({
       .name = name,
       .summary = summary,
+      .examples = {{"For job 12", fmt::format("tessera {} 12", name)}},
       .add_flags = AddJobFlags,
       .run = [call](const JobOptions& options,
                     Cancellation& cancellation) { return RunJobCall(options, cancellation, call); },

@@ -36,6 +36,8 @@ Command JobsCommand() {
   return MakeCommand<JobsOptions>({
       .name = "jobs",
       .summary = "List the jobs of a farm",
+      .examples = {{"List the jobs of the farm", "tessera jobs"},
+                   {"List them for a script", "tessera jobs --json"}},
       .add_flags = AddJobsFlags,
       .run = RunJobs,
   });

@@ -70,6 +70,7 @@ Command KindsCommand() {
   return MakeCommand<KindsOptions>({
       .name = "kinds",
       .summary = "List the kinds of cameras, shapes, lights, ... that scenes may use",
+      .examples = {{"List the kinds as JSON", "tessera kinds --json"}},
       .add_flags = AddKindsFlags,
       .run = RunKinds,
   });

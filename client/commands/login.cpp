@@ -44,6 +44,7 @@ Command LoginCommand() {
   return MakeCommand<LoginOptions>({
       .name = "login",
       .summary = "Join a farm with a token of its operator",
+      .examples = {{"Join a farm and call it studio", "tessera login TOKEN --farm studio"}},
       .add_flags = AddLoginFlags,
       .check = CheckLogin,
       .run = RunLogin,

@@ -28,6 +28,7 @@ Command PriorityCommand() {
   return MakeCommand<PriorityOptions>({
       .name = "priority",
       .summary = "Change a job's priority",
+      .examples = {{"Run job 12 before others", "tessera priority 12 10"}},
       .add_flags = AddPriorityFlags,
       .run = RunPriority,
   });

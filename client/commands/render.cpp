@@ -189,6 +189,13 @@ Command RenderCommand() {
   return MakeCommand<RenderCommandOptions>({
       .name = "render",
       .summary = "Render a scene on this machine",
+      .examples = {{"Render with the settings of the scene", "tessera render scene.pbrt -o picture.exr"},
+                   {"Render a quick draft to look at",
+                    "tessera render scene.pbrt --spp 16 --resolution 640x360 --png draft.png"},
+                   {"Render frames 1 to 240, one scene file each",
+                    "tessera render shot.####.pbrt --frames 1-240 -o out.####.exr"},
+                   {"Stop sampling where the picture is clean",
+                    "tessera render scene.pbrt --spp 4096 --noise-threshold 0.05"}},
       .add_flags = AddRenderFlags,
       .check = Check,
       .run = RunRender,

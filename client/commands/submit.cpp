@@ -75,6 +75,9 @@ Command SubmitCommand() {
   return MakeCommand<SubmitOptions>({
       .name = "submit",
       .summary = "Submit a scene to a farm and print the job id",
+      .examples = {{"Submit a scene and print the job id",
+                    "tessera submit scene.pbrt --coordinator farm.example:7700"},
+                   {"Submit an urgent job and follow it", "tessera submit scene.pbrt --priority 10 --watch"}},
       .add_flags = AddSubmitFlags,
       .run = RunSubmit,
   });

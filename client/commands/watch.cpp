@@ -23,6 +23,7 @@ Command WatchCommand() {
   return MakeCommand<JobOptions>({
       .name = "watch",
       .summary = "Follow a job's progress until it ends",
+      .examples = {{"Follow job 12 until it ends", "tessera watch 12"}},
       .add_flags = AddJobFlags,
       .run = RunWatch,
   });

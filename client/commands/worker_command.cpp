@@ -38,11 +38,12 @@ Result<int> Run(const WorkerOptions& options, Cancellation& cancellation, const 
   return 0;
 }
 
-Command Make(const std::string& name, const std::string& summary,
+Command Make(const std::string& name, const std::string& summary, Example example,
              void (*add_flags)(CLI::App&, WorkerOptions&), const WorkerCall& call) {
   return MakeCommand<WorkerOptions>({
       .name = name,
       .summary = summary,
+      .examples = {std::move(example)},
       .add_flags = add_flags,
       .run = [call](const WorkerOptions& options,
                     Cancellation& cancellation) { return Run(options, cancellation, call); },
@@ -52,11 +53,12 @@ Command Make(const std::string& name, const std::string& summary,
 }  // namespace
 
 Command WorkerCommand(const std::string& name, const std::string& summary, const WorkerCall& call) {
-  return Make(name, summary, AddFlagsAndWorker, call);
+  return Make(name, summary, {"For the workers named blade-7", fmt::format("tessera {} blade-7", name)},
+              AddFlagsAndWorker, call);
 }
 
 Command AllWorkersCommand(const std::string& name, const std::string& summary, const WorkerCall& call) {
-  return Make(name, summary, AddFlags, call);
+  return Make(name, summary, {"For all workers", "tessera " + name}, AddFlags, call);
 }
 
 }  // namespace tessera

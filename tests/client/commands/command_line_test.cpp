@@ -187,6 +187,12 @@ TEST(CommandLine, RefusesBadWordsAndNamesWhatIsExpected) {
   }
 }
 
+TEST(CommandLine, TakesArgumentsThatHaveTheNameOfACommand) {
+  EXPECT_TRUE(Parse("info render"));
+  EXPECT_TRUE(Parse("man fetch"));
+  EXPECT_TRUE(Parse("compare jobs workers --json"));
+}
+
 TEST(CommandLine, RefusesNumbersThatAreNone) {
   const std::pair<const char*, std::vector<const char*>> flags[] = {
       {"render s.pbrt",
