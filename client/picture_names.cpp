@@ -31,10 +31,21 @@ Result<void> CheckPngName(const std::string& name) {
   return BadInput(fmt::format("--png {}: the name must end in .png; -o writes other formats", name));
 }
 
+Result<void> CheckKept(const std::string& path, Existing existing) {
+  if (existing == Existing::kReplace || path.empty()) return {};
+  const auto target = ExamineOutput(path);
+  if (!target || target->kind != OutputTarget::Kind::kRegular) return {};
+  return ExistsAlready(path);
+}
+
 }  // namespace
 
-PictureNames::PictureNames(const std::string& picture, const std::string& png, Numbers numbers)
-    : picture_(NameWith(picture, numbers)), png_(NameWith(png, numbers)), numbers_(numbers) {}
+PictureNames::PictureNames(const std::string& picture, const std::string& png, Numbers numbers,
+                           Existing existing)
+    : picture_(NameWith(picture, numbers)),
+      png_(NameWith(png, numbers)),
+      numbers_(numbers),
+      existing_(existing) {}
 
 std::string PictureNames::NameOf(const FrameName& name, int frame) const {
   return numbers_ == Numbers::kNone ? name.text() : name.Of(frame);
@@ -47,6 +58,8 @@ Result<void> PictureNames::Check(const std::vector<int>& frames, const std::set<
   FilesInUse files;
   for (const std::string& input : inputs) files.AddInput(input);
   for (const int frame : frames) {
+    if (auto kept = CheckKept(Picture(frame), existing_); !kept) return kept;
+    if (auto kept = CheckKept(Png(frame), existing_); !kept) return kept;
     if (auto added = files.AddOutput(Picture(frame)); !added) return added;
     if (png_.empty()) continue;
     if (auto added = files.AddOutput(Png(frame)); !added) return added;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/frame_name.h"
+#include "client/output/output_file.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -18,16 +19,19 @@ class PictureNames {
     kAlways,   // and into any other name before its extension
   };
   // `picture` and `png` are names as the user wrote them; an empty `png` means none.
-  PictureNames(const std::string& picture, const std::string& png, Numbers numbers);
+  PictureNames(const std::string& picture, const std::string& png, Numbers numbers,
+               Existing existing = Existing::kReplace);
   std::string Picture(int frame) const { return NameOf(picture_, frame); }
   // Returns "" if no PNG is wanted.
   std::string Png(int frame) const { return NameOf(png_, frame); }
   // The name of the picture of all frames, with a place for the number if it has one.
   const std::string& picture() const { return picture_.text(); }
   // Fails if a picture of these frames cannot be written: its ending names no format, the module that
-  // encodes the format is not installed, its folder does not exist or permits no writing, it would overwrite
-  // one of the files `inputs`, or two pictures have the same file. Called before any work is done.
+  // encodes the format is not installed, it exists and is to be kept, its folder does not exist or permits no
+  // writing, it would overwrite one of the files `inputs`, or two pictures have the same file. Called before
+  // any work is done.
   Result<void> Check(const std::vector<int>& frames, const std::set<std::string>& inputs = {}) const;
+  Existing existing() const { return existing_; }
   // Fails if pictures of this size do not fit the formats.
   Result<void> CheckSize(int width, int height) const;
 
@@ -36,6 +40,7 @@ class PictureNames {
 
   FrameName picture_, png_;
   Numbers numbers_;
+  Existing existing_;
 };
 
 }  // namespace tessera

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "client/terminal.h"
 #include "proto/shell/console.h"
 
 namespace tessera {
@@ -90,7 +91,8 @@ void ProgressLine::Finish(const Progress& progress) {
 void ProgressLine::Print(const Progress& progress) {
   const std::string text = ProgressText(progress, worker_noun_);
   if (terminal_) {
-    PrintNote("\r{}\x1b[K", text);  // clears the rest of a longer line
+    // Fits into one line of the terminal, and clears the rest of a longer one.
+    PrintNote("\r{}\x1b[K", FirstColumns(text, TerminalSizeOf(STDERR_FILENO).columns - 1));
   } else {
     PrintNote("{}\n", text);
   }

@@ -28,11 +28,11 @@ Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureN
     encoded = std::move(*other);
   }
   const std::string_view bytes = *format == PictureFormat::kExr ? exr : encoded;
-  if (auto written = WriteOutput(path, bytes, stop); !written) return written.error();
+  if (auto written = WriteOutput(path, bytes, stop, names.existing()); !written) return written.error();
   if (!png.empty()) {
     const auto copy = EncodeAs(PictureFormat::kPng, *picture, png);
     if (!copy) return copy.error();
-    if (auto written = WriteOutput(png, *copy, stop); !written) return written.error();
+    if (auto written = WriteOutput(png, *copy, stop, names.existing()); !written) return written.error();
   }
   return SavedPicture{frame, path, Sha256(bytes)};
 }

@@ -7,6 +7,7 @@ namespace tessera {
 
 // Each is defined in the file of its name.
 Command AccessCommand();
+Command BenchCommand();
 Command CancelCommand();
 Command CompareCommand();
 Command CompletionCommand();
@@ -26,6 +27,7 @@ Command RenderCommand();
 Command ResumeCommand();
 Command StatusCommand();
 Command SubmitCommand();
+Command TopCommand();
 Command WatchCommand();
 Command WorkersCommand();
 
@@ -33,12 +35,12 @@ Command WorkersCommand();
 using MakeCommandFunction = Command (*)();
 inline constexpr MakeCommandFunction kCommands[] = {
     // On this machine.
-    RenderCommand, InfoCommand, KindsCommand, CompareCommand,
+    RenderCommand, InfoCommand, KindsCommand, CompareCommand, BenchCommand,
     // Jobs of a farm.
     SubmitCommand, JobsCommand, StatusCommand, WatchCommand, FetchCommand, ExtendCommand, PriorityCommand,
     PauseCommand, ResumeCommand, CancelCommand,
     // Workers of a farm.
-    WorkersCommand, DrainCommand, ReleaseCommand,
+    WorkersCommand, DrainCommand, ReleaseCommand, TopCommand,
     // Who belongs to a farm.
     LoginCommand, AccessCommand, DoctorCommand,
     // This program.

@@ -50,10 +50,13 @@ PictureNames NamesFor(const FetchOptions& options, const std::vector<FrameStatus
                                                              : options.output.picture;
   const bool is_sequence = frames.size() > 1;
   // A scene without --frames is frame 0. Its name is no pattern.
-  if (!is_sequence && frames.front().number == 0) return {picture, options.output.png, Numbers::kNone};
+  const Existing existing = options.output.no_clobber ? Existing::kKeep : Existing::kReplace;
+  if (!is_sequence && frames.front().number == 0)
+    return {picture, options.output.png, Numbers::kNone, existing};
   // A frame that was chosen and named by the user keeps that name.
   const bool is_named = options.frame && !options.output.picture.empty();
-  return {picture, options.output.png, is_sequence && !is_named ? Numbers::kAlways : Numbers::kInPlace};
+  return {picture, options.output.png, is_sequence && !is_named ? Numbers::kAlways : Numbers::kInPlace,
+          existing};
 }
 
 Result<void> CheckFetch(const FetchOptions& options) {

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/App.hpp>
+#include <algorithm>
 #include <tuple>
 
 #include "client/commands/option_values.h"
@@ -20,6 +21,7 @@ namespace {
 constexpr int kPathDepthMax = 1'000'000;      // bounces: more than any path survives
 constexpr double kFramesPerSecondMin = 1e-3;  // slower than any time lapse
 constexpr int64_t kPatienceMax_s = 7 * 24 * 3600;
+constexpr size_t kJobsWatchedMax = 64;  // each takes a connection and a thread
 
 constexpr const char* kCoordinatorVariable = "TESSERA_COORDINATOR";
 constexpr const char* kFarmVariable = "TESSERA_FARM";
@@ -163,6 +165,7 @@ void AddOutputFlags(CLI::App& app, OutputOptions& options, const std::string& de
                   default_name),
       options.picture);
   AddText(app, "--png", "FILE", "Also write a tone-mapped 8-bit PNG; - is the standard output", options.png);
+  AddSwitch(app, "--no-clobber", "Refuse to start if a picture would replace a file", options.no_clobber);
 }
 
 bool TakesStandardOutput(const OutputOptions& options) {
@@ -178,15 +181,43 @@ Result<void> CheckPictureOptions(const RenderOptions& render, const OutputOption
       fmt::format("{}: the channels of --aov can only be written to an .exr file", output.picture));
 }
 
+namespace {
+
+constexpr const char* kJobHelp = "Job id, as printed by submit and listed by jobs";
+
+Result<JobId> ParseJob(std::string_view flag, std::string_view word) {
+  const auto number = ParseUnsigned(flag, word, 1);
+  if (!number) return number.error();
+  return JobId{*number};
+}
+
+}  // namespace
+
 void AddJobArgument(CLI::App& app, JobId& job) {
-  AddValue(
-      app, "JOB", "", "Job id, as printed by submit and listed by jobs", job,
-      [](std::string_view flag, std::string_view word) -> Result<JobId> {
-        const auto number = ParseUnsigned(flag, word, 1);
-        if (!number) return number.error();
-        return JobId{*number};
-      },
-      Presence::kRequired);
+  AddValue(app, "JOB", "", kJobHelp, job, ParseJob, Presence::kRequired);
+}
+
+void AddJobsArgument(CLI::App& app, std::vector<JobId>& jobs) {
+  const auto add = [&jobs](const std::vector<std::string>& words) {
+    for (const std::string& word : words) {
+      const auto job = ParseJob("JOB", word);
+      if (!job) throw CLI::ValidationError(job.error().message);
+      if (std::ranges::find(jobs, *job) == jobs.end()) jobs.push_back(*job);
+    }
+    if (jobs.size() > kJobsWatchedMax)
+      throw CLI::ValidationError(fmt::format("JOB: more than {} jobs", kJobsWatchedMax));
+  };
+  app.add_option_function<std::vector<std::string>>("JOB", add, std::string(kJobHelp) + "; may be repeated")
+      ->type_name("")
+      ->required();
+}
+
+void AddNotifyFlag(CLI::App& app, std::string& command) {
+  AddText(app, "--notify-command", "COMMAND",
+          "Run this with sh at the end of a job; it finds $TESSERA_JOB_ID, $TESSERA_JOB_NAME, "
+          "$TESSERA_JOB_STATE and "
+          "$TESSERA_JOB_REASON",
+          command);
 }
 
 void AddJsonFlag(CLI::App& app, bool& json) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "client/coordinator/coordinator_client.h"
 #include "client/coordinator/farm_choice.h"
@@ -32,8 +33,9 @@ void AddConnectionFlags(CLI::App& app, ConnectionOptions& options);
 
 // Where a picture is written.
 struct OutputOptions {
-  std::string picture;  // path, or for a sequence a FrameName; empty: the command chooses one
-  std::string png;      // the same of a tone-mapped copy; empty: none
+  std::string picture;      // path, or for a sequence a FrameName; empty: the command chooses one
+  std::string png;          // the same of a tone-mapped copy; empty: none
+  bool no_clobber = false;  // existing files are not replaced
 };
 // Whether a picture is written to the standard output of this program, which then prints nothing else there.
 bool TakesStandardOutput(const OutputOptions& options);
@@ -44,7 +46,11 @@ void AddOutputFlags(CLI::App& app, OutputOptions& options, const std::string& de
 Result<void> CheckPictureOptions(const RenderOptions& render, const OutputOptions& output);
 
 void AddJobArgument(CLI::App& app, JobId& job);
+// One or more jobs. Each is kept once.
+void AddJobsArgument(CLI::App& app, std::vector<JobId>& jobs);
 void AddJsonFlag(CLI::App& app, bool& json);
+// A command to run when a job has ended.
+void AddNotifyFlag(CLI::App& app, std::string& command);
 // The share of units that two workers render and must agree on.
 void AddVerifyFlag(CLI::App& app, double& share);
 

@@ -14,6 +14,7 @@
 #include "client/frame_fetcher.h"
 #include "client/in_process.h"
 #include "client/local_farm.h"
+#include "client/notify_command.h"
 #include "client/output/output_target.h"
 #include "client/progress_line.h"
 #include "client/saved_picture.h"
@@ -37,6 +38,7 @@ struct RenderCommandOptions {
   int threads = 0;  // of each process; 0: chosen
   bool in_process = false;
   double verify_share = 0;
+  std::string notify_command;
   bool json = false;
 };
 
@@ -50,6 +52,7 @@ void AddRenderFlags(CLI::App& app, RenderCommandOptions& options) {
              kProcessesMax, options.threads);
   AddSwitch(app, "--in-process", "Render in this process instead of on a farm", options.in_process);
   AddVerifyFlag(app, options.verify_share);
+  AddNotifyFlag(app, options.notify_command);
   AddJsonFlag(app, options.json);
 }
 
@@ -165,16 +168,28 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
   return fetcher.saved();
 }
 
+// `error`: why the render ended, or null.
+Notice RenderNotice(const RenderCommandOptions& options, const Error* error) {
+  const bool is_interrupted = error != nullptr && error->kind == ErrorKind::kInterrupted;
+  return {"", SceneName(options.scene),
+          error == nullptr ? "finished"
+          : is_interrupted ? "cancelled"
+                           : "failed",
+          error != nullptr ? error->message : ""};
+}
+
 Result<int> RunRender(const RenderCommandOptions& options, Cancellation& cancellation) {
   const auto start = Clock::now();
   const bool is_sequence = options.scene.frames.has_value();
   const std::string& output = options.output.picture;
   const PictureNames names(output.empty() ? SceneName(options.scene) + ".exr" : output, options.output.png,
-                           is_sequence ? PictureNames::Numbers::kAlways : PictureNames::Numbers::kNone);
+                           is_sequence ? PictureNames::Numbers::kAlways : PictureNames::Numbers::kNone,
+                           options.output.no_clobber ? Existing::kKeep : Existing::kReplace);
   const std::vector<int> numbers = is_sequence ? options.scene.frames->Numbers() : std::vector<int>{0};
   if (auto good = names.Check(numbers); !good) return good.error();
   const auto saved = options.in_process ? RenderHere(options, names, cancellation)
                                         : RenderOnLocalFarm(options, names, cancellation);
+  RunNotifyCommand(options.notify_command, RenderNotice(options, saved ? nullptr : &saved.error()));
   if (!saved) return saved.error();
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const std::string count = is_sequence ? fmt::format(" {} frames", saved->size()) : "";

@@ -6,6 +6,7 @@
 #include "client/commands/option_groups.h"
 #include "client/commands/option_values.h"
 #include "client/commands/watching.h"
+#include "client/notify_command.h"
 #include "client/progress_line.h"
 #include "client/scene_job.h"
 #include "proto/shell/console.h"
@@ -21,6 +22,7 @@ struct SubmitOptions {
   std::set<std::string> required_tags;
   double verify_share = 0;
   bool watch = false;
+  std::string notify_command;
   bool json = false;
 };
 
@@ -39,7 +41,13 @@ void AddSubmitFlags(CLI::App& app, SubmitOptions& options) {
                   });
   AddVerifyFlag(app, options.verify_share);
   AddSwitch(app, "--watch", "Follow the job's progress until it ends", options.watch);
+  AddNotifyFlag(app, options.notify_command);
   AddJsonFlag(app, options.json);
+}
+
+Result<void> CheckSubmit(const SubmitOptions& options) {
+  if (options.notify_command.empty() || options.watch) return {};
+  return BadInput("--notify-command needs --watch: submit ends before the job does");
 }
 
 Result<int> RunSubmit(const SubmitOptions& options, Cancellation& cancellation) {
@@ -65,6 +73,7 @@ Result<int> RunSubmit(const SubmitOptions& options, Cancellation& cancellation) 
   if (!options.watch) return 0;
   const auto status = WatchWithProgress(**client, *id);
   if (!status) return status.error();
+  RunNotifyCommand(options.notify_command, NoticeOf(*status));
   if (status->state != JobState::kFinished) return EndedWithoutPicture(*status);
   return 0;
 }
@@ -79,6 +88,7 @@ Command SubmitCommand() {
                     "tessera submit scene.pbrt --coordinator farm.example:7700"},
                    {"Submit an urgent job and follow it", "tessera submit scene.pbrt --priority 10 --watch"}},
       .add_flags = AddSubmitFlags,
+      .check = CheckSubmit,
       .run = RunSubmit,
   });
 }

@@ -3,8 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <mutex>
+#include <optional>
 
+#include "client/commands/connection.h"
 #include "client/commands/status_text.h"
+#include "client/progress_board.h"
+#include "renderer/util/threads.h"
 
 namespace tessera {
 
@@ -21,6 +26,42 @@ Result<JobStatus> WatchWithProgress(CoordinatorClient& client, JobId job,
   Progress progress = ProgressOf(*last);
   progress.workers = std::max(progress.workers, static_cast<int>(workers_most));
   line.Finish(progress);
+  return last;
+}
+
+Result<std::vector<JobStatus>> WatchAll(const ConnectionOptions& options, Cancellation& cancellation,
+                                        const std::vector<JobId>& jobs,
+                                        const std::function<void(const JobStatus&)>& on_end) {
+  ProgressBoard board;
+  std::mutex mutex;
+  std::optional<Error> error;  // the first
+  std::vector<JobStatus> last(jobs.size());
+  const auto fail = [&](Error why) {
+    {
+      const std::lock_guard lock(mutex);
+      if (!error) error = why;
+    }
+    cancellation.Cancel(std::move(why));  // the others end, too
+  };
+  const auto watch = [&](size_t i) {
+    const auto client = Connect(options, cancellation);
+    if (!client) return fail(client.error());
+    auto status = (*client)->Watch(
+        jobs[i], [&](const JobStatus& now) { board.Show(now.job, JobText(now), HasEnded(now.state)); });
+    if (!status) return fail(status.error());
+    const std::lock_guard lock(mutex);
+    if (on_end) on_end(*status);
+    last[i] = std::move(*status);
+  };
+  ThreadGroup threads(fail);
+  for (size_t i = 0; i < jobs.size(); ++i) {
+    if (const auto started = threads.Start([&watch, i] { watch(i); }); !started) {
+      fail(started.error());
+      break;
+    }
+  }
+  threads.Join();
+  if (error) return *error;
   return last;
 }
 

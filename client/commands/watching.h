@@ -2,7 +2,10 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
+#include "client/cancellation.h"
+#include "client/commands/option_groups.h"
 #include "client/coordinator/coordinator_client.h"
 
 namespace tessera {
@@ -11,6 +14,12 @@ namespace tessera {
 // given, with each status on the way.
 Result<JobStatus> WatchWithProgress(CoordinatorClient& client, JobId job,
                                     const std::function<void(const JobStatus&)>& on_status = {});
+
+// Shows the progress of several jobs until all have ended, over a connection for each. Returns their last
+// statuses in the order of `jobs`. Calls `on_end`, if given, with each job that has ended, one after another.
+Result<std::vector<JobStatus>> WatchAll(const ConnectionOptions& options, Cancellation& cancellation,
+                                        const std::vector<JobId>& jobs,
+                                        const std::function<void(const JobStatus&)>& on_end = {});
 
 // The error of a command whose job failed or was cancelled.
 Error EndedWithoutPicture(const JobStatus& status);

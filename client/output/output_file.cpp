@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <chrono>
 #include <climits>
+#include <cstdio>
 #include <cstring>
 #include <random>
 
@@ -78,8 +79,17 @@ class TemporaryFile {
     is_written_ = true;
     return WriteAll(number(), bytes) && ::fsync(number()) == 0 && file_.Close();
   }
-  bool Publish(const OutputTarget& target) {
-    if (::rename(path_.c_str(), target.path.c_str()) != 0) return false;
+  // With kKeep, fails with EEXIST if there is a file meanwhile.
+  bool Publish(const OutputTarget& target, Existing existing) {
+    const bool keeps = existing == Existing::kKeep;
+    int failed =
+        ::renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target.path.c_str(), keeps ? RENAME_NOREPLACE : 0);
+    // Some network file systems know no flags. There, links do not replace files either.
+    if (failed != 0 && keeps && errno == EINVAL) {
+      failed = ::link(path_.c_str(), target.path.c_str());
+      if (failed == 0) ::unlink(path_.c_str());
+    }
+    if (failed != 0) return false;
     is_written_ = false;
     return true;
   }
@@ -123,18 +133,21 @@ Result<void> WriteInPlace(const std::string& path, const OutputTarget& target, s
 }
 
 // Writes a regular file, new or not.
-Result<void> WriteWhole(const std::string& path, const OutputTarget& target, std::string_view bytes) {
+Result<void> WriteWhole(const std::string& path, const OutputTarget& target, std::string_view bytes,
+                        Existing existing) {
   const bool exists = target.kind == OutputTarget::Kind::kRegular;
+  if (exists && existing == Existing::kKeep) return ExistsAlready(path);
   if (exists && target.status.st_nlink > 1) return WriteInPlace(path, target, bytes);
   {
     TemporaryFile file(target);
     if (!file && !exists) return CannotWrite(path, errno);
     if (file && (!exists || TakeOver(file.number(), target.status))) {
       if (!file.Write(bytes)) return CannotWrite(path, errno);
-      if (file.Publish(target)) {
+      if (file.Publish(target, existing)) {
         Sync(target.folder());
         return {};
       }
+      if (existing == Existing::kKeep && errno == EEXIST) return ExistsAlready(path);
       // A file that is mounted by itself cannot be replaced (EBUSY).
       if (!exists || errno != EBUSY) return CannotWrite(path, errno);
     }
@@ -177,12 +190,17 @@ Result<void> WriteStream(const std::string& path, int descriptor, std::string_vi
 
 }  // namespace
 
-Result<void> WriteOutput(const std::string& path, std::string_view bytes, std::stop_token stop) {
+Error ExistsAlready(const std::string& path) {
+  return BadInput(fmt::format("{}: exists already, and --no-clobber keeps it", ShownPath(path)));
+}
+
+Result<void> WriteOutput(const std::string& path, std::string_view bytes, std::stop_token stop,
+                         Existing existing) {
   const auto target = ExamineOutput(path);
   if (!target) return target.error();
   switch (target->kind) {
     case OutputTarget::Kind::kNew:
-    case OutputTarget::Kind::kRegular: return WriteWhole(path, *target, bytes);
+    case OutputTarget::Kind::kRegular: return WriteWhole(path, *target, bytes, existing);
     case OutputTarget::Kind::kDescriptor: return WriteStream(path, target->descriptor, bytes, stop);
     case OutputTarget::Kind::kStream: break;
   }

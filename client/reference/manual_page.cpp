@@ -63,8 +63,10 @@ std::string ManualPage(const CommandReference& command) {
   const std::string name = "tessera-" + command.name;
   std::string page = Heading(name, command.summary);
   page += fmt::format(".SH SYNOPSIS\n\\fBtessera {}\\fR [\\fIOPTIONS\\fR]", Escaped(command.name));
-  for (const FlagReference& each : command.arguments)
-    page += fmt::format(each.is_required ? " \\fI{}\\fR" : " [\\fI{}\\fR]", Escaped(each.names.front()));
+  for (const FlagReference& each : command.arguments) {
+    const std::string name_of_word = "\\fI" + Escaped(each.names.front()) + "\\fR";
+    page += each.is_required ? " " + name_of_word : " [" + name_of_word + "]";
+  }
   page += "\n";
   if (!command.arguments.empty()) page += ".SH ARGUMENTS\n";
   for (const FlagReference& each : command.arguments) page += Entry(each);

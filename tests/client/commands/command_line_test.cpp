@@ -112,13 +112,27 @@ TEST(VerifyFlag, IsAPercentageWithOrWithoutItsSign) {
 TEST(CommandLine, AcceptsEveryCommandWithItsFlags) {
   for (const char* words :
        {"render s.pbrt -o o.exr --png o.png --workers 3 --threads 2 --in-process --spp 64 --json",
-        "render s.pbrt --verify 5% --workers 2", "info s.pbrt --accelerator bvh --json", "kinds --json",
+        "render s.pbrt --verify 5% --workers 2",
+        "info s.pbrt --accelerator bvh --json",
+        "kinds --json",
         "compare a.exr b.exr --tolerance 0.5 --json",
         "submit s.pbrt --coordinator farm:99 --name film --priority -4 --watch --spp 8 --require gpu "
         "--require linux-6 --verify 2.5% --json",
-        "fetch 12 --preview -o a.exr --png a.png --frame 3 --json", "status 1 --json", "watch 1 --patience 3",
-        "cancel 1", "pause 1", "resume 1", "priority 12 -4", "extend 3 --spp 64", "jobs --json", "workers",
-        "drain blade-7", "release blade-7"}) {
+        "fetch 12 --preview -o a.exr --png a.png --frame 3 --json",
+        "status 1 --json",
+        "watch 1 --patience 3",
+        "cancel 1",
+        "pause 1",
+        "resume 1",
+        "priority 12 -4",
+        "extend 3 --spp 64",
+        "jobs --json",
+        "workers",
+        "drain blade-7",
+        "release blade-7",
+        "watch 3 4 5 --json",
+        "render s.pbrt --no-clobber",
+        "submit s.pbrt --watch --notify-command true"}) {
     const auto parsed = Parse(words);
     ASSERT_TRUE(parsed) << words << ": " << parsed.error().message;
     EXPECT_TRUE(parsed->run) << words;
@@ -176,6 +190,9 @@ TEST(CommandLine, RefusesBadWordsAndNamesWhatIsExpected) {
       {"submit s.pbrt --verify some", "--verify: \"some\""},
       {"submit s.pbrt --verify nan", "--verify: \"nan\""},
       {"drain", "WORKER is required"},
+      {"watch", "JOB is required"},
+      {"watch 1 soon", "JOB: \"soon\""},
+      {"submit s.pbrt --notify-command true", "--notify-command needs --watch"},
       {"render s.pbrt --verify 5% --in-process", "--verify needs at least two workers"},
       {"render s.pbrt --verify 5% --workers 1", "--verify needs at least two workers"},
   };

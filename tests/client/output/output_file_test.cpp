@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -50,6 +51,35 @@ TEST_F(OutputFile, AppearsWholeWithTheModeOfTheUmask) {
   const mode_t mask = ::umask(0);
   ::umask(mask);
   EXPECT_EQ(Status("a.exr").st_mode & 0777, 0666 & ~mask);
+  EXPECT_EQ(FileCount(), 1u);
+}
+
+TEST_F(OutputFile, IsKeptIfItExistsAndShallNotBeReplaced) {
+  ASSERT_TRUE(WriteOutput(Path("a.exr"), "old", {}, Existing::kKeep)) << "a new file";
+  const auto written = WriteOutput(Path("a.exr"), "new", {}, Existing::kKeep);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().kind, ErrorKind::kBadInput);
+  EXPECT_THAT(written.error().message, HasSubstr("a.exr: exists already"));
+  EXPECT_EQ(Text("a.exr"), "old");
+  EXPECT_EQ(FileCount(), 1u);
+  fs::create_symlink(Path("a.exr"), Path("link.exr"));
+  EXPECT_FALSE(WriteOutput(Path("link.exr"), "new", {}, Existing::kKeep));
+  ASSERT_TRUE(WriteOutput("/dev/null", "new", {}, Existing::kKeep)) << "a stream replaces nothing";
+}
+
+TEST_F(OutputFile, OfTwoProgramsThatKeepFilesOneWrites) {
+  std::atomic<int> written = 0;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 8; ++i) {
+    threads.emplace_back([&, i] {
+      if (WriteOutput(Path("a.exr"), std::string(100'000, static_cast<char>('a' + i)), {}, Existing::kKeep))
+        ++written;
+    });
+  }
+  for (std::thread& each : threads) each.join();
+  EXPECT_EQ(written, 1);
+  const std::string text = Text("a.exr");
+  EXPECT_EQ(text, std::string(100'000, text.front()));
   EXPECT_EQ(FileCount(), 1u);
 }
 
