@@ -61,7 +61,8 @@ LocalFarm::~LocalFarm() {
   if (closing_fd_ >= 0) ::close(closing_fd_);
 }
 
-Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Cancellation& cancellation) {
+Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Cancellation& cancellation,
+                                                    const std::string& kept) {
   const auto programs = ProgramFolder();
   if (!programs) return programs.error();
   auto folder = TemporaryFolder::Make();
@@ -69,8 +70,8 @@ Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Ca
   std::string socket = folder->path() + "/socket";
   auto coordinator = ChildProcess::Start(
       *programs + "/tessera-coordinator",
-      {"--listen", "unix:" + socket, "--data-dir", folder->path() + "/coordinator", "--keep-sums", "0",
-       "--attempts-max", std::to_string(std::min(workers, kAttemptsMax))},
+      {"--listen", "unix:" + socket, "--data-dir", (kept.empty() ? folder->path() : kept) + "/coordinator",
+       "--keep-sums", "0", "--attempts-max", std::to_string(std::min(workers, kAttemptsMax))},
       folder->path() + "/coordinator.log");
   if (!coordinator) return coordinator.error();
   std::unique_ptr<LocalFarm> farm(

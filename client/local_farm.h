@@ -17,8 +17,10 @@ namespace tessera {
 class LocalFarm {
  public:
   // Starts the programs that are in the folder of this one. Call from the main thread (ChildProcess).
-  // `cancellation` must outlive the farm.
-  static Result<std::unique_ptr<LocalFarm>> Start(int workers, int threads, Cancellation& cancellation);
+  // `cancellation` must outlive the farm. `kept`: the folder of a data directory that outlives the farm;
+  // empty for none.
+  static Result<std::unique_ptr<LocalFarm>> Start(int workers, int threads, Cancellation& cancellation,
+                                                  const std::string& kept = "");
   ~LocalFarm();
   LocalFarm(const LocalFarm&) = delete;
   LocalFarm& operator=(const LocalFarm&) = delete;

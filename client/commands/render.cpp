@@ -17,9 +17,11 @@
 #include "client/notify_command.h"
 #include "client/output/output_target.h"
 #include "client/progress_line.h"
+#include "client/resume_folder.h"
 #include "client/saved_picture.h"
 #include "client/scene_job.h"
 #include "proto/shell/console.h"
+#include "proto/shell/program.h"
 #include "renderer/film/picture_file.h"
 #include "renderer/util/cores.h"
 #include "renderer/util/threads.h"
@@ -37,6 +39,7 @@ struct RenderCommandOptions {
   int workers = 0;  // processes; 0: chosen
   int threads = 0;  // of each process; 0: chosen
   bool in_process = false;
+  bool resume = false;
   double verify_share = 0;
   std::string notify_command;
   bool json = false;
@@ -51,6 +54,10 @@ void AddRenderFlags(CLI::App& app, RenderCommandOptions& options) {
              WithDefault("Render threads of each worker process", "all cores, divided among the workers"), 1,
              kProcessesMax, options.threads);
   AddSwitch(app, "--in-process", "Render in this process instead of on a farm", options.in_process);
+  AddSwitch(app, "--resume",
+            "Keep what is rendered until the pictures are finished, and continue if an earlier command with "
+            "--resume was interrupted",
+            options.resume);
   AddVerifyFlag(app, options.verify_share);
   AddNotifyFlag(app, options.notify_command);
   AddJsonFlag(app, options.json);
@@ -60,6 +67,8 @@ Result<void> Check(const RenderCommandOptions& options) {
   if (options.verify_share > 0 && (options.in_process || options.workers == 1)) {
     return BadInput("--verify needs at least two workers to compare: use --workers 2 or more");
   }
+  if (options.resume && options.in_process)
+    return BadInput("--resume needs the processes of a local farm: leave --in-process out");
   if (options.json && TakesStandardOutput(options.output))
     return BadInput("the standard output cannot take both a picture and the answer of --json");
   return CheckPictureOptions(options.scene.render, options.output);
@@ -135,22 +144,34 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
   return saved;
 }
 
+uint64_t SubmissionOf(const ResumeFolder* kept) {
+  return kept != nullptr ? kept->submission() : 0;
+}
+
 Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& options,
                                                     const PictureNames& names, Cancellation& cancellation) {
   const auto job = LoadSceneJob(options.scene, Scene::Depth::kCheck, cancellation.token());
   if (!job) return job.error();
   if (auto good = CheckPictures(*job, names); !good) return good.error();
   if (auto started = CoordinatorClient::StartThreads(); !started) return started.error();
+  std::unique_ptr<ResumeFolder> kept;
+  if (options.resume) {
+    auto opened = ResumeFolder::Open(job->packed, Environment);
+    if (!opened) return opened.error();
+    kept = std::move(*opened);
+    if (kept->has_data()) PrintNote("continuing what was interrupted, kept in {}\n", kept->path());
+  }
   const FarmSize size = ChooseSize(options);
-  const auto farm = LocalFarm::Start(size.workers, size.threads, cancellation);
+  const auto farm =
+      LocalFarm::Start(size.workers, size.threads, cancellation, kept != nullptr ? kept->path() : "");
   if (!farm) return farm.error();
   const auto endpoint = ChooseFarm({(*farm)->address(), "", false});
   if (!endpoint) return endpoint.error();
   const auto client = CoordinatorClient::Connect(*endpoint, Patience{}, cancellation.token());
   if (!client) return client.error();
   if (auto sent = (*client)->Upload(job->packed); !sent) return sent.error();
-  const auto id =
-      (*client)->Submit(job->packed, {job->packed.frames[0].scene_file, 0, {}, options.verify_share});
+  const auto id = (*client)->Submit(
+      job->packed, {job->packed.frames[0].scene_file, 0, {}, options.verify_share, SubmissionOf(kept.get())});
   if (!id) return id.error();
   FrameFetcher fetcher(**client, *id, names, cancellation.token());
   uint32_t finished = 0;
@@ -161,10 +182,14 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
     if (auto saved = fetcher.SaveFinished(); !saved) cancellation.Cancel(saved.error());
   });
   if (!status) return status.error();
-  if (status->state != JobState::kFinished) return EndedWithoutPicture(*status);
+  if (status->state != JobState::kFinished) {
+    if (kept != nullptr) kept->Finish();  // it would fail again
+    return EndedWithoutPicture(*status);
+  }
   if (const std::string line = TimesLine(status->times); !line.empty())
     PrintNote("time of the farm: {}\n", line);
   if (auto saved = fetcher.SaveFinished(); !saved) return saved.error();
+  if (kept != nullptr) kept->Finish();
   return fetcher.saved();
 }
 

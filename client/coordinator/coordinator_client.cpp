@@ -213,7 +213,7 @@ Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const Endp
 
 Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const SubmitOptions& options) {
   JobSpec spec;
-  spec.submission = RandomId();
+  spec.submission = options.submission != 0 ? options.submission : RandomId();
   spec.name = options.name;
   spec.priority = options.priority;
   spec.required_tags = options.required_tags;

@@ -63,6 +63,8 @@ class CoordinatorClient {
     int priority = 0;
     std::set<std::string> required_tags;
     double verify_share = 0;
+    // Names the submission: the job of an earlier one of the same number is returned instead. 0: random.
+    uint64_t submission = 0;
   };
   // Submits the scene once its files were sent. Sends those again that the coordinator found damaged, or
   // removed to make room, since then.

@@ -45,6 +45,7 @@ void BecomeProgram(const std::string& folder, const std::vector<char*>& words, c
   ::setenv("TMPDIR", (folder + "/tmp").c_str(), 1);
   ::setenv("XDG_RUNTIME_DIR", (folder + "/run").c_str(), 1);
   ::setenv("XDG_STATE_HOME", (folder + "/state").c_str(), 1);
+  ::setenv("XDG_CACHE_HOME", (folder + "/user-cache").c_str(), 1);
   ::setenv("XDG_CONFIG_HOME", (folder + "/config").c_str(), 1);
   ::dup2(out, STDOUT_FILENO);
   ::dup2(err, STDERR_FILENO);
