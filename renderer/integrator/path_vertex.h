@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "renderer/integrator/path_context.h"
@@ -91,12 +90,15 @@ inline float InfiniteLightPdf(const World& world, const ReferencePoint& referenc
          world.lights.InfiniteLightPdf(light, reference.p, wi, reference.time);
 }
 
+// Paths that carry at least this share of the radiance that they find never end by chance. To end them
+// earlier saves fewer rays than the larger weights of survivors cost in variance.
+constexpr float kSureShare = 0.25f;
+
 // The probability of ending a path whose next ray is expected to bring the share `expected` of the radiance
-// that it finds; 0 before the second vertex. Paths go on with the square root of the share, because the
-// variance that a survivor's larger weight adds outweighs the rays that its end would save.
+// that it finds; 0 before the second vertex.
 inline float EndProbability(float expected, int depth) {
-  if (depth <= 1 || !(expected < 1)) return 0;
-  return 1 - std::sqrt(std::max(0.0f, expected));
+  if (depth <= 1 || !(expected < kSureShare)) return 0;
+  return 1 - std::max(0.0f, expected / kSureShare);
 }
 
 }  // namespace tessera

@@ -7,15 +7,15 @@
 namespace tessera {
 namespace {
 
-TEST(Roulette, PathsGoOnWithTheSquareRootOfTheShareThatTheyCarry) {
-  EXPECT_FLOAT_EQ(EndProbability(0.25f, 2), 0.5f);
-  EXPECT_FLOAT_EQ(EndProbability(0.01f, 5), 0.9f);
+TEST(Roulette, PathsGoOnInProportionToTheShareThatTheyCarry) {
+  EXPECT_FLOAT_EQ(EndProbability(kSureShare / 2, 2), 0.5f);
+  EXPECT_FLOAT_EQ(EndProbability(kSureShare / 10, 5), 0.9f);
   EXPECT_EQ(EndProbability(0, 2), 1);
 }
 
-TEST(Roulette, SparesTheFirstVertexAndPathsThatLoseNothing) {
+TEST(Roulette, SparesTheFirstVertexAndPathsThatCarryMuch) {
   EXPECT_EQ(EndProbability(0.01f, 1), 0);
-  EXPECT_EQ(EndProbability(1, 9), 0);
+  EXPECT_EQ(EndProbability(kSureShare, 2), 0);
   EXPECT_EQ(EndProbability(3, 9), 0);
   EXPECT_EQ(EndProbability(std::numeric_limits<float>::quiet_NaN(), 9), 0);
 }
