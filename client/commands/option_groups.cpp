@@ -212,6 +212,12 @@ void AddJobsArgument(CLI::App& app, std::vector<JobId>& jobs) {
       ->required();
 }
 
+void AddDryRunFlag(CLI::App& app, bool& dry_run) {
+  AddSwitch(app, "--dry-run",
+            "Only print what would be sent and rendered, with time and memory estimated from a short probe",
+            dry_run);
+}
+
 void AddNotifyFlag(CLI::App& app, std::string& command) {
   AddText(app, "--notify-command", "COMMAND",
           "Run this with sh at the end of a job; it finds $TESSERA_JOB_ID, $TESSERA_JOB_NAME, "

@@ -49,6 +49,8 @@ void AddJobArgument(CLI::App& app, JobId& job);
 // One or more jobs. Each is kept once.
 void AddJobsArgument(CLI::App& app, std::vector<JobId>& jobs);
 void AddJsonFlag(CLI::App& app, bool& json);
+// Print a forecast instead of doing anything.
+void AddDryRunFlag(CLI::App& app, bool& dry_run);
 // A command to run when a job has ended.
 void AddNotifyFlag(CLI::App& app, std::string& command);
 // The share of units that two workers render and must agree on.

@@ -7,6 +7,7 @@
 #include "client/commands/commands.h"
 #include "client/commands/option_groups.h"
 #include "client/commands/option_values.h"
+#include "client/commands/print_forecast.h"
 #include "client/commands/status_text.h"
 #include "client/commands/times_text.h"
 #include "client/commands/watching.h"
@@ -42,6 +43,7 @@ struct RenderCommandOptions {
   bool resume = false;
   double verify_share = 0;
   std::string notify_command;
+  bool dry_run = false;
   bool json = false;
 };
 
@@ -60,6 +62,7 @@ void AddRenderFlags(CLI::App& app, RenderCommandOptions& options) {
             options.resume);
   AddVerifyFlag(app, options.verify_share);
   AddNotifyFlag(app, options.notify_command);
+  AddDryRunFlag(app, options.dry_run);
   AddJsonFlag(app, options.json);
 }
 
@@ -212,6 +215,10 @@ Result<int> RunRender(const RenderCommandOptions& options, Cancellation& cancell
                            options.output.no_clobber ? Existing::kKeep : Existing::kReplace);
   const std::vector<int> numbers = is_sequence ? options.scene.frames->Numbers() : std::vector<int>{0};
   if (auto good = names.Check(numbers); !good) return good.error();
+  if (options.dry_run) {
+    const FarmSize size = ChooseSize(options);
+    return PrintForecast(options.scene, size.workers * size.threads, options.json, cancellation);
+  }
   const auto saved = options.in_process ? RenderHere(options, names, cancellation)
                                         : RenderOnLocalFarm(options, names, cancellation);
   RunNotifyCommand(options.notify_command, RenderNotice(options, saved ? nullptr : &saved.error()));

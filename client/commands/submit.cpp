@@ -5,11 +5,13 @@
 #include "client/commands/connection.h"
 #include "client/commands/option_groups.h"
 #include "client/commands/option_values.h"
+#include "client/commands/print_forecast.h"
 #include "client/commands/watching.h"
 #include "client/notify_command.h"
 #include "client/progress_line.h"
 #include "client/scene_job.h"
 #include "proto/shell/console.h"
+#include "renderer/util/cores.h"
 
 namespace tessera {
 namespace {
@@ -23,6 +25,7 @@ struct SubmitOptions {
   double verify_share = 0;
   bool watch = false;
   std::string notify_command;
+  bool dry_run = false;
   bool json = false;
 };
 
@@ -42,6 +45,7 @@ void AddSubmitFlags(CLI::App& app, SubmitOptions& options) {
   AddVerifyFlag(app, options.verify_share);
   AddSwitch(app, "--watch", "Follow the job's progress until it ends", options.watch);
   AddNotifyFlag(app, options.notify_command);
+  AddDryRunFlag(app, options.dry_run);
   AddJsonFlag(app, options.json);
 }
 
@@ -51,6 +55,7 @@ Result<void> CheckSubmit(const SubmitOptions& options) {
 }
 
 Result<int> RunSubmit(const SubmitOptions& options, Cancellation& cancellation) {
+  if (options.dry_run) return PrintForecast(options.scene, UsableCores(), options.json, cancellation);
   const auto job = LoadSceneJob(options.scene, Scene::Depth::kCheck, cancellation.token());
   if (!job) return job.error();
   const auto client = Connect(options.connection, cancellation);

@@ -132,6 +132,8 @@ TEST(CommandLine, AcceptsEveryCommandWithItsFlags) {
         "release blade-7",
         "watch 3 4 5 --json",
         "render s.pbrt --no-clobber",
+        "render s.pbrt --dry-run --json",
+        "submit s.pbrt --dry-run",
         "submit s.pbrt --watch --notify-command true"}) {
     const auto parsed = Parse(words);
     ASSERT_TRUE(parsed) << words << ": " << parsed.error().message;

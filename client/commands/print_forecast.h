@@ -1,0 +1,13 @@
+// --dry-run of the commands that render.
+#pragma once
+
+#include "client/cancellation.h"
+#include "client/scene_options.h"
+#include "renderer/util/result.h"
+
+namespace tessera {
+
+// Prints the forecast of a job on stdout. Returns the exit code.
+Result<int> PrintForecast(const SceneOptions& options, int threads, bool json, Cancellation& cancellation);
+
+}  // namespace tessera
