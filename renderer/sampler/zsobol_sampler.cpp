@@ -58,6 +58,7 @@ ZSobolSampler::ZSobolSampler(uint64_t seed, Randomization randomization, int log
     : seed_(seed), matrices_(&Matrices()), randomization_(randomization), log2_samples_(log2_samples) {
   const uint32_t side = std::bit_ceil(static_cast<uint32_t>(std::max(width, height)));
   base4_digits_ = std::bit_width(side) - 1 + (log2_samples + 1) / 2;
+  for (int i = 0; i < kKept; ++i) seeds_[static_cast<size_t>(i)] = MakeSeeds(i);
 }
 
 void ZSobolSampler::StartSample(int x, int y, uint32_t index) {
@@ -68,52 +69,58 @@ void ZSobolSampler::StartSample(int x, int y, uint32_t index) {
 }
 
 // Each digit is permuted by a hash of the digits above it and the dimension.
-uint64_t ZSobolSampler::Permuted(int begin, int end, uint64_t salt) const {
+uint64_t ZSobolSampler::Permuted(int begin, int end, uint64_t seed) const {
   const int odd = log2_samples_ & 1;
   uint64_t permuted = 0;
   for (int digit = begin - 1; digit >= end; --digit) {
     const int shift = 2 * digit - odd;
     const uint64_t above = morton_place_ >> (shift + 2);
-    const int order = static_cast<int>(((MixBits(above ^ salt) >> 32) * 24) >> 32);
+    const int order = static_cast<int>(((MixBits(above ^ seed) >> 32) * 24) >> 32);
     const uint64_t value = (kDigitOrders.order[order] >> (2 * ((morton_place_ >> shift) & 3))) & 3;
     permuted |= value << shift;
   }
   return permuted;
 }
 
-// The Morton place with its base-4 digits permuted; with an odd number of bits the last is a base-2 digit.
-uint64_t ZSobolSampler::Index() {
-  const uint64_t salt = Hash(seed_, dimension_);
+ZSobolSampler::Seeds ZSobolSampler::MakeSeeds(int dimension) const {
+  return {Hash(seed_, dimension), Hash(seed_, dimension, 1), Hash(seed_, dimension, 2)};
+}
+
+ZSobolSampler::Points ZSobolSampler::PointsOfPixel(int dimension, uint64_t seed) {
   const int of_sample = (log2_samples_ + 1) / 2;  // the digits below depend on the index of the sample
-  uint64_t index = 0;
-  if (dimension_ >= kKept) {
-    index = Permuted(base4_digits_, of_sample, salt);
-  } else {
-    const uint64_t bit = uint64_t{1} << dimension_;
-    if ((is_kept_ & bit) == 0) {
-      kept_[dimension_] = Permuted(base4_digits_, of_sample, salt);
-      is_kept_ |= bit;
-    }
-    index = kept_[dimension_];
+  if (dimension >= kKept) return PointsOf(Permuted(base4_digits_, of_sample, seed));
+  const uint64_t bit = uint64_t{1} << dimension;
+  Points& kept = kept_[static_cast<size_t>(dimension)];
+  if ((is_kept_ & bit) == 0) {
+    kept = PointsOf(Permuted(base4_digits_, of_sample, seed));
+    is_kept_ |= bit;
   }
+  return kept;
+}
+
+// Those of the Morton place with its base-4 digits permuted; with an odd number of bits the last is a base-2
+// digit. Points are exclusive-ors over the bits of the index, so that its parts can be joined afterwards.
+ZSobolSampler::Points ZSobolSampler::PointsAt(int dimension, uint64_t seed) {
   const int odd = log2_samples_ & 1;
-  index |= Permuted(of_sample, odd, salt);
-  if (odd != 0) index |= (morton_place_ & 1) ^ (MixBits((morton_place_ >> 1) ^ salt) >> 63);
-  return index;
+  uint64_t index = Permuted((log2_samples_ + 1) / 2, odd, seed);
+  if (odd != 0) index |= (morton_place_ & 1) ^ (MixBits((morton_place_ >> 1) ^ seed) >> 63);
+  const Points pixel = PointsOfPixel(dimension, seed);
+  const Points sample = PointsOf(index);
+  return {pixel.x ^ sample.x, pixel.y ^ sample.y};
 }
 
 float ZSobolSampler::Get1D() {
-  const uint64_t index = Index();
-  const uint64_t seed = Hash(seed_, dimension_++, 1);
-  return Fraction(index, 0, static_cast<uint32_t>(seed));
+  const Seeds seeds = SeedsOf(dimension_);
+  const Points points = PointsAt(dimension_++, seeds.digits);
+  return RandomizedFraction(randomization_, points.x, static_cast<uint32_t>(seeds.single));
 }
 
 Point2 ZSobolSampler::Get2D() {
-  const uint64_t index = Index();
-  const uint64_t seed = Hash(seed_, dimension_, 2);
+  const Seeds seeds = SeedsOf(dimension_);
+  const Points points = PointsAt(dimension_, seeds.digits);
   dimension_ += 2;
-  return {Fraction(index, 0, static_cast<uint32_t>(seed)),
-          Fraction(index, 1, static_cast<uint32_t>(seed >> 32))};
+  return {RandomizedFraction(randomization_, points.x, static_cast<uint32_t>(seeds.pair)),
+          RandomizedFraction(randomization_, points.y, static_cast<uint32_t>(seeds.pair >> 32))};
 }
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "renderer/math/vec.h"
@@ -25,15 +26,31 @@ class ZSobolSampler {
   Point2 Get2D();
 
  private:
-  // Dimensions whose digits of the pixel are kept while its samples are drawn.
+  // Dimensions whose seeds are kept, and their points while the samples of a pixel are drawn.
   static constexpr int kKept = 64;
 
-  uint64_t Index();
-  // The permuted digits end ... begin - 1 of the Morton place.
-  uint64_t Permuted(int begin, int end, uint64_t salt) const;
-  float Fraction(uint64_t index, int column, uint32_t seed) const {
-    return RandomizedFraction(randomization_, SobolBitsWide(*matrices_, index, column), seed);
+  struct Seeds {
+    uint64_t digits = 0;            // of the permutations of digits
+    uint64_t single = 0, pair = 0;  // of the randomisation by Get1D and Get2D
+  };
+  // Sobol' points of the first two dimensions.
+  struct Points {
+    uint32_t x = 0, y = 0;
+  };
+
+  Seeds MakeSeeds(int dimension) const;
+  Seeds SeedsOf(int dimension) const {
+    return dimension < kKept ? seeds_[static_cast<size_t>(dimension)] : MakeSeeds(dimension);
   }
+  // The permuted digits end ... begin - 1 of the Morton place.
+  uint64_t Permuted(int begin, int end, uint64_t seed) const;
+  Points PointsOf(uint64_t index) const {
+    return {SobolBitsWide(*matrices_, index, 0), SobolBitsWide(*matrices_, index, 1)};
+  }
+  // The points of the part of the index that all samples of the pixel share.
+  Points PointsOfPixel(int dimension, uint64_t seed);
+  // The points of the sample.
+  Points PointsAt(int dimension, uint64_t seed);
 
   uint64_t seed_;
   const SobolMatrices* matrices_;
@@ -42,8 +59,9 @@ class ZSobolSampler {
   int base4_digits_;           // of the Morton place
   uint64_t morton_place_ = 0;  // of the sample: its index is the lowest digits
   int dimension_ = 0;
-  // Of each dimension whose bit is set in is_kept_: the permuted digits that all samples of the pixel share.
-  std::array<uint64_t, kKept> kept_{};
+  std::array<Seeds, kKept> seeds_;
+  // PointsOfPixel of each dimension whose bit is set in is_kept_.
+  std::array<Points, kKept> kept_{};
   uint64_t is_kept_ = 0;
 };
 

@@ -57,6 +57,30 @@ TEST(Sampler, AnySampleCanBeDrawnInAnyOrder) {
   }
 }
 
+// What a sampler keeps between the samples of a pixel must not show, in any dimension.
+TEST(Sampler, AUsedSamplerDrawsWhatANewOneDraws) {
+  constexpr int kDimensions = 150;
+  for (const auto& [name, sampler] : Samplers()) {
+    Sampler used = sampler;
+    for (const int x : {5, 6, 5}) {
+      for (uint32_t i = 0; i < 5; ++i) {
+        Sampler fresh = sampler;
+        fresh.StartSample(x, 7, i);
+        used.StartSample(x, 7, i);
+        for (int dimension = 0; dimension < kDimensions; ++dimension) {
+          // Samples of a pixel may use a dimension alone or as the first or second of a pair.
+          if ((dimension + i) % 3 == 0) {
+            const Point2 a = fresh.Get2D(), b = used.Get2D();
+            ASSERT_TRUE(a.x == b.x && a.y == b.y) << name << " " << dimension;
+          } else {
+            ASSERT_EQ(fresh.Get1D(), used.Get1D()) << name << " " << dimension;
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(Sampler, ValuesLieInTheUnitInterval) {
   for (auto& [name, sampler] : Samplers()) {
     for (int pixel = 0; pixel < 50; ++pixel) {
