@@ -35,7 +35,8 @@ Result<void> FrameFetcher::SaveFinished() {
 
 Result<void> FrameFetcher::Save(size_t index, const FrameStatus& frame) {
   const std::string path = names_.Picture(frame.number);
-  if (names_.Png(frame.number).empty() && !IsStandardOutput(path) && HasDigest(path, *frame.file)) {
+  if (names_.Png(frame.number).empty() && names_.exr().IsAsFetched() && !IsStandardOutput(path) &&
+      HasDigest(path, *frame.file)) {
     saved_.push_back({frame.number, path, *frame.file});
     return {};
   }

@@ -51,9 +51,31 @@ std::string PictureNames::NameOf(const FrameName& name, int frame) const {
   return numbers_ == Numbers::kNone ? name.text() : name.Of(frame);
 }
 
-Result<void> PictureNames::Check(const std::vector<int>& frames, const std::set<std::string>& inputs) const {
+std::string PictureNames::Layer(int frame, const std::string& layer) const {
+  std::string name = picture_.text();
+  const size_t file = name.find_last_of('/') + 1, ending = name.rfind('.');
+  size_t place = ending == std::string::npos || ending < file ? name.size() : ending;
+  // Before the number of the frame if that follows a dot.
+  const size_t dot = place > file ? name.rfind('.', place - 1) : std::string::npos;
+  if (dot != std::string::npos && dot >= file && FrameName(name.substr(dot, place - dot)).HasPlace())
+    place = dot;
+  name.insert(place, "." + layer);
+  return NameOf(FrameName(name), frame);
+}
+
+Result<void> PictureNames::Check(const std::vector<int>& frames, const std::set<std::string>& inputs,
+                                 const std::set<std::string>& layers) const {
   const auto format = PictureFormatOf(picture_.text());
   if (!format) return format.error();
+  if (!exr_.IsAsFetched() && *format != PictureFormat::kExr) {
+    return BadInput(
+        fmt::format("{}: --aov-split, --compression, --exr-layout and --thumbnail are of .exr files alone",
+                    picture_.text()));
+  }
+  if (exr_.splits_layers && (IsStream(picture_.text()) || !picture_.text().ends_with(".exr"))) {
+    return BadInput(
+        fmt::format("{}: --aov-split writes several files, so the name must end in .exr", picture_.text()));
+  }
   if (auto named = png_.empty() ? Result<void>() : CheckPngName(png_.text()); !named) return named;
   FilesInUse files;
   for (const std::string& input : inputs) files.AddInput(input);
@@ -61,6 +83,10 @@ Result<void> PictureNames::Check(const std::vector<int>& frames, const std::set<
     if (auto kept = CheckKept(Picture(frame), existing_); !kept) return kept;
     if (auto kept = CheckKept(Png(frame), existing_); !kept) return kept;
     if (auto added = files.AddOutput(Picture(frame)); !added) return added;
+    for (const std::string& layer : layers) {
+      if (auto kept = CheckKept(Layer(frame, layer), existing_); !kept) return kept;
+      if (auto added = files.AddOutput(Layer(frame, layer)); !added) return added;
+    }
     if (png_.empty()) continue;
     if (auto added = files.AddOutput(Png(frame)); !added) return added;
   }

@@ -3,12 +3,44 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "client/output/layer_files.h"
 #include "client/output/output_file.h"
 #include "client/output/picture_encoder.h"
 #include "client/output/picture_format.h"
 #include "renderer/film/picture_file.h"
 
 namespace tessera {
+namespace {
+
+// Writes all layers but the colours, whose file it returns.
+Result<std::string> SaveLayers(const LoadedPicture& picture, int frame, const PictureNames& names,
+                               std::stop_token stop) {
+  const auto layers = SplitLayers(picture);
+  if (!layers) return layers.error();
+  std::string colors;
+  for (const LayerPicture& each : *layers) {
+    auto bytes = EncodeExr(each.picture, FormatOf(each, names.exr()));
+    if (!bytes) return bytes.error();
+    if (each.layer.empty()) {
+      colors = std::move(*bytes);
+      continue;
+    }
+    const std::string path = names.Layer(frame, FileLayer(each.layer));
+    if (auto written = WriteOutput(path, *bytes, stop, names.existing()); !written) return written.error();
+  }
+  if (colors.empty()) return Failed("the picture has no colours");
+  return colors;
+}
+
+// The file of the picture in another form than that of the farm.
+Result<std::string> EncodeAgain(const LoadedPicture& picture, int frame, const PictureNames& names,
+                                std::stop_token stop) {
+  if (names.exr().splits_layers) return SaveLayers(picture, frame, names, stop);
+  if (auto ok = CheckCompression(picture, names.exr()); !ok) return ok.error();
+  return EncodeExr(picture, FormatOf(picture, names.exr()));
+}
+
+}  // namespace
 
 Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureNames& names,
                                  std::stop_token stop) {
@@ -16,18 +48,20 @@ Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureN
   const auto format = PictureFormatOf(path);
   if (!format) return format.error();
   std::optional<LoadedPicture> picture;
-  if (*format != PictureFormat::kExr || !png.empty()) {
+  const bool is_whole = *format == PictureFormat::kExr && names.exr().IsAsFetched();
+  if (!is_whole || !png.empty()) {
     auto decoded = DecodeExr(exr, path);
     if (!decoded) return decoded.error();
     picture = std::move(*decoded);
   }
   std::string encoded;
-  if (*format != PictureFormat::kExr) {
-    auto other = EncodeAs(*format, *picture, path);
+  if (!is_whole) {
+    auto other = *format == PictureFormat::kExr ? EncodeAgain(*picture, frame, names, stop)
+                                                : EncodeAs(*format, *picture, path);
     if (!other) return other.error();
     encoded = std::move(*other);
   }
-  const std::string_view bytes = *format == PictureFormat::kExr ? exr : encoded;
+  const std::string_view bytes = is_whole ? exr : encoded;
   if (auto written = WriteOutput(path, bytes, stop, names.existing()); !written) return written.error();
   if (!png.empty()) {
     const auto copy = EncodeAs(PictureFormat::kPng, *picture, png);

@@ -122,7 +122,8 @@ Result<int> RunFetch(const FetchOptions& options, Cancellation& cancellation) {
   if (!frames) return frames.error();
   const auto chosen = ChooseFrames(options, *frames);
   if (!chosen) return chosen.error();
-  const PictureNames names = NamesFor(options, *frames);
+  PictureNames names = NamesFor(options, *frames);
+  names.SetExrOutput(options.output.exr);
   std::vector<int> numbers;
   for (const size_t i : *chosen) numbers.push_back((*frames)[i].number);
   if (auto writable = names.Check(numbers); !writable) return writable.error();

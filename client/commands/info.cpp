@@ -5,6 +5,7 @@
 
 #include "client/commands/commands.h"
 #include "client/commands/option_groups.h"
+#include "client/commands/picture_info.h"
 #include "client/scene_job.h"
 
 namespace tessera {
@@ -127,6 +128,10 @@ void PrintJson(const SceneJob& job) {
 }
 
 Result<int> RunInfo(const InfoOptions& options, Cancellation& cancellation) {
+  if (IsPictureFile(options.scene.path)) {
+    if (auto printed = PrintPictureInfo(options.scene.path, options.json); !printed) return printed.error();
+    return 0;
+  }
   const auto job = LoadSceneJob(options.scene, Scene::Depth::kSurvey, cancellation.token());
   if (!job) return job.error();
   if (options.json) {
@@ -142,8 +147,9 @@ Result<int> RunInfo(const InfoOptions& options, Cancellation& cancellation) {
 Command InfoCommand() {
   return MakeCommand<InfoOptions>({
       .name = "info",
-      .summary = "Describe a scene and list what differs from what it asks for",
-      .examples = {{"Describe a scene", "tessera info scene.pbrt"}},
+      .summary = "Describe a scene and list what differs from what it asks for, or describe an .exr picture",
+      .examples = {{"Describe a scene", "tessera info scene.pbrt"},
+                   {"Show the layers and the header of a picture", "tessera info picture.exr"}},
       .add_flags = AddInfoFlags,
       .run = RunInfo,
   });

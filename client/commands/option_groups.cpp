@@ -164,6 +164,17 @@ void AddOutputFlags(CLI::App& app, OutputOptions& options, const std::string& de
                   "output; in the name for a sequence, #### stands for the frame number",
                   default_name),
       options.picture);
+  AddSwitch(app, "--aov-split", "Write each layer to a file of its own, FILE with its name before .exr",
+            options.exr.splits_layers);
+  AddValue(app, "--compression", "NAME",
+           WithDefault(fmt::format("Compression of .exr files: {}", fmt::join(ExrCompressionNames(), ", ")),
+                       "zip"),
+           options.exr.compression, ParseCompression);
+  AddValue(app, "--exr-layout", "LAYOUT",
+           WithDefault("Order of the pixels in .exr files: scanlines or tiles", "scanlines"),
+           options.exr.layout, ParseExrLayout);
+  AddSwitch(app, "--thumbnail", "Add a small picture to the header of .exr files, for file managers",
+            options.exr.has_preview);
   AddText(app, "--png", "FILE", "Also write a tone-mapped 8-bit PNG; - is the standard output", options.png);
   AddSwitch(app, "--no-clobber", "Refuse to start if a picture would replace a file", options.no_clobber);
 }

@@ -9,6 +9,7 @@
 
 #include "client/coordinator/coordinator_client.h"
 #include "client/coordinator/farm_choice.h"
+#include "client/output/layer_files.h"
 #include "client/scene_options.h"
 #include "proto/shell/flags.h"
 #include "proto/terms.h"
@@ -36,6 +37,7 @@ struct OutputOptions {
   std::string picture;      // path, or for a sequence a FrameName; empty: the command chooses one
   std::string png;          // the same of a tone-mapped copy; empty: none
   bool no_clobber = false;  // existing files are not replaced
+  ExrOutput exr;
 };
 // Whether a picture is written to the standard output of this program, which then prints nothing else there.
 bool TakesStandardOutput(const OutputOptions& options);

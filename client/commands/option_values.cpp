@@ -57,6 +57,18 @@ Result<ExrType> ParseExrType(std::string_view flag, std::string_view word) {
   return BadInput(fmt::format("{}: \"{}\" is neither half nor float", flag, word));
 }
 
+Result<ExrCompression> ParseCompression(std::string_view flag, std::string_view word) {
+  const auto name = ParseChoice(flag, word, ExrCompressionNames());
+  if (!name) return name.error();
+  return *ExrCompressionOf(*name);
+}
+
+Result<ExrLayout> ParseExrLayout(std::string_view flag, std::string_view word) {
+  if (word == "scanlines") return ExrLayout::kScanLines;
+  if (word == "tiles") return ExrLayout::kTiles;
+  return BadInput(fmt::format("{}: \"{}\" is neither scanlines nor tiles", flag, word));
+}
+
 Result<double> ParsePercent(std::string_view flag, std::string_view word) {
   const std::string_view digits = word.ends_with('%') ? word.substr(0, word.size() - 1) : word;
   double percent = 0;

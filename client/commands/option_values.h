@@ -25,6 +25,8 @@ Result<std::pair<int, int>> ParseResolution(std::string_view flag, std::string_v
 Result<std::array<float, 4>> ParseCrop(std::string_view flag, std::string_view word);
 // "half" or "float".
 Result<ExrType> ParseExrType(std::string_view flag, std::string_view word);
+Result<ExrCompression> ParseCompression(std::string_view flag, std::string_view word);
+Result<ExrLayout> ParseExrLayout(std::string_view flag, std::string_view word);
 // "P%", from 0 to 100, as a fraction of 1. The percent sign may be left out.
 Result<double> ParsePercent(std::string_view flag, std::string_view word);
 // Names out of `known`, separated by commas.

@@ -16,6 +16,7 @@
 #include "client/in_process.h"
 #include "client/local_farm.h"
 #include "client/notify_command.h"
+#include "client/output/layer_files.h"
 #include "client/output/output_target.h"
 #include "client/progress_line.h"
 #include "client/resume_folder.h"
@@ -95,7 +96,10 @@ FarmSize ChooseSize(const RenderCommandOptions& options) {
 Result<void> CheckPictures(const SceneJob& job, const PictureNames& names) {
   std::vector<int> numbers;
   for (const SceneFrame& frame : job.frames) numbers.push_back(frame.number);
-  if (auto good = names.Check(numbers, job.input_paths); !good) return good;
+  const FrameSpec& first = job.packed.frames.front().spec;
+  const auto layers = names.exr().splits_layers ? FileLayersOf(first) : std::set<std::string>();
+  if (auto good = names.Check(numbers, job.input_paths, layers); !good) return good;
+  if (auto exact = CheckCompression(first, names.exr()); !exact) return exact;
   for (const FrameRequest& frame : job.packed.frames) {
     if (auto fits = names.CheckSize(frame.spec.width, frame.spec.height); !fits) return fits;
   }
@@ -210,9 +214,10 @@ Result<int> RunRender(const RenderCommandOptions& options, Cancellation& cancell
   const auto start = Clock::now();
   const bool is_sequence = options.scene.frames.has_value();
   const std::string& output = options.output.picture;
-  const PictureNames names(output.empty() ? SceneName(options.scene) + ".exr" : output, options.output.png,
-                           is_sequence ? PictureNames::Numbers::kAlways : PictureNames::Numbers::kNone,
-                           options.output.no_clobber ? Existing::kKeep : Existing::kReplace);
+  PictureNames names(output.empty() ? SceneName(options.scene) + ".exr" : output, options.output.png,
+                     is_sequence ? PictureNames::Numbers::kAlways : PictureNames::Numbers::kNone,
+                     options.output.no_clobber ? Existing::kKeep : Existing::kReplace);
+  names.SetExrOutput(options.output.exr);
   const std::vector<int> numbers = is_sequence ? options.scene.frames->Numbers() : std::vector<int>{0};
   if (auto good = names.Check(numbers); !good) return good.error();
   if (options.dry_run) {

@@ -3,21 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <string_view>
 
+#include "renderer/film/picture_attributes.h"
 #include "renderer/util/check.h"
 
 namespace tessera {
 namespace {
 
 constexpr size_t kNameSizeMax = 255;  // of an attribute: what OpenEXR can write
-
-// Attributes that describe the file itself: the writer sets them.
-constexpr std::array<std::string_view, 15> kReservedAttributes{
-    "channels",   "compression", "dataWindow",        "displayWindow",      "lineOrder", "name",
-    "type",       "version",     "pixelAspectRatio",  "screenWindowCenter", "view",      "screenWindowWidth",
-    "chunkCount", "tiles",       "maxSamplesPerPixel"};
 
 bool IsName(const std::string& name) {
   return !name.empty() && name.size() <= kNameSizeMax && name.find('\0') == std::string::npos;
@@ -46,9 +39,11 @@ Result<void> CheckAttributes(const std::map<std::string, std::string>& attribute
     if (name.size() + value.size() > kAttributeSizeMax) {
       return BadInput(fmt::format("attribute \"{}\" is longer than {} bytes", name, kAttributeSizeMax));
     }
-    if (std::ranges::find(kReservedAttributes, name) != kReservedAttributes.end()) {
+    if (IsReservedAttribute(name)) {
       return BadInput(fmt::format("attribute \"{}\" is reserved by OpenEXR", name));
     }
+    if (!IsAttributeValue(name, value))
+      return BadInput(fmt::format("attribute \"{}\" has a value that is not of its type", name));
   }
   return {};
 }

@@ -4,18 +4,19 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
-#include <ImfStringAttribute.h>
+#include <ImfTiledOutputFile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <exception>
-#include <stdexcept>
+#include <span>
 
 #include "renderer/exr/exr_header.h"
+#include "renderer/film/exr_memory.h"
+#include "renderer/film/picture_attributes.h"
+#include "renderer/film/picture_preview.h"
 #include "renderer/util/file.h"
 #include "renderer/util/text.h"
 
@@ -30,45 +31,6 @@ constexpr int64_t kValuesPerByteMax = 5000;
 constexpr int64_t kValuesFloor = int64_t{1} << 22;
 // Floats that are not compressed, headers and tables.
 constexpr uint64_t kExrFileSizeMax = sizeof(float) * uint64_t{kLoadedValuesMax} + (uint64_t{64} << 20);
-
-// Collects what OpenEXR writes.
-class MemoryOutput : public Imf::OStream {
- public:
-  MemoryOutput() : Imf::OStream("picture in memory") {}
-  void write(const char bytes[], int count) override {
-    const size_t end = position_ + static_cast<size_t>(count);
-    if (end > bytes_.size()) bytes_.resize(end);
-    std::memcpy(bytes_.data() + position_, bytes, static_cast<size_t>(count));
-    position_ = end;
-  }
-  uint64_t tellp() override { return position_; }
-  void seekp(uint64_t position) override { position_ = position; }
-  std::string Take() { return std::move(bytes_); }
-
- private:
-  std::string bytes_;
-  size_t position_ = 0;
-};
-
-// Gives OpenEXR bytes in memory to read.
-class MemoryInput : public Imf::IStream {
- public:
-  explicit MemoryInput(std::string_view bytes) : Imf::IStream("picture in memory"), bytes_(bytes) {}
-  bool read(char bytes[], int count) override {
-    const auto wanted = static_cast<size_t>(count);
-    if (position_ > bytes_.size() || wanted > bytes_.size() - position_)
-      throw std::runtime_error("unexpected end of file");
-    std::memcpy(bytes, bytes_.data() + position_, wanted);
-    position_ += wanted;
-    return position_ < bytes_.size();
-  }
-  uint64_t tellg() override { return position_; }
-  void seekg(uint64_t position) override { position_ = position; }
-
- private:
-  std::string_view bytes_;
-  size_t position_ = 0;
-};
 
 Imath::Box2i ToBox(const PixelBounds& bounds) {
   return {Imath::V2i(bounds.x0, bounds.y0), Imath::V2i(bounds.x1 - 1, bounds.y1 - 1)};
@@ -86,7 +48,7 @@ Imf::Slice ValueSlice(Imf::PixelType type, char* first, size_t size, const Pixel
   return {type, reinterpret_cast<char*>(origin), pixel, row};  // NOLINT(performance-no-int-to-ptr)
 }
 
-std::vector<half> ToHalf(const std::vector<float>& values) {
+std::vector<half> ToHalf(std::span<const float> values) {
   std::vector<half> halves(values.size());
   for (size_t i = 0; i < values.size(); ++i) halves[i] = half(std::clamp(values[i], -kHalfMax, kHalfMax));
   return halves;
@@ -101,32 +63,80 @@ Result<void> CheckPicture(const FrameSpec& spec, const FramePicture& picture) {
   return spec.Check();
 }
 
-std::string EncodeChecked(const FrameSpec& spec, const FramePicture& picture) {
-  const Imath::Box2i display(Imath::V2i(0, 0), Imath::V2i(spec.width - 1, spec.height - 1));
+Result<void> CheckLoaded(const LoadedPicture& picture) {
+  const PixelBounds& bounds = picture.bounds;
+  if (bounds.width() < 1 || bounds.height() < 1 || picture.width < 1 || picture.height < 1 ||
+      picture.channels.empty())
+    return Failed("the picture is empty");
+  if (picture.values.size() != static_cast<size_t>(bounds.area()) * picture.channels.size())
+    return Failed("the picture's values do not fill its window");
+  for (const auto& [name, value] : picture.attributes) {
+    if (!IsAttributeValue(name, value))
+      return Failed(fmt::format("attribute \"{}\" has a value that is not of its type", name));
+  }
+  return {};
+}
+
+// A picture as it goes into a file.
+struct FilePicture {
+  int width = 0, height = 0;  // display window
+  PixelBounds bounds;         // data window
+  std::span<const std::string> channels;
+  std::vector<ExrType> types;
+  std::span<const float> values;
+  const std::map<std::string, std::string>& attributes;
+};
+
+Imf::Header HeaderOf(const FilePicture& picture, const ExrFormat& format) {
+  const Imath::Box2i display(Imath::V2i(0, 0), Imath::V2i(picture.width - 1, picture.height - 1));
   Imf::Header header(display, ToBox(picture.bounds));
-  header.compression() = Imf::ZIP_COMPRESSION;
-  for (const auto& [name, value] : spec.attributes) header.insert(name, Imf::StringAttribute(value));
-  const std::vector<half> halves =
-      spec.exr_type == ExrType::kHalf ? ToHalf(picture.values) : std::vector<half>();
+  header.compression() = static_cast<Imf::Compression>(format.compression);
+  for (const auto& [name, value] : picture.attributes) AddAttribute(name, value, header);
+  if (format.is_tiled) header.setTileDescription(Imf::TileDescription(kExrTileSize, kExrTileSize));
+  if (format.has_preview) {
+    const auto preview = MakePreviewImage(picture.bounds, picture.channels, picture.values);
+    if (preview) header.setPreviewImage(*preview);
+  }
+  for (size_t c = 0; c < picture.channels.size(); ++c) {
+    const bool is_half = picture.types[c] == ExrType::kHalf;
+    header.channels().insert(picture.channels[c], Imf::Channel(is_half ? Imf::HALF : Imf::FLOAT));
+  }
+  return header;
+}
+
+std::string EncodeChecked(const FilePicture& picture, const ExrFormat& format) {
+  const Imf::Header header = HeaderOf(picture, format);
+  const bool has_halves = std::ranges::find(picture.types, ExrType::kHalf) != picture.types.end();
+  const std::vector<half> halves = has_halves ? ToHalf(picture.values) : std::vector<half>();
   Imf::FrameBuffer buffer;
-  const std::vector<PictureChannel> channels = PictureChannels(spec.channels);
-  for (size_t c = 0; c < channels.size(); ++c) {
-    const bool is_half = spec.exr_type == ExrType::kHalf && !channels[c].is_exact;
-    const Imf::PixelType type = is_half ? Imf::HALF : Imf::FLOAT;
+  for (size_t c = 0; c < picture.channels.size(); ++c) {
+    const bool is_half = picture.types[c] == ExrType::kHalf;
     const void* first = is_half ? static_cast<const void*>(&halves[c]) : &picture.values[c];
     // OpenEXR only reads when it writes a file.
     char* const base = const_cast<char*>(static_cast<const char*>(first));
-    header.channels().insert(channels[c].name, Imf::Channel(type));
-    buffer.insert(channels[c].name, ValueSlice(type, base, is_half ? sizeof(half) : sizeof(float),
-                                               picture.bounds, channels.size()));
+    buffer.insert(picture.channels[c],
+                  ValueSlice(is_half ? Imf::HALF : Imf::FLOAT, base, is_half ? sizeof(half) : sizeof(float),
+                             picture.bounds, picture.channels.size()));
   }
   MemoryOutput output;
-  {
+  if (format.is_tiled) {
+    Imf::TiledOutputFile file(output, header);
+    file.setFrameBuffer(buffer);
+    file.writeTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
+  } else {
     Imf::OutputFile file(output, header);
     file.setFrameBuffer(buffer);
     file.writePixels(picture.bounds.height());
   }
   return output.Take();
+}
+
+Result<std::string> EncodeGuarded(const FilePicture& picture, const ExrFormat& format) {
+  try {
+    return EncodeChecked(picture, format);
+  } catch (const std::exception& e) {
+    return Failed(fmt::format("the picture cannot be encoded as OpenEXR: {}", e.what()));
+  }
 }
 
 // Whether a file of `file_size` bytes may hold a picture, or a tile of one, of this size.
@@ -169,6 +179,25 @@ Result<void> CheckLoadable(const Imf::Header& header, const std::string& path) {
   return {};
 }
 
+// Those that EncodeExr writes as they were: text, and what FrameSpec::attributes may hold.
+std::map<std::string, std::string> WritableAttributes(const Imf::Header& header) {
+  std::map<std::string, std::string> attributes;
+  for (auto it = header.begin(); it != header.end(); ++it) {
+    const std::string name = it.name();
+    const auto text = AttributeText(it.attribute());
+    if (!text || IsReservedAttribute(name) || !IsAttributeValue(name, *text)) continue;
+    const bool is_default = name == "pixelAspectRatio" && *text == "1";
+    const bool is_text = it.attribute().typeName() == std::string_view("string");
+    if (is_text != IsTypedAttribute(name) && !is_default) attributes[name] = *text;
+  }
+  return attributes;
+}
+
+ExrFormat FormatOf(const Imf::Header& header) {
+  return {static_cast<ExrCompression>(header.compression()), header.hasTileDescription(),
+          header.hasPreviewImage()};
+}
+
 Result<LoadedPicture> LoadChecked(Imf::InputFile& file, const std::string& path) {
   const Imf::Header& header = file.header();
   if (auto ok = CheckLoadable(header, path); !ok) return ok.error();
@@ -180,6 +209,7 @@ Result<LoadedPicture> LoadChecked(Imf::InputFile& file, const std::string& path)
   picture.bounds = {data.min.x, data.min.y, data.max.x + 1, data.max.y + 1};
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
     picture.channels.emplace_back(it.name());
+    picture.types.push_back(it.channel().type == Imf::HALF ? ExrType::kHalf : ExrType::kFloat);
   }
   const size_t channels = picture.channels.size();
   picture.values.resize(static_cast<size_t>(picture.bounds.area()) * channels);
@@ -191,11 +221,36 @@ Result<LoadedPicture> LoadChecked(Imf::InputFile& file, const std::string& path)
   }
   file.setFrameBuffer(buffer);
   file.readPixels(data.min.y, data.max.y);
-  for (auto it = header.begin(); it != header.end(); ++it) {
-    const auto* text = dynamic_cast<const Imf::StringAttribute*>(&it.attribute());
-    if (text != nullptr) picture.attributes[it.name()] = text->value();
-  }
+  picture.attributes = WritableAttributes(header);
+  picture.format = FormatOf(header);
   return picture;
+}
+
+const char* NameOf(Imf::PixelType type) {
+  return type == Imf::HALF ? "half" : type == Imf::FLOAT ? "float" : "uint";
+}
+
+Result<PictureHeader> HeaderOf(const Imf::Header& header, const std::string& path) {
+  if (auto ok = CheckLoadable(header, path); !ok) return ok.error();
+  PictureHeader read;
+  const Imath::Box2i& data = header.dataWindow();
+  const Imath::Box2i& display = header.displayWindow();
+  read.width = display.max.x - display.min.x + 1;
+  read.height = display.max.y - display.min.y + 1;
+  read.bounds = {data.min.x, data.min.y, data.max.x + 1, data.max.y + 1};
+  read.format = FormatOf(header);
+  if (header.hasPreviewImage()) {
+    read.preview_width = static_cast<int>(header.previewImage().width());
+    read.preview_height = static_cast<int>(header.previewImage().height());
+  }
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it)
+    read.channels.push_back({it.name(), NameOf(it.channel().type)});
+  for (auto it = header.begin(); it != header.end(); ++it) {
+    const std::string name = it.name();
+    if (const auto text = AttributeText(it.attribute()))
+      read.attributes.push_back({name, it.attribute().typeName(), *text});
+  }
+  return read;
 }
 
 Error CannotBeRead(const std::string& name, const std::exception& e) {
@@ -208,11 +263,21 @@ Error CannotBeRead(const std::string& name, const std::exception& e) {
 
 Result<std::string> EncodeExr(const FrameSpec& spec, const FramePicture& picture) {
   if (auto ok = CheckPicture(spec, picture); !ok) return ok.error();
-  try {
-    return EncodeChecked(spec, picture);
-  } catch (const std::exception& e) {
-    return Failed(fmt::format("the picture cannot be encoded as OpenEXR: {}", e.what()));
-  }
+  std::vector<ExrType> types;
+  for (const PictureChannel& channel : PictureChannels(spec.channels))
+    types.push_back(channel.is_exact ? ExrType::kFloat : spec.exr_type);
+  return EncodeGuarded({spec.width, spec.height, picture.bounds, picture.channels, std::move(types),
+                        picture.values, spec.attributes},
+                       ExrFormat());
+}
+
+Result<std::string> EncodeExr(const LoadedPicture& picture, const ExrFormat& format) {
+  if (auto ok = CheckLoaded(picture); !ok) return ok.error();
+  std::vector<ExrType> types = picture.types;
+  types.resize(picture.channels.size(), ExrType::kFloat);
+  return EncodeGuarded({picture.width, picture.height, picture.bounds, picture.channels, std::move(types),
+                        picture.values, picture.attributes},
+                       format);
 }
 
 Result<LoadedPicture> LoadExr(const std::string& path) {
@@ -221,7 +286,12 @@ Result<LoadedPicture> LoadExr(const std::string& path) {
   return DecodeExr(*bytes, path);
 }
 
-Result<LoadedPicture> DecodeExr(std::string_view bytes, const std::string& name) {
+namespace {
+
+// Opens a file whose structure can be read, and gives it to `read`.
+template <typename Read>
+auto ReadChecked(std::string_view bytes, const std::string& name, Read read)
+    -> decltype(read(std::declval<Imf::InputFile&>())) {
   const Result<void> checked = CheckExr(bytes, name, [&](int64_t width, int64_t height, int64_t channels) {
     return CheckLoadedSize(name, width, height, channels, bytes.size());
   });
@@ -229,10 +299,24 @@ Result<LoadedPicture> DecodeExr(std::string_view bytes, const std::string& name)
   try {
     MemoryInput input(bytes);
     Imf::InputFile file(input);
-    return LoadChecked(file, name);
+    return read(file);
   } catch (const std::exception& e) {
     return CannotBeRead(name, e);
   }
+}
+
+}  // namespace
+
+Result<LoadedPicture> DecodeExr(std::string_view bytes, const std::string& name) {
+  return ReadChecked(bytes, name, [&](Imf::InputFile& file) { return LoadChecked(file, name); });
+}
+
+Result<PictureHeader> ReadExrHeader(std::string_view bytes, const std::string& name) {
+  return ReadChecked(bytes, name, [&](const Imf::InputFile& file) { return HeaderOf(file.header(), name); });
+}
+
+bool IsExr(std::string_view bytes) {
+  return bytes.starts_with("\x76\x2f\x31\x01");
 }
 
 }  // namespace tessera

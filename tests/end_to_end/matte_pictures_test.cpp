@@ -86,5 +86,89 @@ TEST_F(MattePictures, OfAnAnimatedSceneAreTheSameOnEveryFarmAndKeepTheirNames) {
   EXPECT_EQ(last.output, first.output);
 }
 
+TEST_F(MattePictures, InfoDescribesAPictureAndRefusesADamagedOne) {
+  ASSERT_EQ(Tessera(Plus({"render", BoxScene(), "--in-process", "-o", "a.exr", "--compression", "piz",
+                          "--exr-layout", "tiles"},
+                         kMattes))
+                .code,
+            0);
+  const Outcome json = Tessera({"info", "a.exr", "--json"});
+  for (const char* each : {R"("compression":"piz")", R"("layout":"tiles")", R"("layer":"CryptoAsset")",
+                           R"({"name":"CryptoAsset00.R","type":"float"})", R"("value":"MurmurHash3_32")"})
+    EXPECT_THAT(json.output, HasSubstr(each)) << json.errors;
+  const Outcome text = Tessera({"info", "a.exr"});
+  EXPECT_THAT(text.output, HasSubstr("compression piz\n"));
+  EXPECT_THAT(text.output, HasSubstr("colours: B G R (half)\n"));
+  Write("torn.exr", Bytes("a.exr").substr(0, 700));
+  const Outcome torn = Tessera({"info", "torn.exr"});
+  EXPECT_EQ(torn.code, 2);
+  EXPECT_THAT(torn.errors, HasSubstr("torn.exr"));
+}
+
+TEST_F(MattePictures, AreTheSameInEveryCompressionThatLosesNothing) {
+  ASSERT_EQ(Tessera(Plus({"render", BoxScene(), "--in-process", "-o", "zip.exr"}, kMattes)).code, 0);
+  const std::string copper = " --matte CryptoObject sphere.1";
+  const Outcome matte = Decode("zip.exr" + copper);
+  EXPECT_GT(std::stod("0" + matte.output), 0.01) << matte.errors;
+  for (const std::string compression : {"none", "rle", "zips", "piz"}) {
+    const Outcome outcome = Tessera(Plus({"render", BoxScene(), "--workers", "2", "-o", "tiles.exr",
+                                          "--exr-layout", "tiles", "--compression", compression},
+                                         kMattes));
+    ASSERT_EQ(outcome.code, 0) << outcome.errors;
+    EXPECT_THAT(Tessera({"compare", "tiles.exr", "zip.exr"}).output, HasSubstr("identical=yes"));
+    if (compression != "piz") {
+      EXPECT_EQ(Decode("tiles.exr" + copper).output, matte.output) << compression;
+    }
+  }
+}
+
+TEST_F(MattePictures, ACompressionThatWouldChangeThemIsRefusedUnlessTheyHaveFilesOfTheirOwn) {
+  const std::vector<std::string> lossy = Plus(kMattes, {"--compression", "dwaa"});
+  const Outcome refused = Tessera(Plus({"render", BoxScene(), "--in-process", "-o", "p.exr"}, lossy));
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.errors, HasSubstr("would change channel"));
+  EXPECT_FALSE(Exists("p.exr"));
+  ASSERT_EQ(Tessera(Plus({"render", BoxScene(), "--in-process", "--aov-split", "-o", "p.exr"}, lossy)).code,
+            0);
+  EXPECT_THAT(Tessera({"info", "p.exr"}).output, HasSubstr("compression dwaa"));
+  EXPECT_THAT(Tessera({"info", "p.CryptoObject.exr"}).output, HasSubstr("compression zip"));
+  for (const std::string layer : {"CryptoObject", "CryptoMaterial", "CryptoAsset"}) {
+    const Outcome decoded = Decode("p." + layer + ".exr");
+    EXPECT_EQ(decoded.code, 0) << decoded.errors;
+    EXPECT_THAT(decoded.output, testing::StartsWith(layer));
+  }
+}
+
+TEST_F(MattePictures, LayersFetchedFromAFarmAreTheFilesOfOneProcess) {
+  StartCoordinator();
+  StartWorker("only");
+  const std::string job = Submit(BoxScene(), kMattes);
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  ASSERT_EQ(Ask({"fetch", job, "-o", "farm.exr", "--aov-split"}).code, 0);
+  ASSERT_EQ(
+      Tessera(Plus({"render", BoxScene(), "--in-process", "--aov-split", "-o", "here.exr"}, kMattes)).code,
+      0);
+  for (const std::string ending : {".exr", ".CryptoObject.exr", ".CryptoMaterial.exr", ".CryptoAsset.exr"})
+    EXPECT_TRUE(Bytes("farm" + ending) == Bytes("here" + ending)) << ending;
+  EXPECT_EQ(Ask({"fetch", job, "-o", "-", "--aov-split"}).code, 2);
+  EXPECT_EQ(Ask({"fetch", job, "-o", "a.png", "--aov-split"}).code, 2);
+  EXPECT_EQ(Ask({"fetch", job, "-o", "a.exr", "--compression", "dwaa"}).code, 2);
+}
+
+TEST_F(MattePictures, AFileOfALayerNeverReplacesAFileOfTheScene) {
+  ASSERT_EQ(Tessera({"render", BoxScene(), "--in-process", "--spp", "1", "--resolution", "8x8", "-o",
+                     "p.samples.exr"})
+                .code,
+            0);
+  const std::string before = Bytes("p.samples.exr");
+  const std::string scene =
+      Write("scene.pbrt", "WorldBegin LightSource \"infinite\" \"string filename\" \"p.samples.exr\"\n");
+  const Outcome outcome = Tessera({"render", scene, "--in-process", "--spp", "1", "--resolution", "8x8", "-o",
+                                   "p.exr", "--aov", "samples", "--aov-split"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.errors, HasSubstr("p.samples.exr: the scene reads this file"));
+  EXPECT_TRUE(Bytes("p.samples.exr") == before);
+}
+
 }  // namespace
 }  // namespace tessera
