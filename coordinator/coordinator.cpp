@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <sys/statvfs.h>
 
 #include <algorithm>
 #include <thread>
@@ -24,8 +25,10 @@
 #include "coordinator/store/data_dir.h"
 #include "coordinator/store/file_pictures.h"
 #include "coordinator/task_pool.h"
+#include "coordinator/web/api/web_api.h"
 #include "coordinator/web/web_server.h"
 #include "coordinator/web_access.h"
+#include "coordinator/web_calls.h"
 #include "coordinator/work_service.h"
 #include "proto/shell/pause.h"
 #include "proto/shell/program.h"
@@ -75,6 +78,8 @@ struct Coordinator::Parts {
   std::optional<FarmIdentity> identity;        // if TCP connections are encrypted
   std::shared_ptr<Organisation> organisation;  // if it has certificates
   std::unique_ptr<AccessService> access;
+  TaskPool downloads{1};        // that web pages ask for
+  std::shared_ptr<WebApi> api;  // if there are web pages
   std::unique_ptr<WebServer> web, encrypted_web;
   std::unique_ptr<CoordinatorServer> server;
   std::string certificates_problem;  // of the thread below
@@ -156,13 +161,16 @@ ServerSecurity Coordinator::Parts::Security() const {
 Result<void> Coordinator::Parts::ServeWeb(const CoordinatorOptions& options, const AccessPolicy& policy) {
   const auto start = [&](const Address& address, std::optional<WebTls> tls, std::optional<WebGate> people,
                          std::unique_ptr<WebServer>& place) -> Result<void> {
-    auto site = std::make_unique<WebSite>(
-        options.http_names, [this] { return LookAtAll(); }, std::move(people));
+    auto site = std::make_unique<WebSite>(options.http_names, api, std::move(people));
     auto started = WebServer::Start(address, std::move(tls), std::move(site));
     if (!started) return started.error();
     place = std::move(*started);
     return {};
   };
+  if (options.http || options.https) {
+    api = std::make_shared<WebApi>(MakeWebFarm({*gate, blobs, pictures, downloads, options.data_dir, policy,
+                                                options.insecure, [this] { return LookAtAll(); }}));
+  }
   if (options.http) {
     if (auto started = start(*options.http, {}, {}, web); !started) return started;
   }
@@ -220,6 +228,11 @@ std::optional<FarmView> Coordinator::Parts::LookAtAll() {
   view->traffic = {work->bytes_in(), blob_service->bytes_in(), blob_service->bytes_out()};
   view->intake = {work->intake().bytes(), work->intake().waiting()};
   view->blob_bytes = blobs.bytes();
+  struct statvfs disk {};
+  if (::statvfs(directory.PicturesPath().c_str(), &disk) == 0) {
+    view->disk_free = disk.f_bavail * disk.f_frsize;
+    view->disk_total = disk.f_blocks * disk.f_frsize;
+  }
   return view;
 }
 
@@ -284,6 +297,8 @@ void Coordinator::Stop() {
   for (WebServer* const each : {parts.web.get(), parts.encrypted_web.get()}) {
     if (each != nullptr) each->Stop();
   }
+  if (parts.api != nullptr) parts.api->Stop();
+  parts.downloads.Stop();
   if (parts.core != nullptr) parts.core->Close();
   if (parts.server != nullptr) parts.server->Shutdown();
   if (parts.jobs != nullptr) parts.jobs->Stop();

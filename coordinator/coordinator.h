@@ -32,7 +32,7 @@ class Coordinator {
   const std::vector<Address>& addresses() const;
   // Of the farm's authority; nullopt if the coordinator only has plain connections.
   std::optional<Digest> authority_fingerprint() const;
-  // Of the status page, plain and encrypted, if there is one.
+  // Of the web page, plain and encrypted, if there is one.
   std::optional<Address> http() const;
   std::optional<Address> https() const;
   const BlobStore& blobs() const;

@@ -12,6 +12,7 @@ std::optional<FarmView> LookAtFarm(CoreThread& core) {
     view.workers = farm.Workers(context.now);
     view.counters = farm.counters();
     view.slots = farm.scheduler().slot_use();
+    view.storage_reason = farm.storage_reason();
     view.leases = farm.scheduler().lease_count();
     for (const JobStatus& job : view.jobs) {
       if (!HasEnded(job.state)) view.samples_left += job.samples_total - job.samples_done;

@@ -42,8 +42,8 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
   spdlog::info("coordinator_started {}", options.Text());
   const auto coordinator = Coordinator::Start(options);
   if (!coordinator) return coordinator.error();
-  if (const auto http = (*coordinator)->http()) PrintNote("status page at http://{}/\n", http->Text());
-  if (const auto https = (*coordinator)->https()) PrintNote("status page at https://{}/\n", https->Text());
+  if (const auto http = (*coordinator)->http()) PrintNote("web page at http://{}/\n", http->Text());
+  if (const auto https = (*coordinator)->https()) PrintNote("web page at https://{}/\n", https->Text());
   for (const Address& address : (*coordinator)->addresses()) PrintNote("listening on {}\n", address.Text());
   for (const StartToken& wish : options.tokens) {
     if (const auto printed = PrintStartToken(wish, (*coordinator)->addresses()); !printed)

@@ -123,7 +123,7 @@ void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
                   });
   AddMembershipFlags(app, options);
   AddText(app, "--http", "HOST:PORT",
-          "Serve a status page at / and Prometheus metrics at /metrics: without encryption on an address of "
+          "Serve the live page at / and Prometheus metrics at /metrics: without encryption on an address of "
           "this machine alone, such as 127.0.0.1, as --https on others",
           words.http);
   AddText(app, "--https", "HOST:PORT",
@@ -131,7 +131,7 @@ void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
           words.https);
   AddRepeatedWord(
       app, "--http-name", "NAME",
-      "Also serve the status page under this host name, beside localhost and numeric addresses or "
+      "Also serve the page under this host name, beside localhost and numeric addresses or "
       "the names of the certificate; may be repeated",
       kHttpNamesMax, [&options](const std::string& word) -> Result<void> {
         options.http_names.push_back(word);

@@ -28,7 +28,7 @@ struct StartToken {
 // Parsed, checked and logged once, constant from then on.
 struct CoordinatorOptions {
   std::vector<Address> listen;
-  // Of the status page and the metrics: plain, for this machine alone, and encrypted, for members.
+  // Of the web page and the metrics: plain, for this machine alone, and encrypted, for members.
   std::optional<Address> http, https;
   std::vector<std::string> http_names;  // under which browsers may ask for them
   std::string data_dir;

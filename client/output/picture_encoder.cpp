@@ -8,6 +8,7 @@
 #include <cmath>
 #include <exception>
 
+#include "renderer/film/display_color.h"
 #include "renderer/formats/loader/module_loader.h"
 
 namespace tessera {
@@ -15,28 +16,7 @@ namespace {
 
 using image_module::ValueType;
 
-using Rgb = std::array<float, 3>;
-
-// Khronos PBR Neutral tone mapper (Khronos Group, 2024), without its Fresnel compensation of dark colours: it
-// keeps hue and, below `start`, every value, and lets highlights fade to white.
-Rgb ToneMap(Rgb color) {
-  constexpr float kStart = 0.8f;
-  constexpr float kDesaturation = 0.15f;
-  for (float& value : color) value = std::isfinite(value) ? std::max(value, 0.0f) : 0.0f;
-  const float peak = std::max({color[0], color[1], color[2]});
-  if (peak < kStart) return color;
-  constexpr float kRoom = 1 - kStart;
-  const float new_peak = 1 - kRoom * kRoom / (peak + kRoom - kStart);
-  const float fade = 1 - 1 / (kDesaturation * (peak - new_peak) + 1);
-  for (float& value : color) value = std::lerp(value * (new_peak / peak), new_peak, fade);
-  return color;
-}
-
-// IEC 61966-2-1.
-uint8_t EncodeSrgb(float linear) {
-  const float encoded = linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
-  return static_cast<uint8_t>(std::lround(std::clamp(encoded, 0.0f, 1.0f) * 255));
-}
+using Rgb = LinearRgb;
 
 // The positions of red, green and blue among the channels.
 std::array<size_t, 3> ColorChannels(const std::vector<std::string>& channels) {

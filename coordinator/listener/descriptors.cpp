@@ -14,7 +14,7 @@ namespace {
 
 // Two connections of each of 10,000 workers, and some 25 KB of memory each.
 constexpr rlim_t kConnectionsMax = 20'000;
-// Spool segments, scene files being transferred, pictures, journal, status page. A process that may open
+// Spool segments, scene files being transferred, pictures, journal, web page. A process that may open
 // few descriptors reserves a quarter of them.
 constexpr rlim_t kReserve = 256;
 constexpr rlim_t kReserveShare = 4;

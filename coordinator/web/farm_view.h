@@ -1,6 +1,7 @@
 // What people and monitoring systems see of a farm at one moment, as values.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "coordinator/core/farm.h"
@@ -29,7 +30,9 @@ struct FarmView {
   uint64_t samples_left = 0;  // pixel samples of open jobs that are not merged
   Traffic traffic;
   IntakeUse intake;
-  uint64_t blob_bytes = 0;  // kept on disk
+  uint64_t blob_bytes = 0;                 // kept on disk
+  uint64_t disk_free = 0, disk_total = 0;  // bytes of the disk with the data directory; 0: not known
+  std::string storage_reason;  // why the journal or the spool cannot be written; empty if they can
 };
 
 }  // namespace tessera

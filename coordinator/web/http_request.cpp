@@ -56,7 +56,8 @@ bool ReadSize(std::string_view text, uint64_t& size) {
 
 // Headers that may occur once.
 bool IsSingle(const std::string& name) {
-  return name == "host" || name == "origin" || name == "cookie" || name.starts_with("content-");
+  return name == "host" || name == "origin" || name == "cookie" || name == "x-tessera-proof" ||
+         name.starts_with("content-");
 }
 
 // Whether the header is well-formed as far as it is known.
@@ -68,7 +69,13 @@ bool ReadHeader(const std::string& name, std::string_view value, HttpRequest& re
   } else if (name == "cookie") {
     request.cookies = value;
   } else if (name == "content-type") {
-    request.is_form = Lower(Trim(value.substr(0, value.find(';')))) == "application/x-www-form-urlencoded";
+    const std::string type = Lower(Trim(value.substr(0, value.find(';'))));
+    request.is_form = type == "application/x-www-form-urlencoded";
+    request.is_json = type == "application/json";
+  } else if (name == "x-tessera-proof") {
+    request.proof = value;
+  } else if (name == "if-none-match") {
+    request.if_none_match = value;
   } else if (name == "content-length") {
     return ReadSize(value, request.body_size);
   }

@@ -25,6 +25,9 @@ struct HttpRequest {
   std::string cookies;    // the header Cookie
   uint64_t body_size = 0;
   bool is_form = false;  // whether the body is one (form.h)
+  bool is_json = false;
+  std::string proof;          // the header X-Tessera-Proof
+  std::string if_none_match;  // the header If-None-Match
   std::string body;
 };
 

@@ -29,6 +29,11 @@ std::optional<MemberId> SessionTable::Use(std::string_view secret, TimePoint now
   return found->second.member;
 }
 
+bool SessionTable::IsOpen(std::string_view secret, TimePoint now) const {
+  const auto found = sessions_.find(Sha256(secret));
+  return found != sessions_.end() && !found->second.HasEnded(now);
+}
+
 void SessionTable::End(std::string_view secret) {
   sessions_.erase(Sha256(secret));
 }

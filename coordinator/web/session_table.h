@@ -28,6 +28,8 @@ class SessionTable {
   std::string Open(MemberId member, TimePoint now);
   // Whose session it is, which counts as a use. Returns nullopt if there is none or it has ended.
   std::optional<MemberId> Use(std::string_view secret, TimePoint now);
+  // Whether it could be used, which this does not count as.
+  bool IsOpen(std::string_view secret, TimePoint now) const;
   void End(std::string_view secret);
   size_t size() const { return sessions_.size(); }
 

@@ -12,7 +12,7 @@
 #include <map>
 
 #include "coordinator/listener/listen_sockets.h"
-#include "coordinator/web/web_stream.h"
+#include "coordinator/web/peer_user.h"
 #include "proto/identity/private_file.h"
 #include "proto/identity/private_key.h"
 #include "renderer/text/unicode.h"
@@ -21,15 +21,14 @@ namespace tessera {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
-using Step = WebStream::Step;
 
 constexpr size_t kWebConnectionsMax = 64;  // some browsers and monitoring systems
-constexpr seconds kRequestPatience{5};     // for the handshake and a whole request
-constexpr seconds kAnswerPatience{10};     // for the peer to take the answer
-constexpr seconds kClosePatience{1};       // for the peer to close after it
-constexpr size_t kDroppedBytesMax = 1 << 20;
+// Some 60 people who watch a job each, by two streams. Each takes a descriptor of those that are reserved
+// beside members' connections, and some 60 KB with TLS.
+constexpr ptrdiff_t kStreamsMax = 128;
+constexpr ptrdiff_t kStreamsOfOwnerMax = 64;
 constexpr milliseconds kPollInterval{500};
+constexpr milliseconds kStreamInterval{100};  // between looks at what streams have to send
 constexpr milliseconds kDescriptorPause{250};
 // A handshake costs some 0.3 ms. Those of members are given back.
 constexpr PeerBudget::Limits kHandshakeLimits{100, 50};
@@ -46,65 +45,6 @@ Result<std::string> ReadPem(const std::string& path) {
 }
 
 }  // namespace
-
-struct WebServer::Connection {
-  enum class State { kHandshake, kReading, kWriting, kClosing, kClosed };
-
-  Connection(int socket, const TlsServer* tls)
-      : stream(socket, tls), deadline(Clock::now() + kRequestPatience) {}
-
-  bool IsWaitingForRequest() const { return state == State::kHandshake || state == State::kReading; }
-
-  void Send(const HttpResponse& response, bool has_body = true) {
-    in.clear();
-    out = response.Head();
-    body = has_body ? response.body : std::make_shared<const std::string>();
-    state = State::kWriting;
-    deadline = Clock::now() + kAnswerPatience;
-    Write();
-  }
-
-  void Write() {
-    while (sent < out.size() + body->size()) {
-      const bool is_head = sent < out.size();
-      const std::string_view part =
-          is_head ? std::string_view(out).substr(sent) : std::string_view(*body).substr(sent - out.size());
-      size_t size = 0;
-      if (!Continue(stream.Write(part, size))) return;
-      sent += size;
-    }
-    // Closing while unread bytes are there would take the answer away from the peer.
-    stream.EndWriting();
-    state = State::kClosing;
-    awaited = POLLIN;
-    deadline = Clock::now() + kClosePatience;
-  }
-
-  // What follows a request that was answered is dropped, up to a limit.
-  void Drop() {
-    bool is_open = true;
-    dropped += stream.Drop(is_open);
-    if (!is_open || dropped > kDroppedBytesMax) state = State::kClosed;
-  }
-
-  // Whether a step is done. Otherwise it is repeated later, or the connection is closed.
-  bool Continue(Step step) {
-    if (step == Step::kFailed) state = State::kClosed;
-    if (step == Step::kAwaitRead) awaited = POLLIN;
-    if (step == Step::kAwaitWrite) awaited = POLLOUT;
-    return step == Step::kDone;
-  }
-
-  WebStream stream;
-  WebPeer peer;
-  State state = State::kHandshake;
-  short awaited = POLLIN;
-  Clock::time_point deadline;
-  std::string in, out;
-  std::shared_ptr<const std::string> body;  // shared by all that read it
-  size_t sent = 0;                          // of out and body together
-  size_t dropped = 0;
-};
 
 WebServer::WebServer(Address address, std::optional<WebTls> tls, std::unique_ptr<WebSite> site)
     : address_(std::move(address)),
@@ -131,8 +71,13 @@ Result<std::unique_ptr<WebServer>> WebServer::Start(const Address& address, std:
     if (auto loaded = web->LoadCertificate(); !loaded) return loaded.error();
   }
   web->stop_event_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  const int wake_event = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  web->wake_event_ = std::shared_ptr<const int>(new int(wake_event), [](const int* event) {
+    if (*event >= 0) ::close(*event);
+    delete event;
+  });
   web->sockets_ = ListenOnHost(address.host, web->address_.port);
-  if (web->sockets_.empty() || web->stop_event_ < 0) {
+  if (web->sockets_.empty() || web->stop_event_ < 0 || wake_event < 0) {
     return Failed(
         fmt::format("cannot listen on {} {}: the address is in use or does not belong to this machine",
                     web->tls_ ? "--https" : "--http", address.Text()));
@@ -164,21 +109,25 @@ void WebServer::ReloadCertificate() {
 
 void WebServer::Run() {
   while (true) {
-    std::vector<pollfd> polled{{stop_event_, POLLIN, 0}};
+    std::vector<pollfd> polled{{stop_event_, POLLIN, 0}, {*wake_event_, POLLIN, 0}};
     for (const int socket : sockets_) polled.push_back({socket, POLLIN, 0});
     const size_t first = polled.size();
-    for (const Connection& each : connections_) polled.push_back({each.stream.socket(), each.awaited, 0});
-    ::poll(polled.data(), polled.size(), static_cast<int>(kPollInterval.count()));
-    if (polled.front().revents != 0) break;
-    size_t i = first;
-    for (Connection& each : connections_) {
-      if (polled[i++].revents != 0) Serve(each);
+    bool has_streams = false;
+    for (const WebConnection& each : connections_) {
+      polled.push_back({each.socket(), each.awaited(), 0});
+      has_streams = has_streams || each.IsStream();
     }
-    connections_.remove_if([](const Connection& each) {
-      return each.state == Connection::State::kClosed || Clock::now() > each.deadline;
-    });
+    const milliseconds interval = has_streams ? kStreamInterval : kPollInterval;
+    ::poll(polled.data(), polled.size(), static_cast<int>(interval.count()));
+    if (polled[0].revents != 0) break;
+    eventfd_t count = 0;
+    if (polled[1].revents != 0) ::eventfd_read(*wake_event_, &count);
+    size_t i = first;
+    for (WebConnection& each : connections_) Serve(each, polled[i++].revents != 0);
+    const auto now = Clock::now();
+    connections_.remove_if([now](const WebConnection& each) { return each.HasEnded(now); });
     ReloadCertificate();
-    for (size_t s = 1; s < first; ++s) {
+    for (size_t s = 2; s < first; ++s) {
       if (polled[s].revents != 0) Accept(polled[s].fd);
     }
   }
@@ -204,77 +153,93 @@ void WebServer::Admit(int socket) {
     failed_.Warn("web_connections_refused", fmt::format("peer={}", LogText(PeerText(address))));
     return;
   }
-  if (connections_.size() == kWebConnectionsMax) MakeRoom();
-  Connection& made = connections_.emplace_back(socket, server_ ? &*server_ : nullptr);
+  const auto brief = std::ranges::count_if(connections_, [](const auto& each) { return !each.IsStream(); });
+  if (static_cast<size_t>(brief) >= kWebConnectionsMax) MakeRoom();
+  WebConnection& made = connections_.emplace_back(socket, server_ ? &*server_ : nullptr);
   made.peer.text = PeerText(address);
   made.peer.network = network;
-  if (server_) made.peer.own = server_->certificate();
+  if (server_) {
+    made.peer.own = server_->certificate();
+  } else {
+    made.peer.is_own_user = IsOfOwnUser(socket);
+  }
 }
 
 void WebServer::MakeRoom() {
   std::map<PeerNetwork, int> waiting;
-  for (const Connection& each : connections_)
+  for (const WebConnection& each : connections_)
     waiting[each.peer.network] += each.IsWaitingForRequest() ? 1 : 0;
   const auto largest = std::ranges::max_element(waiting, {}, [](const auto& each) { return each.second; });
-  const auto found = std::ranges::find_if(connections_, [&](const Connection& each) {
+  auto found = std::ranges::find_if(connections_, [&](const WebConnection& each) {
     return each.IsWaitingForRequest() && each.peer.network == largest->first;
   });
-  connections_.erase(found != connections_.end() ? found : connections_.begin());
+  if (found == connections_.end())
+    found = std::ranges::find_if(connections_, [](const WebConnection& each) { return !each.IsStream(); });
+  connections_.erase(found);
 }
 
 // An exception, such as for lack of memory, ends the connection alone.
-void WebServer::Serve(Connection& connection) {
-  using State = Connection::State;
+void WebServer::Serve(WebConnection& connection, bool is_ready) {
+  using State = WebConnection::State;
   try {
-    if (connection.state == State::kHandshake) Handshake(connection);
-    if (connection.state == State::kReading) return Read(connection);
-    if (connection.state == State::kWriting) return connection.Write();
-    if (connection.state == State::kClosing) connection.Drop();
+    if (auto answer = connection.TakeLater()) return Deliver(connection, std::move(*answer));
+    if (!connection.IsWaitingForRequest()) return connection.Resume(is_ready);
+    if (!is_ready) return;
+    if (connection.state() == State::kHandshake) Handshake(connection);
+    if (connection.state() == State::kReading && connection.Read()) TakeRequest(connection);
   } catch (const std::exception&) {
-    connection.state = State::kClosed;
+    connection.Close();
   }
 }
 
-void WebServer::Handshake(Connection& connection) {
-  const Step step = connection.stream.Handshake();
-  if (step == Step::kFailed && !connection.stream.reason().empty()) {
-    failed_.Warn("web_handshake_failed", fmt::format("peer={} reason={}", LogText(connection.peer.text),
-                                                     LogText(connection.stream.reason())));
-  }
-  if (!connection.Continue(step)) return;
-  connection.peer.certificate = connection.stream.PeerCertificate();
-  connection.state = Connection::State::kReading;
-  connection.awaited = POLLIN;
-}
-
-void WebServer::Read(Connection& connection) {
-  char bytes[TlsStream::kRecordBytesMax];
-  size_t size = 0;
-  if (!connection.Continue(connection.stream.Read(bytes, sizeof bytes, size))) return;
-  connection.in.append(bytes, size);
-  TakeRequest(connection);
+void WebServer::Handshake(WebConnection& connection) {
+  if (connection.Handshake() || connection.HandshakeFailure().empty()) return;
+  failed_.Warn("web_handshake_failed", fmt::format("peer={} reason={}", LogText(connection.peer.text),
+                                                   LogText(connection.HandshakeFailure())));
 }
 
 // Answers as soon as the request is whole.
-void WebServer::TakeRequest(Connection& connection) {
-  const size_t end = connection.in.find(kHeadEnd);
-  if (end == std::string::npos ? connection.in.size() >= kHttpHeadBytesMax : end >= kHttpHeadBytesMax)
-    return connection.Send(HttpResponse::Plain(431, "The request is too long.\n"));
+void WebServer::TakeRequest(WebConnection& connection) {
+  const auto refuse = [&](int status, const char* reason) {
+    connection.Send(HttpResponse::Plain(status, reason), Notification());
+  };
+  const std::string& received = connection.received();
+  const size_t end = received.find(kHeadEnd);
+  if (end == std::string::npos ? received.size() >= kHttpHeadBytesMax : end >= kHttpHeadBytesMax)
+    return refuse(431, "The request is too long.\n");
   if (end == std::string::npos) return;
   const size_t head_size = end + kHeadEnd.size();
-  auto request = ParseHttpRequest(std::string_view(connection.in).substr(0, head_size));
-  if (!request) return connection.Send(HttpResponse::Plain(400, "The request is malformed.\n"));
-  if (request->body_size > kHttpBodyBytesMax)
-    return connection.Send(HttpResponse::Plain(413, "The request is too long.\n"));
-  if (connection.in.size() - head_size < request->body_size) return;
-  request->body = connection.in.substr(head_size, request->body_size);
+  auto request = ParseHttpRequest(std::string_view(received).substr(0, head_size));
+  if (!request) return refuse(400, "The request is malformed.\n");
+  if (request->body_size > kHttpBodyBytesMax) return refuse(413, "The request is too long.\n");
+  if (received.size() - head_size < request->body_size) return;
+  request->body = received.substr(head_size, request->body_size);
   Answer(connection, *request);
 }
 
-void WebServer::Answer(Connection& connection, const HttpRequest& request) {
-  const HttpResponse response = site_->Answer(request, connection.peer, Clock::now());
+void WebServer::Answer(WebConnection& connection, const HttpRequest& request) {
+  HttpResponse response = site_->Answer(request, connection.peer, Clock::now());
   if (response.is_for_member) handshakes_.GiveBack(connection.peer.network);
-  connection.Send(response, request.method != "HEAD");
+  if (request.method == "HEAD") connection.OmitBody();
+  Deliver(connection, std::move(response));
+}
+
+void WebServer::Deliver(WebConnection& connection, HttpResponse response) {
+  if (response.stream != nullptr && !HasPlaceForStream(response.stream_owner))
+    response = HttpResponse::JsonError(503, "too many streams are open; close some and try again");
+  connection.Send(std::move(response), Notification());
+}
+
+bool WebServer::HasPlaceForStream(const std::string& owner) const {
+  const auto all = std::ranges::count_if(connections_, &WebConnection::IsStream);
+  const auto own = std::ranges::count_if(connections_, [&](const WebConnection& each) {
+    return each.IsStream() && each.stream_owner() == owner;
+  });
+  return all < kStreamsMax && own < kStreamsOfOwnerMax;
+}
+
+std::function<void()> WebServer::Notification() const {
+  return [event = wake_event_] { ::eventfd_write(*event, 1); };
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <list>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "coordinator/listener/peer_budget.h"
 #include "coordinator/web/http_request.h"
+#include "coordinator/web/web_connection.h"
 #include "coordinator/web/web_site.h"
 #include "proto/identity/tls_server.h"
 #include "proto/shell/rare_log.h"
@@ -28,10 +30,11 @@ struct WebTls {
   std::chrono::milliseconds reload_interval{30'000};  // between looks at the files
 };
 
-// One thread serves a bounded number of connections, each for a bounded time and with a bounded request.
-// Whoever connects when all places are taken gets the place of a connection that is still waiting for its
-// request: of the network that has the most of these, the oldest. So slow and silent peers cannot keep others
-// from the pages. The farm is never delayed.
+// One thread serves a bounded number of connections with a bounded request each, all but streams for a
+// bounded time. Whoever connects when all places are taken gets the place of a connection that is still
+// waiting for its request: of the network that has the most of these, the oldest. So slow and silent peers
+// cannot keep others from the pages. Streams have places of their own, a bounded number for each member, and
+// end when their reader takes nothing for some seconds. The farm is never delayed.
 class WebServer {
  public:
   // Without `tls`, connections are plain. An error that names the address if it cannot be listened on, or
@@ -48,7 +51,6 @@ class WebServer {
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Connection;
   static constexpr std::chrono::seconds kLogInterval{10};
 
   WebServer(Address address, std::optional<WebTls> tls, std::unique_ptr<WebSite> site);
@@ -58,24 +60,28 @@ class WebServer {
   void Accept(int socket);
   void Admit(int socket);
   void MakeRoom();
-  void Serve(Connection& connection);
-  void Handshake(Connection& connection);
-  void Read(Connection& connection);
-  void TakeRequest(Connection& connection);
-  void Answer(Connection& connection, const HttpRequest& request);
+  void Serve(WebConnection& connection, bool is_ready);
+  void Handshake(WebConnection& connection);
+  void TakeRequest(WebConnection& connection);
+  void Answer(WebConnection& connection, const HttpRequest& request);
+  void Deliver(WebConnection& connection, HttpResponse response);
+  bool HasPlaceForStream(const std::string& owner) const;
+  std::function<void()> Notification() const;
 
   Address address_;
   const std::optional<WebTls> tls_;
   const std::unique_ptr<WebSite> site_;
   std::vector<int> sockets_;
   int stop_event_ = -1;
+  // Written to when an answer was made. Shared by whoever makes one, who may be late.
+  std::shared_ptr<const int> wake_event_;
   // The others are of the thread.
   std::optional<TlsServer> server_;
   std::string loaded_pem_;  // key and certificate of `server_`
   Clock::time_point reload_due_{};
   PeerBudget handshakes_;
   RareLog failed_{kLogInterval};
-  std::list<Connection> connections_;  // oldest first
+  std::list<WebConnection> connections_;  // oldest first
   std::thread thread_;
 };
 

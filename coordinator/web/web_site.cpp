@@ -3,16 +3,16 @@
 #include <fmt/format.h>
 
 #include "coordinator/web/form.h"
-#include "coordinator/web/metrics_text.h"
-#include "coordinator/web/page_style.h"
+#include "coordinator/web/login_page.h"
 #include "proto/identity/join_token.h"
+#include "proto/identity/subject.h"
 #include "renderer/text/unicode.h"
 
 namespace tessera {
 namespace {
 
-// Pages are not made more often than this, however many ask for them.
-constexpr std::chrono::milliseconds kPageAge{250};
+// How soon the streams of somebody who was revoked or logged out end.
+constexpr std::chrono::milliseconds kRecheckInterval{500};
 // Nobody can guess a secret of 128 bits; this bounds the noise, and lets people mistype.
 constexpr PeerBudget::Limits kLoginLimits{10, 0.2};
 
@@ -49,15 +49,39 @@ HttpResponse ForeignForm() {
   return HttpResponse::Plain(403, "The form was not sent by a page of this server.\n");
 }
 
+// A stream that ends when its reader may not read it any more.
+class CheckedStream final : public BodyStream {
+ public:
+  CheckedStream(std::shared_ptr<BodyStream> stream, std::function<bool()> is_admitted)
+      : stream_(std::move(stream)), is_admitted_(std::move(is_admitted)) {}
+  Next Take(std::vector<Part>& parts) override {
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= due_ && !is_admitted_()) return Next::kEnd;
+    if (now >= due_) due_ = now + kRecheckInterval;
+    return stream_->Take(parts);
+  }
+
+ private:
+  const std::shared_ptr<BodyStream> stream_;
+  const std::function<bool()> is_admitted_;
+  std::chrono::steady_clock::time_point due_{};
+};
+
 }  // namespace
 
-WebSite::WebSite(std::vector<std::string> names, Look look, std::optional<WebGate> gate)
-    : names_(std::move(names)), look_(std::move(look)), gate_(std::move(gate)), logins_(kLoginLimits) {}
+WebSite::WebSite(std::vector<std::string> names, std::shared_ptr<WebContent> content,
+                 std::optional<WebGate> gate)
+    : names_(std::move(names)), content_(std::move(content)), gate_(std::move(gate)), logins_(kLoginLimits) {}
 
 HttpResponse WebSite::Answer(const HttpRequest& request, const WebPeer& peer, TimePoint now) {
   if (!IsForUs(request, peer))
     return HttpResponse::Plain(403, "The page is not served under this name; see --http-name.\n");
-  if (!gate_) return ShowPage(request, {}, now);
+  if (!gate_) {
+    const Visitor visitor = peer.is_own_user
+                                ? Visitor{{}, kLocalOwner, std::string(RoleName(Role::kOperator))}
+                                : Visitor{{}, "", ""};
+    return Show(request, {visitor, peer.text, ProofFor("change", visitor.name), ""}, peer);
+  }
   if (request.query.find(kTokenPrefix) != std::string::npos) {
     return HttpResponse::Plain(400,
                                "A token does not belong into an address, which browsers remember and show. "
@@ -71,11 +95,49 @@ HttpResponse WebSite::Answer(const HttpRequest& request, const WebPeer& peer, Ti
   if (!visit.visitor) return AnswerStranger(request, visit);
   if (request.path == "/login") return HttpResponse::Redirect("/");
   if (request.path == "/logout" && !visit.session.empty()) return LogOut(request, peer, visit);
-  PageReader reader{visit.visitor->name, visit.visitor->role, ""};
-  if (!visit.session.empty()) reader.logout_proof = ProofFor("logout", visit.session);
-  HttpResponse response = ShowPage(request, reader, now);
+  WebVisit shown{*visit.visitor, peer.text, "", ""};
+  shown.proof = ProofFor("change", visit.session + MemberIdText(visit.visitor->member));
+  if (!visit.session.empty()) shown.logout_proof = ProofFor("logout", visit.session);
+  HttpResponse response = Show(request, shown, peer);
   response.is_for_member = true;
+  return WithRechecks(std::move(response), visit.session, peer, visit.visitor->member);
+}
+
+HttpResponse WebSite::Show(const HttpRequest& request, WebVisit visit, const WebPeer& peer) {
+  if (!IsGet(request)) {
+    const std::string own_origin = (peer.own ? "https://" : "http://") + request.authority;
+    if (!request.origin.empty() && request.origin != own_origin)
+      return HttpResponse::JsonError(403, "the request was sent by a page of another site");
+    if (!AreEqualSecrets(request.proof, visit.proof)) {
+      return HttpResponse::JsonError(
+          403, "the header X-Tessera-Proof is missing or too old; /api/v1/me shows its value");
+    }
+  }
+  return content_->Answer(request, visit);
+}
+
+// An answer that is made later may be a stream too.
+HttpResponse WebSite::WithRechecks(HttpResponse response, const std::string& session, const WebPeer& peer,
+                                   MemberId member) {
+  const auto is_admitted = [this, session, certificate = peer.certificate, member] {
+    return IsStillAdmitted(session, certificate, member);
+  };
+  if (response.stream != nullptr)
+    response.stream = std::make_shared<CheckedStream>(std::move(response.stream), is_admitted);
+  if (response.later != nullptr) {
+    response.later->SetFinish([is_admitted](HttpResponse made) {
+      if (made.stream != nullptr)
+        made.stream = std::make_shared<CheckedStream>(std::move(made.stream), is_admitted);
+      return made;
+    });
+  }
   return response;
+}
+
+bool WebSite::IsStillAdmitted(const std::string& session, const std::optional<Certificate>& certificate,
+                              MemberId member) const {
+  if (certificate) return gate_->identify(*certificate).has_value();
+  return sessions_.IsOpen(session, std::chrono::steady_clock::now()) && gate_->recheck(member).has_value();
 }
 
 bool WebSite::IsForUs(const HttpRequest& request, const WebPeer& peer) const {
@@ -113,22 +175,11 @@ HttpResponse WebSite::AnswerStranger(const HttpRequest& request, const Visit& vi
   return HttpResponse::Plain(401, "This needs a certificate of the farm, or a login at /login.\n");
 }
 
-HttpResponse WebSite::ShowPage(const HttpRequest& request, const PageReader& reader, TimePoint now) {
-  const bool is_page = request.path == "/";
-  if (!is_page && request.path != "/metrics") return HttpResponse::Plain(404, "There is no such page.\n");
-  if (!IsGet(request)) return HttpResponse::Plain(405, "Only GET is supported.\n");
-  const Page& page = PageAt(request.path, now);
-  if (is_page && page.status == 200)
-    return HttpResponse::Html(200, StatusPage(*page.body, reader), kPageStyle);
-  const char* const type = page.status == 200 ? "text/plain; version=0.0.4; charset=utf-8" : kPlainText;
-  return {page.status, type, page.body, "", "", "", false};
-}
-
 HttpResponse WebSite::LoginForm(const HttpRequest& request, int status, const std::string& problem) const {
   std::string secret = CookieValue(request.cookies, kFormCookie);
   if (secret.size() != kSecretSize) secret = RandomSecret();
   HttpResponse response =
-      HttpResponse::Html(status, LoginPage(ProofFor("login", secret), problem), kPageStyle);
+      HttpResponse::Html(status, LoginPage(ProofFor("login", secret), problem), kLoginStyle);
   response.cookie =
       fmt::format("{}={}; {}; Max-Age={}", kFormCookie, secret, kCookieAttributes, kFormLifetime_s);
   return response;
@@ -179,18 +230,6 @@ HttpResponse WebSite::LogOut(const HttpRequest& request, const WebPeer& peer, co
 // Only pages of this process can show it, to whoever has the secret as a cookie.
 std::string WebSite::ProofFor(const char* purpose, const std::string& secret) const {
   return KeyedDigest(proof_key_, fmt::format("{}:{}", purpose, secret)).Hex();
-}
-
-const WebSite::Page& WebSite::PageAt(const std::string& path, TimePoint now) {
-  Page& page = pages_[path];
-  if (page.body != nullptr && now - page.made < kPageAge) return page;
-  const auto view = look_();
-  page.status = view ? 200 : 503;
-  page.body = std::make_shared<const std::string>(!view         ? "The coordinator is busy. Try again.\n"
-                                                  : path == "/" ? StatusContent(*view)
-                                                                : MetricsText(*view));
-  page.made = now;
-  return page;
 }
 
 }  // namespace tessera

@@ -48,7 +48,9 @@ FramePicture FrameSnapshot::PictureOf(const FrameSpec& spec, int step) const {
   picture.channels = painter.Names();
   picture.samples_min = tiles_.empty() ? 0 : spec_.samples_per_pixel;
   picture.values.assign(static_cast<size_t>(spec.crop.area()) * picture.channels.size(), 0.0f);
-  for (int tile = 0; tile < static_cast<int>(tiles_.size()); ++tile) Paint(tile, painter, step, picture);
+  const PixelBounds window{0, 0, spec.crop.width(), spec.crop.height()};
+  for (int tile = 0; tile < static_cast<int>(tiles_.size()); ++tile)
+    Paint(tile, painter, step, window, picture);
   return picture;
 }
 
@@ -70,7 +72,35 @@ FrameSnapshot::Preview FrameSnapshot::MakePreview(int64_t values_max) const {
   return preview;
 }
 
-void FrameSnapshot::Paint(int tile, const TilePainter& painter, int step, FramePicture& picture) const {
+// Sums are shared and never change, so the same sums are at the same address.
+bool FrameSnapshot::IsSameTile(int tile, const FrameSnapshot& other) const {
+  static const TileNodes kNothing;
+  const auto index = static_cast<size_t>(tile);
+  const TileNodes& nodes = index < tiles_.size() ? tiles_[index] : kNothing;
+  const TileNodes& others = index < other.tiles_.size() ? other.tiles_[index] : kNothing;
+  return std::ranges::equal(nodes, others, [](const auto& a, const auto& b) {
+    return a.first == b.first && a.second.operator->() == b.second.operator->();
+  });
+}
+
+FramePicture FrameSnapshot::TilePicture(int tile, int step) const {
+  const ChannelLayout layout = spec_.Layout();
+  const TilePainter painter(spec_.channels, layout);
+  const auto reduced = [step](int position) { return (position + step - 1) / step; };
+  PixelBounds bounds = spec_.TileBounds(tile);
+  bounds = {reduced(bounds.x0 - spec_.crop.x0), reduced(bounds.y0 - spec_.crop.y0),
+            reduced(bounds.x1 - spec_.crop.x0), reduced(bounds.y1 - spec_.crop.y0)};
+  FramePicture picture;
+  picture.bounds = bounds;
+  picture.channels = painter.Names();
+  picture.samples_min = tiles_.empty() ? 0 : spec_.samples_per_pixel;
+  picture.values.assign(static_cast<size_t>(bounds.area()) * picture.channels.size(), 0.0f);
+  if (!tiles_.empty()) Paint(tile, painter, step, bounds, picture);
+  return picture;
+}
+
+void FrameSnapshot::Paint(int tile, const TilePainter& painter, int step, const PixelBounds& window,
+                          FramePicture& picture) const {
   const PixelBounds bounds = spec_.TileBounds(tile);
   const auto pixels = static_cast<size_t>(bounds.area());
   const ChannelLayout& layout = painter.layout();
@@ -85,8 +115,8 @@ void FrameSnapshot::Paint(int tile, const TilePainter& painter, int step, FrameP
       pixel.Next();
       picture.samples_min = std::min(picture.samples_min, static_cast<uint32_t>(pixel.samples()));
       if (x % step != 0 || y % step != 0) continue;
-      const auto row = static_cast<size_t>(y / step) * static_cast<size_t>(picture.bounds.width());
-      const size_t place = row + static_cast<size_t>(x / step);
+      const auto row = static_cast<size_t>(y / step - window.y0) * static_cast<size_t>(window.width());
+      const size_t place = row + static_cast<size_t>(x / step - window.x0);
       painter.Paint(pixel, &picture.values[place * picture.channels.size()]);
     }
   }

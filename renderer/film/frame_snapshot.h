@@ -47,9 +47,18 @@ class FrameSnapshot {
   };
   Preview MakePreview(int64_t values_max) const;
 
+  const FrameSpec& spec() const { return spec_; }
+  // Whether a tile shows the same as in another snapshot of the frame. May be false if it does.
+  bool IsSameTile(int tile, const FrameSnapshot& other) const;
+  // What Picture shows of one tile, at the pixels of the crop whose row and column are multiples of `step`.
+  // The bounds are in such pixels, counted from the corner of the crop; they may be empty.
+  FramePicture TilePicture(int tile, int step) const;
+
  private:
   FramePicture PictureOf(const FrameSpec& spec, int step) const;
-  void Paint(int tile, const TilePainter& painter, int step, FramePicture& picture) const;
+  // `window`: the pixels that the picture has, see TilePicture.
+  void Paint(int tile, const TilePainter& painter, int step, const PixelBounds& window,
+             FramePicture& picture) const;
 
   FrameSpec spec_;
   std::vector<TileNodes> tiles_;

@@ -89,7 +89,9 @@ TEST_F(WebPagesOfAFarm, EveryRoleThatMayLookAtTheFarmLogsIn) {
   for (const Role role : {Role::kViewer, Role::kUser, Role::kOperator}) {
     WebClient browser = Browser();
     EXPECT_EQ(browser.LogIn(Token(role)).status(), 303);
-    EXPECT_THAT(browser.Get("/").Body(), HasSubstr("ada (" + std::string(RoleName(role)) + ")"));
+    EXPECT_EQ(browser.Get("/").status(), 200);
+    EXPECT_THAT(browser.Get("/api/v1/me").Body(),
+                AllOf(HasSubstr("\"name\":\"ada\""), HasSubstr("\"role\":\"" + std::string(RoleName(role)))));
     EXPECT_EQ(browser.Get("/metrics").status(), 200);
   }
   EXPECT_EQ(Members().members_size(), 3);
@@ -143,7 +145,8 @@ TEST_F(WebPagesOfAFarm, WhoeverIsRevokedIsLoggedOut) {
 TEST_F(WebPagesOfAFarm, WhoeverLogsOutIsNoMemberAnyMore) {
   WebClient browser = Browser();
   browser.LogIn(Token(Role::kUser, "ada"));
-  EXPECT_EQ(browser.Post("/logout", "proof=" + browser.Get("/").Proof()).status(), 303);
+  EXPECT_EQ(browser.Post("/logout", "proof=" + browser.Get("/api/v1/me").Member("logout_proof")).status(),
+            303);
   EXPECT_TRUE(Members().members(0).revoked());
 }
 
@@ -174,7 +177,7 @@ TEST_F(WebPagesOfAFarm, CertificatesOfMembersAreAcceptedUntilTheyAreRevoked) {
   EXPECT_EQ(program.Get("/metrics").status(), 200);
   // The farm knows the role better than the certificate does.
   const WebClient liar(coordinator_->https()->port, Identity(Subject{Role::kOperator, id, {}}.Uri()));
-  EXPECT_THAT(liar.Get("/").Body(), HasSubstr("ada (viewer)"));
+  EXPECT_THAT(liar.Get("/api/v1/me").Body(), HasSubstr("\"role\":\"viewer\""));
   const WebClient unknown(coordinator_->https()->port,
                           Identity(Subject{Role::kOperator, MemberId{1}, {}}.Uri()));
   EXPECT_EQ(unknown.Get("/metrics").status(), 403);

@@ -138,6 +138,7 @@ class Scheduler {
   // Why no worker can do anything for the job; empty if one can or the job is not open.
   std::string Obstacle(JobId job) const;
   size_t lease_count() const { return state_.leases.size(); }
+  const LeaseTable& leases() const { return state_.leases; }
   const SlotUse& slot_use() const { return state_.workers.occupancy().now(); }
   JobPhase PhaseOf(const Job& job) const;
   std::vector<GivenUpTime> TakeGivenUp() { return std::exchange(state_.given_up, {}); }

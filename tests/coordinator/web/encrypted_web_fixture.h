@@ -12,6 +12,7 @@
 #include "proto/identity/join_token.h"
 #include "proto/identity/private_file.h"
 #include "proto/identity/subject.h"
+#include "tests/coordinator/web/some_content.h"
 #include "tests/coordinator/web/tls_client.h"
 
 namespace tessera {
@@ -30,8 +31,7 @@ class EncryptedWeb : public testing::Test {
                  return Failed("the certificate was not issued by this farm");
                }};
     tls.reload_interval = std::chrono::milliseconds(10);
-    auto site = std::make_unique<WebSite>(
-        std::vector<std::string>{"named.example"}, [] { return std::optional(FarmView()); }, Gate());
+    auto site = std::make_unique<WebSite>(std::vector<std::string>{"named.example"}, content_, Gate());
     web_ =
         std::move(*WebServer::Start(*ParseAddress("127.0.0.1:0", "test"), std::move(tls), std::move(site)));
   }
@@ -83,6 +83,8 @@ class EncryptedWeb : public testing::Test {
   }
   WebClient Browser(const char* source = "127.0.0.1") const { return WebClient(port(), "", source); }
 
+  SomeContent& content() { return *content_; }
+
   const Authority authority_ = Authority::Make("farm", UnixNow());
 
  private:
@@ -114,6 +116,7 @@ class EncryptedWeb : public testing::Test {
     return gate;
   }
 
+  const std::shared_ptr<SomeContent> content_ = std::make_shared<SomeContent>();
   std::string folder_;
   std::mutex mutex_;
   std::map<Digest, std::string> tokens_;     // guarded by mutex_

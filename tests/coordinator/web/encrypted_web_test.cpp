@@ -25,11 +25,13 @@ TEST_F(EncryptedWeb, AStrangerSeesAFormAndNothingAboutTheFarm) {
   const WebAnswer form = stranger.Get("/login");
   EXPECT_EQ(form.status(), 200);
   EXPECT_THAT(form.Body(), AllOf(HasSubstr("<form"), Not(HasSubstr("workers")), Not(HasSubstr("Jobs"))));
-  for (const char* path : {"/metrics", "/logout", "/health", "/favicon.ico", "/../etc/passwd", "//"}) {
+  for (const char* path : {"/metrics", "/logout", "/health", "/favicon.ico", "/../etc/passwd", "//",
+                           "/api/v1/me", "/api/v1/events", "/page/app.js", "/stream"}) {
     EXPECT_EQ(stranger.Get(path).status(), 401) << path;
     EXPECT_THAT(stranger.Get(path).Body(), HasSubstr(kStrangerText)) << path;
   }
   EXPECT_EQ(stranger.Post("/", "a=b").status(), 401);
+  EXPECT_EQ(stranger.Change("/change", "").status(), 401);
   EXPECT_EQ(stranger.Post("/logout", "a=b").status(), 401);
 }
 
@@ -40,7 +42,7 @@ TEST_F(EncryptedWeb, AMemberWithACertificateSeesPageAndMetrics) {
   EXPECT_THAT(member.Get("/metrics").Body(), HasSubstr("tessera_workers 0"));
   EXPECT_EQ(member.Get("/login").status(), 303);
   EXPECT_EQ(member.Get("/nothing").status(), 404);
-  EXPECT_EQ(member.Post("/", "").status(), 405);
+  EXPECT_EQ(member.Change("/", member.Get("/proof").Body()).status(), 405);
 }
 
 TEST_F(EncryptedWeb, ACertificateOfAnotherFarmEndsTheHandshake) {
@@ -100,6 +102,69 @@ TEST_F(EncryptedWeb, EveryAnswerForbidsWhatThePagesDoNotNeed) {
     EXPECT_THAT(answer.Body(), Not(HasSubstr("style=\"")));
     EXPECT_THAT(answer.Body(), Not(HasSubstr("<script")));
   }
+  EXPECT_THAT(form.Header("Content-Security-Policy"), Not(HasSubstr("script-src")));
+  EXPECT_THAT(browser.Get("/").Header("Content-Security-Policy"),
+              AllOf(HasSubstr("script-src 'self'"), HasSubstr("style-src 'self'"),
+                    HasSubstr("require-trusted-types-for 'script'")));
+}
+
+TEST_F(EncryptedWeb, AChangeNeedsTheProofOfThatVisitorAndAPageOfThisServer) {
+  WebClient browser = Browser(), other = Browser();
+  browser.LogIn(MakeToken());
+  other.LogIn(MakeToken());
+  const std::string proof = browser.Get("/proof").Body();
+  for (const std::string& wrong :
+       {std::string(), std::string(64, '0'), other.Get("/proof").Body(), proof + "0"})
+    EXPECT_EQ(browser.Change("/change", wrong).status(), 403);
+  browser.origin = "https://evil.example";
+  EXPECT_EQ(browser.Change("/change", proof).status(), 403);
+  browser.origin = "null";
+  EXPECT_EQ(browser.Change("/change", proof).status(), 403);
+  EXPECT_EQ(content().changes, 0);
+  browser.origin = "https://localhost";
+  EXPECT_EQ(browser.Change("/change", proof).status(), 200);
+  const WebClient program(port(), IdentityOf(Role::kUser));
+  EXPECT_EQ(program.Change("/change", proof).status(), 403);
+  EXPECT_EQ(program.Change("/change", program.Get("/proof").Body()).status(), 200);
+  EXPECT_EQ(content().changes, 2);
+}
+
+TEST_F(EncryptedWeb, StreamsEndSoonAfterTheirMemberIsRevoked) {
+  WebClient browser = Browser();
+  browser.LogIn(MakeToken());
+  TlsClient client(port());
+  ASSERT_TRUE(client.Handshake());
+  ASSERT_TRUE(
+      client.Send("GET /stream HTTP/1.1\r\nHost: localhost\r\nCookie: " + browser.cookie + "\r\n\r\n"));
+  EXPECT_THAT(client.ReadSome(), HasSubstr("200 OK"));
+  EXPECT_THAT(client.ReadSome(), testing::StartsWith("x"));
+  Revoke();
+  while (!client.ReadSome().empty()) {
+  }
+}
+
+TEST_F(EncryptedWeb, AMemberHasABoundedNumberOfStreamsAndOthersHaveTheirs) {
+  WebClient browser = Browser(), other = Browser();
+  browser.LogIn(MakeToken("ada"));
+  other.LogIn(MakeToken("bob"));
+  const auto request = [](const WebClient& from, const char* path) {
+    return fmt::format("GET {} HTTP/1.1\r\nHost: localhost\r\nCookie: {}\r\n\r\n", path, from.cookie);
+  };
+  std::vector<std::unique_ptr<TlsClient>> clients;
+  int refused = 0;
+  for (int i = 0; i < 70; ++i) {
+    clients.push_back(std::make_unique<TlsClient>(port()));
+    ASSERT_TRUE(clients.back()->Handshake());
+    ASSERT_TRUE(clients.back()->Send(request(browser, "/stream")));
+    const std::string answer = clients.back()->ReadSome();
+    refused += answer.find(" 503 ") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(refused, 6);
+  EXPECT_EQ(other.Get("/metrics").status(), 200);
+  TlsClient client(port());
+  ASSERT_TRUE(client.Handshake());
+  ASSERT_TRUE(client.Send(request(other, "/stream")));
+  EXPECT_THAT(client.ReadSome(), HasSubstr(" 200 "));
 }
 
 TEST_F(EncryptedWeb, AFormFromAnotherSiteChangesNothing) {

@@ -54,5 +54,14 @@ TEST(SessionTable, SessionsAreBoundedAndTheOneUnusedForLongestGivesWay) {
   EXPECT_FALSE(table.Use(second, kStart + seconds(3)));
 }
 
+TEST(SessionTable, LookingWhetherASessionIsOpenDoesNotKeepItOpen) {
+  SessionTable sessions;
+  const SessionTable::TimePoint start{std::chrono::hours(1)};
+  const std::string secret = sessions.Open(MemberId{1}, start);
+  EXPECT_TRUE(sessions.IsOpen(secret, start + kSessionIdleMax / 2));
+  EXPECT_FALSE(sessions.IsOpen(secret, start + kSessionIdleMax));
+  EXPECT_FALSE(sessions.IsOpen("another", start));
+}
+
 }  // namespace
 }  // namespace tessera

@@ -70,6 +70,13 @@ class TlsClient {
   bool Send(const std::string& bytes) {
     return SSL_write(ssl_, bytes.data(), static_cast<int>(bytes.size())) == static_cast<int>(bytes.size());
   }
+  // At most `size` bytes, as they come; empty at the end.
+  std::string ReadSome(size_t size = 4096) {
+    std::string some(size, '\0');
+    const int received = SSL_read(ssl_, some.data(), static_cast<int>(size));
+    some.resize(received > 0 ? static_cast<size_t>(received) : 0);
+    return some;
+  }
   std::string ReadAll() {
     std::string all;
     char bytes[4096];
@@ -103,6 +110,14 @@ struct WebAnswer {
     const std::string cookie = Header("Set-Cookie");
     return cookie.substr(0, cookie.find(';'));
   }
+  // The value of a member of an answer in JSON, a text.
+  std::string Member(const std::string& name) const {
+    const std::string before = "\"" + name + "\":\"";
+    const size_t at = text.find(before);
+    if (at == std::string::npos) return "";
+    const size_t start = at + before.size();
+    return text.substr(start, text.find('"', start) - start);
+  }
   // The hidden field of the form in the page.
   std::string Proof() const {
     const std::string before = "name=\"proof\" value=\"";
@@ -131,6 +146,12 @@ class WebClient {
     return Send(
         "POST " + path + Headers() + "Content-Type: application/x-www-form-urlencoded\r\nContent-Length: " +
         std::to_string(form.size()) + (origin.empty() ? "" : "\r\nOrigin: " + origin) + "\r\n\r\n" + form);
+  }
+  // A change, as the scripts of the page ask for it.
+  WebAnswer Change(const std::string& path, const std::string& proof, const std::string& json = "{}") const {
+    return Send("POST " + path + Headers() + "Content-Type: application/json\r\nContent-Length: " +
+                std::to_string(json.size()) + (origin.empty() ? "" : "\r\nOrigin: " + origin) +
+                (proof.empty() ? "" : "\r\nX-Tessera-Proof: " + proof) + "\r\n\r\n" + json);
   }
   // As a person does it. Keeps the cookie of the session if that succeeds.
   WebAnswer LogIn(const std::string& token) {

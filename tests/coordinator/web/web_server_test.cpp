@@ -6,8 +6,8 @@
 
 #include "coordinator/web/http_request.h"
 #include "coordinator/web/metrics_text.h"
-#include "coordinator/web/status_page.h"
 #include "coordinator/web/web_server.h"
+#include "tests/coordinator/web/some_content.h"
 #include "tests/coordinator/web/tls_client.h"
 
 namespace tessera {
@@ -45,9 +45,9 @@ Address Loopback(int port) {
 
 // Without encryption and logins.
 Result<std::unique_ptr<WebServer>> StartPlain(const Address& address, std::vector<std::string> names,
-                                              WebSite::Look look) {
+                                              std::shared_ptr<WebContent> content) {
   return WebServer::Start(address, {},
-                          std::make_unique<WebSite>(std::move(names), std::move(look), std::nullopt));
+                          std::make_unique<WebSite>(std::move(names), std::move(content), std::nullopt));
 }
 
 TEST(MetricsText, ListsEveryCounterWithItsValue) {
@@ -63,37 +63,22 @@ TEST(MetricsText, ListsEveryCounterWithItsValue) {
               HasSubstr("tessera_worker_utilisation{worker=\"000000000000000a\",name=\"a\\\"b\\n<i>\"} 0.5"));
 }
 
-TEST(StatusPage, ShowsJobsAndWorkersAndEscapesTheirNames) {
-  const std::string page = StatusPage(StatusContent(SomeView()), {});
-  EXPECT_THAT(page, HasSubstr("&lt;script&gt;alert(&quot;1&quot;)"));
-  EXPECT_THAT(page, Not(HasSubstr("<script")));
-  EXPECT_THAT(page, HasSubstr("<td>&lt;b&gt;ada</td>"));
-  EXPECT_THAT(page, Not(HasSubstr("<i>\"")));
-  EXPECT_THAT(page, HasSubstr("25.0 %"));
-  EXPECT_THAT(page, Not(HasSubstr("http://"))) << "loads nothing from elsewhere";
-}
-
 TEST(WebServer, ServesThePageAndTheMetricsAndNothingElse) {
-  const auto web = StartPlain(Loopback(0), {"farm.example"}, [] { return std::optional(SomeView()); });
+  const auto web = StartPlain(Loopback(0), {"farm.example"}, std::make_shared<SomeContent>());
   ASSERT_TRUE(web) << web.error().message;
   httplib::Client client("127.0.0.1", (*web)->address().port);
   EXPECT_EQ(client.Get("/")->status, 200);
   EXPECT_THAT(client.Get("/")->get_header_value("Content-Security-Policy"), HasSubstr("default-src 'none'"));
-  EXPECT_THAT(client.Get("/metrics")->body, HasSubstr("tessera_workers 1"));
+  EXPECT_THAT(client.Get("/metrics")->body, HasSubstr("tessera_workers 0"));
   EXPECT_EQ(client.Get("/../etc/passwd")->status, 404);
-  EXPECT_EQ(client.Post("/", "x", "text/plain")->status, 405);
-}
-
-TEST(WebServer, AFarmThatDoesNotAnswerIsReportedAsBusy) {
-  const auto web = StartPlain(Loopback(0), {"farm.example"}, [] { return std::optional<FarmView>(); });
-  httplib::Client client("127.0.0.1", (*web)->address().port);
-  EXPECT_EQ(client.Get("/metrics")->status, 503);
+  const httplib::Headers proof{{"X-Tessera-Proof", client.Get("/proof")->body}};
+  EXPECT_EQ(client.Post("/", proof, "x", "text/plain")->status, 405);
 }
 
 TEST(WebServer, APortInUseIsAnErrorThatNamesIt) {
-  const auto web = StartPlain(Loopback(0), {"farm.example"}, [] { return std::optional<FarmView>(); });
+  const auto web = StartPlain(Loopback(0), {"farm.example"}, std::make_shared<SomeContent>());
   const Address taken = (*web)->address();
-  const auto second = StartPlain(taken, {}, [] { return std::optional<FarmView>(); });
+  const auto second = StartPlain(taken, {}, std::make_shared<SomeContent>());
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().kind, ErrorKind::kFailed);
   EXPECT_THAT(second.error().message, HasSubstr(taken.Text()));
@@ -104,7 +89,7 @@ int Connect(const WebServer& web) {
 }
 
 TEST(WebServer, OtherNamesAreRefusedSoThatForeignPagesCannotReadIt) {
-  const auto web = StartPlain(Loopback(0), {"farm.example"}, [] { return std::optional(SomeView()); });
+  const auto web = StartPlain(Loopback(0), {"farm.example"}, std::make_shared<SomeContent>());
   httplib::Client client("127.0.0.1", (*web)->address().port);
   EXPECT_EQ(client.Get("/", {{"Host", "evil.example"}})->status, 403);
   EXPECT_EQ(client.Get("/", {{"Host", "farm.example:80"}})->status, 200);
@@ -112,7 +97,7 @@ TEST(WebServer, OtherNamesAreRefusedSoThatForeignPagesCannotReadIt) {
 }
 
 TEST(WebServer, HeadsAreBounded) {
-  const auto web = StartPlain(Loopback(0), {}, [] { return std::optional(SomeView()); });
+  const auto web = StartPlain(Loopback(0), {}, std::make_shared<SomeContent>());
   for (const std::string& start : {std::string("GET /"), std::string("GET / HTTP/1.1\r\nA: ")}) {
     const int fd = Connect(**web);
     const std::string piece(1 << 16, 'x');
@@ -135,7 +120,7 @@ TEST(WebServer, HeadsAreBounded) {
 }
 
 TEST(WebServer, SlowAndSilentConnectionsDoNotDelayOthers) {
-  const auto web = StartPlain(Loopback(0), {}, [] { return std::optional(SomeView()); });
+  const auto web = StartPlain(Loopback(0), {}, std::make_shared<SomeContent>());
   std::vector<int> slow;
   for (int i = 0; i < 200; ++i) {
     slow.push_back(Connect(**web));
@@ -151,8 +136,58 @@ TEST(WebServer, SlowAndSilentConnectionsDoNotDelayOthers) {
   for (const int fd : slow) ::close(fd);
 }
 
+TEST(WebServer, AnAnswerOfAnotherThreadIsSentWhenItIsThere) {
+  const auto web = StartPlain(Loopback(0), {}, std::make_shared<SomeContent>());
+  httplib::Client client("127.0.0.1", (*web)->address().port);
+  client.set_read_timeout(60);
+  for (int i = 0; i < 20; ++i) {
+    const auto answer = client.Get("/later");
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->body, "later");
+  }
+  EXPECT_EQ(client.Head("/later")->body, "");
+}
+
+TEST(WebServer, WhoeverGoesWhileAnAnswerIsMadeLeavesNothing) {
+  const auto web = StartPlain(Loopback(0), {}, std::make_shared<SomeContent>());
+  for (int i = 0; i < 100; ++i) {
+    const int fd = Connect(**web);
+    const std::string request = "GET /never HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    ::send(fd, request.data(), request.size(), MSG_NOSIGNAL);
+    ::close(fd);
+  }
+  httplib::Client client("127.0.0.1", (*web)->address().port);
+  client.set_read_timeout(60);
+  EXPECT_EQ(client.Get("/metrics")->status, 200);
+}
+
+TEST(WebServer, AReaderThatTakesNothingOfAStreamIsDropped) {
+  const auto content = std::make_shared<SomeContent>();
+  const auto web = StartPlain(Loopback(0), {}, content);
+  const int fd = Connect(**web);
+  const std::string request = "GET /flood HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  ::send(fd, request.data(), request.size(), MSG_NOSIGNAL);
+  const auto wait = [&](int wanted) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (content->open_streams != wanted && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return content->open_streams == wanted;
+  };
+  EXPECT_TRUE(wait(1));
+  httplib::Client client("127.0.0.1", (*web)->address().port);
+  EXPECT_EQ(client.Get("/metrics")->status, 200) << "others are served beside it";
+  EXPECT_TRUE(wait(0));
+  ::close(fd);
+}
+
+TEST(WebServer, ProgramsOfTheUserWhoRunsItAreKnown) {
+  const auto web = StartPlain(Loopback(0), {}, std::make_shared<SomeContent>());
+  httplib::Client client("127.0.0.1", (*web)->address().port);
+  EXPECT_THAT(client.Get("/")->body, HasSubstr("local (operator)"));
+}
+
 TEST(WebServer, AConnectionThatNeverCompletesItsRequestIsClosed) {
-  const auto web = StartPlain(Loopback(0), {}, [] { return std::optional(SomeView()); });
+  const auto web = StartPlain(Loopback(0), {}, std::make_shared<SomeContent>());
   const int fd = Connect(**web);
   ::send(fd, "GET / HTTP/1.1\r\n", 16, MSG_NOSIGNAL);
   EXPECT_EQ(ReadPlain(fd), "") << "returns when the server closes the connection";

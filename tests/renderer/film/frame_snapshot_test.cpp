@@ -50,6 +50,50 @@ TEST(FrameSnapshot, SharesTheSumsWithTheNodesThatTheMergerGivesOut) {
   EXPECT_EQ(&*first[0].sums, &*second[0].sums);
 }
 
+TEST(FrameSnapshot, TilesAreTheSameUntilTheirSumsChange) {
+  Merger merger(TwoTiles());
+  const FrameSnapshot nothing = merger.Snapshot();
+  EXPECT_TRUE(FrameSnapshot().IsSameTile(1, nothing));
+  ASSERT_TRUE(merger.Add(Node(0, {0, 1}, 1)));
+  const FrameSnapshot before = merger.Snapshot();
+  EXPECT_FALSE(before.IsSameTile(0, nothing));
+  EXPECT_TRUE(before.IsSameTile(1, nothing));
+  EXPECT_TRUE(before.IsSameTile(0, merger.Snapshot()));
+  ASSERT_TRUE(merger.Add(Node(0, {1, 1}, 1)));
+  EXPECT_FALSE(merger.Snapshot().IsSameTile(0, before));
+}
+
+TEST(FrameSnapshot, TilesTogetherShowWhatAReducedPictureShows) {
+  FrameSpec spec = TwoTiles();
+  spec.width = 7;
+  spec.height = 5;
+  spec.crop = {1, 1, 7, 5};
+  spec.tile_size = 4;
+  Merger merger(spec);
+  for (uint32_t tile = 0; tile < static_cast<uint32_t>(spec.TileCount()); ++tile) {
+    std::vector<float> sums;
+    for (int i = 0; i < spec.TileBounds(static_cast<int>(tile)).area(); ++i) {
+      sums.push_back(static_cast<float>(100 * tile + static_cast<uint32_t>(i)) * 4);
+      sums.push_back(4);
+    }
+    ASSERT_TRUE(merger.Add({tile, {0, 4}, std::move(sums)}));
+  }
+  const FrameSnapshot snapshot = merger.Snapshot();
+  const FramePicture whole = snapshot.Picture();
+  for (const int step : {1, 2, 3, 5}) {
+    int pixels = 0;
+    for (int tile = 0; tile < spec.TileCount(); ++tile) {
+      const FramePicture part = snapshot.TilePicture(tile, step);
+      size_t i = 0;
+      for (int y = part.bounds.y0; y < part.bounds.y1; ++y) {
+        for (int x = part.bounds.x0; x < part.bounds.x1; ++x, ++pixels)
+          EXPECT_EQ(part.values[i++], whole.values[static_cast<size_t>(y * step * 6 + x * step)]);
+      }
+    }
+    EXPECT_EQ(pixels, ((6 + step - 1) / step) * ((4 + step - 1) / step));
+  }
+}
+
 TEST(FrameSnapshot, OutlivesItsMerger) {
   FrameSnapshot snapshot;
   {

@@ -1,0 +1,222 @@
+// One job: its picture while it refines, what it does, and buttons that change it.
+
+import {get, mayControl, maySeePicture, post} from "./api.js";
+import {count, duration, h, percent, progressBar, setClass, setText} from "./dom.js";
+import {Viewer} from "./viewer.js";
+
+const kTimes = [
+  ["render_s", "rendering"], ["load_s", "loading the scene"], ["fetch_s", "fetching files"], ["waste_s", "in vain"],
+  ["overhead_s", "overhead"], ["tail_s", "waiting for the last units"], ["idle_s", "idle"],
+  ["writing_s", "writing pictures"], ["other_s", "other jobs"],
+];
+const kDetailInterval_ms = 1000;
+
+export class JobView {
+  constructor(job, frame, note) {
+    this.job = job;
+    this.frame = frame;
+    this.note = note;
+    this.title = `Job ${job}`;
+    this.messages = [];
+    this.name = h("h1");
+    this.state = h("span", {class: "state"});
+    this.bar = progressBar("Progress");
+    this.figures = h("dl", {class: "figures"});
+    this.buttons = h("div", {class: "buttons"});
+    this.viewer = new Viewer();
+    this.frames = h("div", {class: "frames", hidden: true});
+    this.times = h("div", {class: "times"});
+    this.log = h("ol", {class: "log", role: "log", "aria-label": "Messages"});
+    this.missing = h("p", {class: "none", hidden: true});
+    this.element = h("section", {class: "job-view"},
+      h("p", {class: "crumb"}, h("a", {href: "#/jobs"}, "‹ All jobs")), this.missing,
+      h("div", {class: "job-head"}, this.name, this.state),
+      h("div", {class: "job-progress"}, this.bar, this.percent = h("span", {class: "figure"})),
+      this.buttons, this.frames, this.viewer.element,
+      h("div", {class: "columns"},
+        h("div", {class: "card"}, h("h2", {}, "Figures"), this.figures),
+        h("div", {class: "card"}, h("h2", {}, "Where the time went"), this.times),
+        h("div", {class: "card"}, h("h2", {}, "Messages"), this.log)));
+  }
+
+  start() {
+    this.loadDetail(true);
+  }
+
+  close() {
+    this.isClosed = true;
+    clearTimeout(this.timer);
+    this.viewer.close();
+  }
+
+  async loadDetail(isFirst = false) {
+    clearTimeout(this.timer);
+    try {
+      const detail = await get(`jobs/${this.job}`, {frame: this.frame});
+      if (this.isClosed) return;
+      this.detail = detail;
+      this.show(detail);
+      if (isFirst) this.open(detail);
+      this.showFrames(detail);
+      this.showTimes(detail.times);
+      this.viewer.setUnits(detail.units);
+    } catch (error) {
+      if (this.isClosed) return;
+      this.missing.hidden = error.status !== 404;
+      setText(this.missing, error.message);
+    }
+    const isOpen = this.status && ["running", "waiting", "paused"].includes(this.status.state);
+    this.timer = setTimeout(() => document.hidden || this.loadDetail(!this.isOpened), isOpen ? kDetailInterval_ms : 5000);
+  }
+
+  open(detail) {
+    this.isOpened = true;
+    this.buttons.replaceChildren(...this.makeButtons(detail));
+    if (maySeePicture(detail)) this.viewer.watch(`/api/v1/jobs/${this.job}/picture?frame=${this.frame}`);
+    else {
+      this.viewer.problem.hidden = false;
+      setText(this.viewer.problem, "Its owner, viewers and operators may see the picture.");
+    }
+    this.enable();
+  }
+
+  onEvent(name, job) {
+    if (name === "job" && job) this.show(job);
+  }
+
+  show(job) {
+    const before = this.status;
+    this.status = job;
+    document.title = `${percent(job.progress)} ${job.name || this.title} · Tessera`;
+    setText(this.name, job.name || this.title);
+    setText(this.state, job.state);
+    setClass(this.state, `state ${job.state}`);
+    this.bar.value = job.progress;
+    setText(this.percent, percent(job.progress));
+    this.showFigures(job);
+    if (!before || before.state !== job.state || before.reason !== job.reason || before.priority !== job.priority)
+      this.addMessage(job, before);
+    this.enable();
+  }
+
+  addMessage(job, before) {
+    const what = before && before.priority !== job.priority ? `priority ${job.priority}` : job.state;
+    const text = job.reason ? `${what}: ${job.reason}` : what;
+    this.log.prepend(h("li", {class: job.state === "failed" ? "error" : ""},
+      h("time", {}, new Date().toLocaleTimeString()), " ", text));
+    while (this.log.children.length > 50) this.log.lastChild.remove();
+  }
+
+  showFigures(job) {
+    const detail = this.detail || {};
+    const figures = [
+      ["Job", `#${job.id}`], ["Owner", job.owner || "none"], ["Priority", String(job.priority)],
+      ["Size", detail.width ? `${detail.width} × ${detail.height}` : ""],
+      ["Samples per pixel", detail.samples_per_pixel ? String(detail.samples_per_pixel) : ""],
+      ["Samples", `${count(job.samples_done)} of ${count(job.samples_total)}`],
+      ["Samples/s", job.samples_per_second > 0 ? count(job.samples_per_second) : ""],
+      ["Workers", String(job.workers)], ["Elapsed", duration(job.elapsed_s)], ["Time left", duration(job.left_s)],
+      ["Frames", job.frames_total > 1 ? `${job.frames_finished} of ${job.frames_total}` : ""],
+      ["Scene", detail.scene_file || ""],
+    ].filter(([, text]) => text !== "");
+    const rows = [...this.figures.children];
+    if (rows.length !== figures.length) {
+      this.figures.replaceChildren(...figures.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text))));
+    } else {
+      figures.forEach(([name, text], i) => { setText(rows[i].firstChild, name); setText(rows[i].lastChild, text); });
+    }
+  }
+
+  showFrames(detail) {
+    if (detail.frames_total < 2) return;
+    this.frames.hidden = false;
+    const key = `${this.frame}:${detail.frames_finished}`;
+    if (this.framesKey === key) return;
+    this.framesKey = key;
+    const number = (i) => detail.frames[i][0];
+    const go = (i) => { location.hash = `#/jobs/${this.job}/${Math.min(Math.max(i, 0), detail.frames.length - 1)}`; };
+    this.frames.replaceChildren(
+      h("button", {type: "button", class: "quiet", "aria-label": "Previous frame", onclick: () => go(this.frame - 1)}, "‹"),
+      h("input", {type: "range", min: 0, max: detail.frames.length - 1, value: this.frame, "aria-label": "Frame",
+        "aria-valuetext": `frame ${number(this.frame)}`, onchange: (event) => go(Number(event.target.value))}),
+      h("button", {type: "button", class: "quiet", "aria-label": "Next frame", onclick: () => go(this.frame + 1)}, "›"),
+      h("span", {}, `Frame ${number(this.frame)}${detail.frames[this.frame][1] ? ", finished" : ""}`));
+  }
+
+  showTimes(times) {
+    const all = kTimes.reduce((sum, [key]) => sum + times[key], 0);
+    if (all <= 0) return this.times.replaceChildren(h("p", {class: "soft"}, "Nothing yet."));
+    const parts = kTimes.map(([key, text], i) => [times[key], text, i]).filter(([value]) => value / all > 0.002);
+    const bar = h("div", {class: "time-bar", role: "img", "aria-label":
+      parts.map(([value, text]) => `${text} ${percent(value / all)}`).join(", ")},
+      ...parts.map(([value, text, i]) => {
+        const part = h("span", {class: `t${i}`, title: `${text}: ${duration(value)}`});
+        part.style.flexGrow = value / all;
+        return part;
+      }));
+    this.times.replaceChildren(bar, h("ul", {class: "legend"}, ...parts.map(([value, text, i]) =>
+      h("li", {}, h("i", {class: `t${i}`}), `${text} `, h("b", {}, percent(value / all)), ` ${duration(value)}`))));
+  }
+
+  // ---- Buttons ----
+  makeButtons(detail) {
+    const button = (id, text, action) => h("button", {type: "button", id, onclick: action}, text);
+    this.pause = button("pause", "Pause", () => this.change("pause"));
+    this.resume = button("resume", "Resume", () => this.change("resume"));
+    this.cancel = button("cancel", "Cancel", () => {
+      if (confirm(`Cancel job ${this.job}?`)) this.change("cancel");
+    });
+    this.cancel.classList.add("danger");
+    this.priorityInput = h("input", {type: "number", id: "priority", min: -1000000, max: 1000000, step: 1,
+      value: detail.priority, "aria-label": "Priority"});
+    this.extendInput = h("input", {type: "number", id: "spp", min: 1, max: 1048576, step: 1,
+      value: 2 * (detail.samples_per_pixel || 1), "aria-label": "Samples per pixel"});
+    this.priorityForm = h("form", {class: "inline", onsubmit: (event) => {
+      event.preventDefault();
+      this.change("priority", {priority: Number(this.priorityInput.value)});
+    }}, this.priorityInput, h("button", {id: "set-priority"}, "Set priority"));
+    this.extendForm = h("form", {class: "inline", onsubmit: (event) => {
+      event.preventDefault();
+      this.change("extend", {samples_per_pixel: Number(this.extendInput.value)});
+    }}, this.extendInput, h("button", {id: "extend", title: detail.can_extend ? "" :
+      "Only jobs with the samplers independent, sobol or paddedsobol can be extended"}, "Extend"));
+    const link = (id, text, file) => h("a", {class: "button", id, download: "",
+      href: `/api/v1/jobs/${this.job}/${file}?frame=${this.frame}`}, text);
+    this.downloads = h("span", {class: "inline"}, link("exr", "EXR", "picture.exr"), link("png", "PNG", "picture.png"));
+    this.downloads.hidden = !maySeePicture(detail);
+    return [this.pause, this.resume, this.cancel, this.priorityForm, this.extendForm, this.downloads];
+  }
+
+  enable() {
+    if (!this.pause || !this.status) return;
+    const job = this.status;
+    const may = mayControl(job);
+    const isOpen = ["running", "waiting", "paused"].includes(job.state);
+    const isPaused = job.state === "paused" && job.paused_by_user;
+    this.pause.hidden = !may || !isOpen || isPaused;
+    this.resume.hidden = !may || !isPaused;
+    this.cancel.hidden = !may || !isOpen;
+    this.priorityForm.hidden = !may || !isOpen;
+    this.extendForm.hidden = !may || !["running", "waiting", "paused", "finished"].includes(job.state);
+    this.extendForm.querySelector("button").disabled = !(this.detail && this.detail.can_extend);
+  }
+
+  async change(what, body) {
+    try {
+      const job = await post(`jobs/${this.job}/${what}`, body);
+      this.show(job);
+      this.note(`Job ${this.job}: ${what === "priority" ? `priority ${job.priority}` : job.state}`);
+      this.loadDetail();
+    } catch (error) {
+      this.note(error.message, true);
+    }
+  }
+
+  onKey(event) {
+    if (event.key === "p" && this.status)
+      this.change(this.status.state === "paused" ? "resume" : "pause");
+    else if (["+", "=", "-", "0", "1", "[", "]"].includes(event.key)) this.viewer.onKey(event);
+    else return false;
+    return true;
+  }
+}

@@ -1,0 +1,49 @@
+#include "coordinator/web/api/file_stream.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace tessera {
+namespace {
+
+constexpr uint64_t kPieceBytes = 256 << 10;
+
+}  // namespace
+
+Result<std::shared_ptr<FileStream>> FileStream::Make(const std::string& folder, std::string_view bytes) {
+  std::string path = folder + "/download-XXXXXX";
+  const int file = ::mkostemp(path.data(), O_CLOEXEC);
+  if (file < 0) return Failed(fmt::format("{}: cannot be created: {}", path, std::strerror(errno)));
+  ::unlink(path.c_str());
+  auto stream = std::make_shared<FileStream>(file, bytes.size());
+  while (!bytes.empty()) {
+    const ssize_t size = ::write(file, bytes.data(), bytes.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size <= 0) return Failed(fmt::format("no room for a copy of the picture: {}", std::strerror(errno)));
+    bytes.remove_prefix(static_cast<size_t>(size));
+  }
+  return stream;
+}
+
+FileStream::~FileStream() {
+  ::close(file_);
+}
+
+// A file that cannot be read ends the download early, which the reader sees by its size.
+FileStream::Next FileStream::Take(std::vector<Part>& parts) {
+  if (sent_ == size_) return Next::kEnd;
+  auto piece = std::make_shared<std::string>(std::min(kPieceBytes, size_ - sent_), '\0');
+  const ssize_t size = ::pread(file_, piece->data(), piece->size(), static_cast<off_t>(sent_));
+  if (size <= 0) return Next::kEnd;
+  piece->resize(static_cast<size_t>(size));
+  sent_ += static_cast<uint64_t>(size);
+  parts.push_back(std::move(piece));
+  return Next::kParts;
+}
+
+}  // namespace tessera

@@ -1,0 +1,29 @@
+// Sends bytes from a temporary file without a name: they take no memory while a slow reader takes them.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "coordinator/web/http_response.h"
+#include "renderer/util/result.h"
+
+namespace tessera {
+
+class FileStream final : public BodyStream {
+ public:
+  // An error if the folder has no room for them.
+  static Result<std::shared_ptr<FileStream>> Make(const std::string& folder, std::string_view bytes);
+  FileStream(int file, uint64_t size) : file_(file), size_(size) {}
+  ~FileStream() override;
+  FileStream(const FileStream&) = delete;
+  FileStream& operator=(const FileStream&) = delete;
+
+  Next Take(std::vector<Part>& parts) override;
+
+ private:
+  const int file_;
+  const uint64_t size_;
+  uint64_t sent_ = 0;
+};
+
+}  // namespace tessera

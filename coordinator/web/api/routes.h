@@ -1,0 +1,77 @@
+// The table of everything that the web interface answers under /api/v1. coordinator/page/openapi.json
+// describes it; a test compares the two.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "proto/terms.h"
+
+namespace tessera {
+
+enum class WebAction {
+  kMe,
+  kFarm,
+  kHistory,
+  kJobs,
+  kJob,
+  kPicture,
+  kExr,
+  kPng,
+  kThumbnail,
+  kWorkers,
+  kEvents,
+  kOpenApi,
+  kChangeJob,
+  kChangeWorkers
+};
+
+struct WebRoute {
+  std::string_view method;
+  std::string_view path;  // {job} stands for a number, {worker} for 16 hexadecimal digits
+  // The call of the protocol whose rule decides who may ask for it (coordinator/access.h).
+  std::string_view call;
+  WebAction action;
+  std::string_view parameters = "";  // of the query, or members of the body, separated by spaces
+};
+
+inline constexpr WebRoute kWebRoutes[] = {
+    {"GET", "/api/v1/me", "Jobs.List", WebAction::kMe},
+    {"GET", "/api/v1/openapi.json", "Jobs.List", WebAction::kOpenApi},
+    {"GET", "/api/v1/farm", "Jobs.Workers", WebAction::kFarm},
+    {"GET", "/api/v1/farm/history", "Jobs.Workers", WebAction::kHistory},
+    {"GET", "/api/v1/events", "Jobs.Watch", WebAction::kEvents, "job"},
+    {"GET", "/api/v1/jobs", "Jobs.List", WebAction::kJobs, "search state owner sort order offset limit"},
+    {"GET", "/api/v1/jobs/{job}", "Jobs.Status", WebAction::kJob, "frame"},
+    {"GET", "/api/v1/jobs/{job}/picture", "Jobs.FetchPicture", WebAction::kPicture, "frame"},
+    {"GET", "/api/v1/jobs/{job}/picture.exr", "Jobs.FetchPicture", WebAction::kExr, "frame"},
+    {"GET", "/api/v1/jobs/{job}/picture.png", "Jobs.FetchPicture", WebAction::kPng, "frame"},
+    {"GET", "/api/v1/jobs/{job}/thumbnail.png", "Jobs.FetchPicture", WebAction::kThumbnail, "frame"},
+    {"POST", "/api/v1/jobs/{job}/pause", "Jobs.Pause", WebAction::kChangeJob},
+    {"POST", "/api/v1/jobs/{job}/resume", "Jobs.Resume", WebAction::kChangeJob},
+    {"POST", "/api/v1/jobs/{job}/cancel", "Jobs.Cancel", WebAction::kChangeJob},
+    {"POST", "/api/v1/jobs/{job}/priority", "Jobs.SetPriority", WebAction::kChangeJob, "priority"},
+    {"POST", "/api/v1/jobs/{job}/extend", "Jobs.Extend", WebAction::kChangeJob, "samples_per_pixel"},
+    {"GET", "/api/v1/workers", "Jobs.Workers", WebAction::kWorkers,
+     "search state sort order offset limit history"},
+    {"POST", "/api/v1/workers/{worker}/drain", "Jobs.DrainWorkers", WebAction::kChangeWorkers},
+    {"POST", "/api/v1/workers/{worker}/release", "Jobs.ReleaseWorkers", WebAction::kChangeWorkers},
+};
+
+struct WebRouteMatch {
+  const WebRoute* route = nullptr;
+  JobId job{};
+  std::string worker;  // 16 hexadecimal digits
+};
+
+// The route of a path; nullopt if there is none. If there are only routes with other methods, `methods` names
+// them.
+std::optional<WebRouteMatch> FindRoute(std::string_view method, std::string_view path, std::string& methods);
+
+// Whether a word is one of those in a list that is separated by spaces.
+bool IsListed(std::string_view list, std::string_view word);
+
+}  // namespace tessera

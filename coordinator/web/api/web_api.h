@@ -1,0 +1,59 @@
+// Everything that members see: the page and its files, metrics for Prometheus, and the interface for programs
+// under /api/v1 (routes.h).
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "coordinator/web/api/event_stream.h"
+#include "coordinator/web/api/farm_watch.h"
+#include "coordinator/web/api/json_views.h"
+#include "coordinator/web/api/picture_boards.h"
+#include "coordinator/web/api/routes.h"
+#include "coordinator/web/api/web_farm.h"
+#include "coordinator/web/web_content.h"
+
+namespace tessera {
+
+// Thread safe.
+class WebApi final : public WebContent {
+ public:
+  explicit WebApi(WebFarm farm);
+  ~WebApi() override;
+  // Ends its threads. Streams end, and what is asked later is refused.
+  void Stop();
+
+  HttpResponse Answer(const HttpRequest& request, const WebVisit& visit) override;
+
+ private:
+  // A request of the interface.
+  struct Request {
+    const WebRoute& route;
+    JobId job{};
+    std::string worker;
+    Query query;  // or the members of the body
+    WebVisit visit;
+    WebCaller caller() const { return {visit.visitor, visit.peer}; }
+  };
+  static HttpResponse ShowFile(const HttpRequest& request);
+  HttpResponse ShowMetrics();
+  HttpResponse AnswerRoute(const HttpRequest& http, const WebRouteMatch& match, const WebVisit& visit);
+  HttpResponse Run(const Request& request);
+  HttpResponse ShowMe(const Request& request) const;
+  // `show` makes an answer of the farm as it is now, later.
+  HttpResponse ShowFarm(std::function<WebResult<nlohmann::json>(const FarmMoment&)> show);
+  HttpResponse ShowJob(const Request& request);
+  HttpResponse ChangeJob(const Request& request);
+  HttpResponse ChangeWorkers(const Request& request);
+  HttpResponse WatchFarm(const Request& request);
+  HttpResponse ShowPicture(const Request& request);
+  HttpResponse Download(FrameId frame, bool is_png) const;
+
+  const WebFarm farm_;
+  FarmWatch watch_;
+  PictureBoards boards_;
+  const std::shared_ptr<EventSource> events_;
+  std::atomic<int> waiting_{0};  // downloads that are being made
+};
+
+}  // namespace tessera

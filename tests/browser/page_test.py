@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""The web page in a real browser, with a real farm. Usage: page_test.py PROGRAMS SCENES"""
+import hashlib
+import os
+import re
+import subprocess
+import sys
+
+from farm import Farm, await_that, start_browser
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+HOSTILE_NAME = "<img src=x onerror=document.title='owned'> \"'&"
+
+
+def find(browser, selector):
+    return browser.find_element(By.CSS_SELECTOR, selector)
+
+
+def text_of(browser, selector):
+    return find(browser, selector).text
+
+
+def pixel_in_file(path, x, y):
+    """Red, green and blue of a pixel of an EXR file."""
+    out = subprocess.run(["oiiotool", path, "--ch", "R,G,B", "--cut", f"1x1+{x}+{y}", "--printstats"], check=True,
+                         capture_output=True, text=True).stdout
+    return [float(word) for word in re.search(r"Stats Avg: (\S+) (\S+) (\S+)", out).groups()]
+
+
+def canvas_digest(browser):
+    return browser.execute_script("return document.querySelector('.picture').toDataURL().length + ':' + "
+                                  "document.querySelector('.viewer').dataset.samplesDone")
+
+
+def check_list(browser, farm, job):
+    """The list shows the job by its name, as text, and a picture of it."""
+    browser.get(farm.plain)
+    row = await_that("the job in the list", lambda: find(browser, f"a[href='#/jobs/{job}']"))
+    await_that("its name", lambda: row.text == HOSTILE_NAME)
+    assert not browser.find_elements(By.CSS_SELECTOR, "img[src='x']")
+    assert "owned" not in browser.title
+    await_that("its small picture", lambda: browser.execute_script(
+        "const i = document.querySelector('.c-picture img'); return i.complete && i.naturalWidth > 0"))
+    search = find(browser, "input[type=search]")
+    search.send_keys("no such job")
+    await_that("an empty list", lambda: text_of(browser, ".tools .soft") == "0 jobs")
+    search.clear()
+    search.send_keys(str(job), Keys.ENTER)
+    await_that("one job", lambda: text_of(browser, ".tools .soft") == "1 job")
+    find(browser, f"a[href='#/jobs/{job}']").click()
+
+
+def check_picture_changes(browser):
+    await_that("samples", lambda: int(find(browser, ".viewer").get_attribute("data-samples-done") or 0) > 0)
+    before = canvas_digest(browser)
+    await_that("a picture that changes", lambda: canvas_digest(browser) != before)
+
+
+def check_control(browser, farm, job):
+    priority = find(browser, "#priority")
+    priority.clear()
+    priority.send_keys("7")
+    find(browser, "#set-priority").click()
+    await_that("the priority", lambda: farm.status(job)["priority"] == 7)
+    find(browser, "#pause").click()
+    await_that("a pause", lambda: farm.status(job)["state"] == "paused")
+    await_that("its display", lambda: text_of(browser, ".job-head .state") == "paused")
+    find(browser, "#resume").click()
+    await_that("the end of the pause", lambda: farm.status(job)["state"] != "paused")
+
+
+def check_values(browser, farm, job):
+    """Pixels under the cursor have the values of the file, and downloads are the file."""
+    await_that("the end of the job", lambda: farm.status(job)["state"] == "finished")
+    await_that("the finished picture", lambda: find(browser, ".viewer").get_attribute("data-finished") == "true")
+    path = f"{farm.folder}/fetched.exr"
+    farm.tessera("fetch", str(job), "-o", path)
+    find(browser, ".stage").send_keys(*[Keys.ARROW_RIGHT] * 20, *[Keys.ARROW_DOWN] * 11)
+    value = find(browser, "#pixel-value")
+    x, y = int(value.get_attribute("data-x")), int(value.get_attribute("data-y"))
+    assert (x, y) != (0, 0)
+    shown = [float(value.get_attribute(f"data-{c}")) for c in "rgb"]
+    expected = pixel_in_file(path, x, y)
+    assert all(abs(a - b) <= 1e-6 + 1e-5 * abs(b) for a, b in zip(shown, expected)), (shown, expected)
+    find(browser, "#exr").click()
+    download = f"{farm.folder}/job-{job}.exr"
+    await_that("the download", lambda: os.path.exists(download))
+    digests = [hashlib.sha256(open(name, "rb").read()).hexdigest() for name in (path, download)]
+    assert digests[0] == digests[1]
+    for curve in ("agx", "srgb", "false"):
+        before = canvas_digest(browser)
+        find(browser, f"#curve option[value={curve}]").click()
+        await_that(f"the tone curve {curve}", lambda: canvas_digest(browser) != before)
+
+
+def check_extend_and_cancel(browser, farm, job):
+    spp = find(browser, "#spp")
+    spp.clear()
+    spp.send_keys("100000")
+    find(browser, "#extend").click()
+    await_that("more samples", lambda: farm.status(job)["state"] in ("running", "waiting"))
+    await_that("the button", lambda: find(browser, "#cancel").is_displayed())
+    find(browser, "#cancel").click()
+    browser.switch_to.alert.accept()
+    await_that("the end", lambda: farm.status(job)["state"] == "cancelled")
+
+
+def check_viewer(browser, farm, job):
+    """Somebody with the role viewer logs in, sees the picture, and is refused changes."""
+    address = farm.encrypted.removeprefix("https://").rstrip("/")
+    token = farm.tessera("token", "--role", "viewer", "--name", "vic", "--address", address,
+                         program="tessera-coordinator").split()[-1]
+    browser.get(farm.encrypted)
+    await_that("the form", lambda: find(browser, "#token")).send_keys(token, Keys.ENTER)
+    await_that("the login", lambda: "vic (viewer)" in text_of(browser, "#who"))
+    browser.get(f"{farm.encrypted}#/jobs/{job}")
+    await_that("the job", lambda: text_of(browser, ".job-head .state") == "cancelled")
+    assert not find(browser, "#cancel").is_displayed() and not find(browser, "#pause").is_displayed()
+    status = browser.execute_async_script("""
+        const done = arguments[1];
+        fetch('/api/v1/me').then((r) => r.json()).then((me) => fetch(`/api/v1/jobs/${arguments[0]}/priority`, {
+          method: 'POST', body: '{"priority": 3}',
+          headers: {'Content-Type': 'application/json', 'X-Tessera-Proof': me.proof}})).then((r) => done(r.status));
+        """, job)
+    assert status == 403, status
+    assert farm.status(job)["priority"] == 7
+    find(browser, "#who button").click()
+    await_that("the form again", lambda: find(browser, "#token"))
+
+
+def check_other_views(browser, farm):
+    browser.get(f"{farm.plain}#/workers")
+    await_that("the workers", lambda: "alpha" in text_of(browser, ".list") and "beta" in text_of(browser, ".list"))
+    for button in browser.find_elements(By.CSS_SELECTOR, ".w-act button"):
+        if "alpha" in button.get_attribute("aria-label"):
+            button.click()
+    await_that("a drain", lambda: "draining" in text_of(browser, ".list"))
+    find(browser, "body").send_keys("f")
+    await_that("the farm", lambda: "Alarms" in text_of(browser, "main") and "Samples/s" in text_of(browser, "main"))
+
+
+def main():
+    programs, scenes = sys.argv[1:]
+    farm = Farm(programs)
+    browser = None
+    try:
+        browser = start_browser(farm.folder)
+        farm.start_worker(name="alpha")
+        farm.start_worker(name="beta")
+        job = farm.submit(f"{scenes}/box.pbrt", "--spp", "512", "--resolution", "160x90", "--name", HOSTILE_NAME)
+        check_list(browser, farm, job)
+        check_picture_changes(browser)
+        check_control(browser, farm, job)
+        check_values(browser, farm, job)
+        check_extend_and_cancel(browser, farm, job)
+        check_other_views(browser, farm)
+        severe = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"
+                  and "thumbnail.png" not in entry["message"]]
+        assert not severe, severe
+        check_viewer(browser, farm, job)
+    finally:
+        if browser:
+            browser.quit()
+        farm.stop()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,107 @@
+// Every route of the web interface x every role x owner or not, over real connections.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "coordinator/access.h"
+#include "coordinator/web/api/routes.h"
+#include "tests/coordinator/members_fixture.h"
+#include "tests/coordinator/web/tls_client.h"
+
+namespace tessera {
+namespace {
+
+class WebRoles : public ServicesForMembers {
+ protected:
+  WebRoles() {
+    coordinator.reset();
+    CoordinatorOptions options = OptionsOf(current_dir);
+    options.https = *ParseAddress("127.0.0.1:0", "test");
+    coordinator = std::move(*Coordinator::Start(options));
+    CallAsLocalUser();
+  }
+  static std::string PemOf(const JoinedFarm& member) {
+    return member.identity.key.Pem() + member.identity.certificate_pem;
+  }
+  int port() const { return coordinator->https()->port; }
+  std::string ProofOf(const JoinedFarm& member) const {
+    const WebAnswer me = WebClient(port(), PemOf(member)).Get("/api/v1/me");
+    return me.Member("proof");
+  }
+  // The status of the answer; streams are not read to their end, as they have none.
+  int Try(const JoinedFarm& member, const std::string& proof, const WebRoute& route, uint64_t job) const {
+    std::string path(route.path);
+    for (const auto& [word, value] : {std::pair<std::string, std::string>("{job}", std::to_string(job)),
+                                      {"{worker}", "0000000000000007"}}) {
+      if (const size_t at = path.find(word); at != std::string::npos) path.replace(at, word.size(), value);
+    }
+    std::string body;
+    if (route.method == "POST")
+      body = route.parameters.empty() ? "{}" : fmt::format("{{\"{}\": 5}}", route.parameters);
+    TlsClient client(port(), PemOf(member));
+    EXPECT_TRUE(client.Handshake());
+    client.Send(
+        fmt::format("{} {} HTTP/1.1\r\nHost: localhost\r\nX-Tessera-Proof: {}\r\n"
+                    "Content-Type: application/json\r\nContent-Length: {}\r\n\r\n{}",
+                    route.method, path, proof, body.size(), body));
+    return WebAnswer{client.ReadSome()}.status();
+  }
+  static Reach ReachOfRoute(Role role, const WebRoute& route) {
+    for (const CallRule& rule : kCallRules) {
+      if (rule.method == route.call) return ReachOf(role, rule.permission);
+    }
+    return Reach::kNothing;
+  }
+};
+
+TEST_F(WebRoles, DecideEveryRouteAsTheyDecideItsCall) {
+  const JoinedFarm ada = Join(Role::kUser, "ada"), bob = Join(Role::kUser, "bob");
+  CallAs(ada);
+  const uint64_t job = Submit();
+  struct Somebody {
+    Role role;
+    JoinedFarm member;
+    bool is_owner;
+  };
+  const Somebody people[] = {{Role::kUser, ada, true},
+                             {Role::kUser, bob, false},
+                             {Role::kViewer, Join(Role::kViewer, "vic"), false},
+                             {Role::kOperator, Join(Role::kOperator, "olga"), false},
+                             {Role::kWorker, Join(Role::kWorker, "blade"), false}};
+  for (const Somebody& somebody : people) {
+    const std::string proof = ProofOf(somebody.member);
+    for (const WebRoute& route : kWebRoutes) {
+      const Reach reach = ReachOfRoute(somebody.role, route);
+      const bool is_allowed = reach == Reach::kEverything || (reach == Reach::kOwn && somebody.is_owner);
+      const int status = Try(somebody.member, proof, route, job);
+      EXPECT_EQ(status != 403, is_allowed) << RoleName(somebody.role) << " " << route.path << " " << status;
+      EXPECT_NE(status, 0) << route.path;
+    }
+  }
+}
+
+TEST_F(WebRoles, ASessionMaySeeWhatItsRoleMayAndIsToldWhy) {
+  const JoinedFarm viewer = Join(Role::kViewer, "vic");
+  const WebClient client(port(), PemOf(viewer));
+  const std::string proof = ProofOf(viewer);
+  EXPECT_NE(proof, "");
+  const uint64_t job = Submit();
+  const WebAnswer refused = client.Change(fmt::format("/api/v1/jobs/{}/pause", job), proof);
+  EXPECT_EQ(refused.status(), 403);
+  EXPECT_THAT(refused.Body(), testing::HasSubstr("needs the role user or operator"));
+  EXPECT_EQ(Status(job).state(), proto::JOB_STATE_WAITING);
+}
+
+TEST_F(WebRoles, AChangeIsEnteredInTheAuditLog) {
+  const JoinedFarm olga = Join(Role::kOperator, "olga");
+  const uint64_t job = Submit();
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(WebClient(port(), PemOf(olga))
+                .Change(fmt::format("/api/v1/jobs/{}/pause", job), ProofOf(olga))
+                .status(),
+            200);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              testing::ContainsRegex("audit call=Jobs.Pause by=\"operator .*olga.*job=1 result=done"));
+}
+
+}  // namespace
+}  // namespace tessera
