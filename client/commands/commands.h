@@ -23,6 +23,7 @@ Command ManCommand();
 Command PauseCommand();
 Command PriorityCommand();
 Command ReleaseCommand();
+Command RelightCommand();
 Command RenderCommand();
 Command ResumeCommand();
 Command StatusCommand();
@@ -35,7 +36,7 @@ Command WorkersCommand();
 using MakeCommandFunction = Command (*)();
 inline constexpr MakeCommandFunction kCommands[] = {
     // On this machine.
-    RenderCommand, InfoCommand, KindsCommand, CompareCommand, BenchCommand,
+    RenderCommand, InfoCommand, KindsCommand, CompareCommand, RelightCommand, BenchCommand,
     // Jobs of a farm.
     SubmitCommand, JobsCommand, StatusCommand, WatchCommand, FetchCommand, ExtendCommand, PriorityCommand,
     PauseCommand, ResumeCommand, CancelCommand,

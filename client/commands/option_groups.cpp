@@ -88,11 +88,20 @@ void AddFilmFlags(CLI::App& app, RenderOptions& render) {
   AddValue(app, "--exr-type", "TYPE",
            WithDefault("Type of the values in the EXR file: half or float", "half"), render.exr_type,
            ParseExrType);
-  AddValue(
-      app, "--aov", "LIST",
-      fmt::format("Channels to add to the picture, separated by commas: {}", fmt::join(AovNames(), ", ")),
-      render.aovs,
-      [](std::string_view flag, std::string_view word) { return ParseNames(flag, word, AovNames()); });
+  AddValue(app, "--aov", "LIST",
+           fmt::format("Layers to add to the picture, separated by commas: {}", fmt::join(AovNames(), ", ")),
+           render.aovs,
+           [](std::string_view flag, std::string_view word) { return ParseNames(flag, word, AovNames()); });
+  AddRepeatedWord(
+      app, "--light-group", "NAME=PATTERN",
+      "Add the light of this group as a layer: the lights whose kind (point, area, ...), material or "
+      "FILE:LINE:COLUMN matches, where * stands for any text; tessera relight mixes groups",
+      kLightGroupsMax, [&render](const std::string& word) -> Result<void> {
+        auto rule = ParseLightGroupRule(word);
+        if (!rule) return BadInput("--light-group: " + rule.error().message);
+        render.light_groups.push_back(*std::move(rule));
+        return {};
+      });
 }
 
 // A flag of the command line's contract that is not implemented yet is refused by name, not as an unknown
@@ -184,12 +193,12 @@ bool TakesStandardOutput(const OutputOptions& options) {
 }
 
 Result<void> CheckPictureOptions(const RenderOptions& render, const OutputOptions& output) {
-  if (output.picture.empty() || render.aovs.empty()) return {};
+  if (output.picture.empty() || (render.aovs.empty() && render.light_groups.empty())) return {};
   const auto format = PictureFormatOf(output.picture);
   if (!format) return format.error();
   if (*format == PictureFormat::kExr) return {};
-  return BadInput(
-      fmt::format("{}: the channels of --aov can only be written to an .exr file", output.picture));
+  return BadInput(fmt::format("{}: the layers of --aov and --light-group can only be written to an .exr file",
+                              output.picture));
 }
 
 namespace {

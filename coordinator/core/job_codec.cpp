@@ -46,7 +46,7 @@ bool ReadChannel(ByteReader& in, Channel& channel) {
   channel.type = static_cast<ChannelType>(type);
   channel.rule = static_cast<MergeRule>(rule);
   channel.is_written = written == 1;
-  return type <= static_cast<uint32_t>(ChannelType::kIds) &&
+  return type <= static_cast<uint32_t>(kChannelTypeLast) &&
          rule <= static_cast<uint32_t>(MergeRule::kIdWeights) && written <= 1;
 }
 

@@ -59,7 +59,7 @@ namespace {
 
 Result<Channel> ReadChannel(const proto::Channel& message) {
   if (!IsText(message.name(), kNameBytesMax)) return BadField("channel", "is not a name");
-  if (message.type() > static_cast<uint32_t>(ChannelType::kIds))
+  if (message.type() > static_cast<uint32_t>(kChannelTypeLast))
     return BadField("channel", "is of an unknown type");
   if (message.merge_rule() > static_cast<uint32_t>(MergeRule::kIdWeights))
     return BadField("channel", "has an unknown merge rule");

@@ -28,6 +28,12 @@ class Bsdf {
     if (wo_local.z == 0) return {};
     return bxdf_.Evaluate(wo_local, wi_local);
   }
+  // Whether light from wi to wo is reflected, as seen from the shading normal, rather than transmitted.
+  bool IsReflection(Vec3 wo, Vec3 wi) const { return SameHemisphere(frame_.ToLocal(wo), frame_.ToLocal(wi)); }
+  // Of light that is reflected from wi to wo by what is not specular: the share of the diffuse lobes.
+  SampledSpectrum DiffuseShare(Vec3 wo, Vec3 wi) const {
+    return bxdf_.DiffuseShare(frame_.ToLocal(wo), frame_.ToLocal(wi));
+  }
   // uc chooses the component, u the direction. Returns nullopt if the light is absorbed.
   [[gnu::always_inline]] std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const {
     const Vec3 wo_local = frame_.ToLocal(wo);

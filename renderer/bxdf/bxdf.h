@@ -21,7 +21,8 @@
 
 namespace tessera {
 
-// Every kind has the members flags, Evaluate and Sample of Bxdf below and is trivially copyable.
+// Every kind has the members flags, Evaluate and Sample of Bxdf below and is trivially copyable. One that has
+// both diffuse and glossy lobes has DiffuseShare, too.
 using BxdfKind = std::variant<DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf,
                               ThinDielectricBxdf, CoatedDiffuseBxdf, LayeredDiffuseBxdf, LayeredConductorBxdf,
                               HairBxdf, MeasuredBxdf, NormalizedFresnelBxdf>;
@@ -44,6 +45,15 @@ class Bxdf {
   // Value and density of the non-specular lobes together.
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const {
     return Dispatch(kind_, [&](const auto& kind) -> BsdfEvaluation { return kind.Evaluate(wo, wi); });
+  }
+
+  // Of the light that Evaluate reflects from wi to wo: the share of the diffuse lobes. wo and wi are on the
+  // same side.
+  SampledSpectrum DiffuseShare(Vec3 wo, Vec3 wi) const {
+    return Dispatch(kind_, [&](const auto& kind) -> SampledSpectrum {
+      if constexpr (requires { kind.DiffuseShare(wo, wi); }) return kind.DiffuseShare(wo, wi);
+      return SampledSpectrum(HasFlag(kind.flags(), BxdfFlags::kDiffuse) ? 1.0f : 0.0f);
+    });
   }
 
   // uc chooses the lobe, u the direction. A sample that is not specular has the f and pdf that Evaluate

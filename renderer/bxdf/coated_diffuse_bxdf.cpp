@@ -79,6 +79,11 @@ std::optional<BsdfSample> CoatedDiffuseBxdf::SampleAbove(Vec3 wo, float uc, Poin
   return BsdfSample{value.f, wi, value.pdf, BxdfFlags::kReflection | BxdfFlags::kGlossy, 1};
 }
 
+SampledSpectrum CoatedDiffuseBxdf::DiffuseShare(Vec3 wo, Vec3 wi) const {
+  if (wo.z < 0) return DiffuseShare(-wo, -wi);
+  return DiffuseShareOf(coat_, wo, wi, Evaluate(wo, wi).f);
+}
+
 std::optional<BsdfSample> CoatedDiffuseBxdf::Sample(Vec3 wo, float uc, Point2 u) const {
   if (wo.z > 0) return SampleAbove(wo, uc, u);
   std::optional<BsdfSample> sample = SampleAbove(-wo, uc, u);

@@ -34,6 +34,8 @@ class CoatedDiffuseBxdf {
   }
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const;
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const;
+  // Of f at two directions on the same side: the share of what is not the reflection of the coat.
+  SampledSpectrum DiffuseShare(Vec3 wo, Vec3 wi) const;
 
  private:
   // The probabilities with which Sample chooses at wo.

@@ -84,4 +84,10 @@ std::optional<BsdfSample> DielectricBxdf::Sample(Vec3 wo, float uc, Point2 u, Tr
   return sample;
 }
 
+SampledSpectrum DiffuseShareOf(const DielectricBxdf& coat, Vec3 wo, Vec3 wi, SampledSpectrum f) {
+  const SampledSpectrum reflected = coat.Evaluate(wo, wi, TransportMode::kRadiance, Lobes::kReflection).f;
+  const SampledSpectrum share = SampledSpectrum(1.0f) - SafeDiv(reflected, f);
+  return Min(Max(share, SampledSpectrum(0.0f)), SampledSpectrum(1.0f));
+}
+
 }  // namespace tessera

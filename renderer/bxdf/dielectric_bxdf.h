@@ -38,4 +38,8 @@ class DielectricBxdf {
   float eta_;
 };
 
+// Of the light that a diffuse surface under a coat reflects from wi to wo, both above: the share that is not
+// the coat's reflection. `f` is the value of both.
+SampledSpectrum DiffuseShareOf(const DielectricBxdf& coat, Vec3 wo, Vec3 wi, SampledSpectrum f);
+
 }  // namespace tessera

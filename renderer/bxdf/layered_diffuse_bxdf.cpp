@@ -76,6 +76,11 @@ std::optional<BsdfSample> LayeredDiffuseBxdf::SampleAbove(Vec3 wo, float uc, Poi
   return sample;
 }
 
+SampledSpectrum LayeredDiffuseBxdf::DiffuseShare(Vec3 wo, Vec3 wi) const {
+  if (wo.z < 0) return DiffuseShare(-wo, -wi);
+  return DiffuseShareOf(coat_, wo, wi, Evaluate(wo, wi).f);
+}
+
 std::optional<BsdfSample> LayeredDiffuseBxdf::Sample(Vec3 wo, float uc, Point2 u) const {
   if (wo.z > 0) return SampleAbove(wo, uc, u);
   std::optional<BsdfSample> sample = SampleAbove(-wo, uc, u);

@@ -23,6 +23,8 @@ class LayeredDiffuseBxdf {
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const;
   // The f of a sample is an unbiased estimate.
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const;
+  // Of f at two directions on the same side: the share of what is not the reflection of the coat.
+  SampledSpectrum DiffuseShare(Vec3 wo, Vec3 wi) const;
 
   // One walk from wo to wi (both above): all of f except the reflection of the coat. Its random numbers are a
   // function of `seed`.

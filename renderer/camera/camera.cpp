@@ -85,9 +85,12 @@ Camera::Spread Camera::MeasureSpread(const CameraFilm& film, Vec2 pixel) const {
 }
 
 CameraSample Camera::GenerateRay(Point2 film, Point2 u_lens, float u_time) const {
+  return GenerateRayAt(film, u_lens, std::min(Lerp(u_time, shutter_open_, shutter_close_), shutter_close_));
+}
+
+CameraSample Camera::GenerateRayAt(Point2 film, Point2 u_lens, float time_s) const {
   const CameraRay in_camera_space =
       Dispatch(kind_, [=](const auto& kind) { return kind.GenerateRay(film, u_lens); });
-  const float time_s = std::min(Lerp(u_time, shutter_open_, shutter_close_), shutter_close_);
   if (motion_ == nullptr) return PlacedSample(in_camera_space, render_from_camera_, time_s);
   return PlacedSample(in_camera_space, motion_->At(time_s), time_s);
 }

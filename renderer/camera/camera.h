@@ -62,6 +62,9 @@ class Camera {
   bool has_lens() const {
     return Dispatch(kind_, [](const auto& kind) { return kind.has_lens(); });
   }
+  Transform RenderFromCamera(float time_s) const {
+    return motion_ == nullptr ? render_from_camera_ : motion_->At(time_s);
+  }
   // Time for which the shutter is open, seconds.
   float exposure_time() const { return shutter_close_ - shutter_open_; }
   // Seconds: the times of all rays lie in between.
@@ -72,6 +75,8 @@ class Camera {
   // The ray through the film at `film` (pixels from the upper left corner) and the lens at `u_lens` in [0,
   // 1)^2. `u_time` in [0, 1) chooses the time.
   CameraSample GenerateRay(Point2 film, Point2 u_lens, float u_time) const;
+  // The same at a time, in seconds.
+  CameraSample GenerateRayAt(Point2 film, Point2 u_lens, float time_s) const;
 
   // The footprint of a pixel at a point as if the camera saw it directly, times `scale`: an approximation
   // that serves points seen through reflections as well.

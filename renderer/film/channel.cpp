@@ -17,7 +17,15 @@ bool Fit(ChannelType type, MergeRule rule) {
     case ChannelType::kColor:
     case ChannelType::kFloat: return rule == MergeRule::kSum || rule == MergeRule::kNearest;
     case ChannelType::kWeight:
-    case ChannelType::kCount: return rule == MergeRule::kSum;
+    case ChannelType::kCount:
+    case ChannelType::kVariance:
+    case ChannelType::kHitWeight:
+    case ChannelType::kHitFloat:
+    case ChannelType::kHitSlope:
+    case ChannelType::kDirection:
+    case ChannelType::kHitCount:
+    case ChannelType::kHitSum:
+    case ChannelType::kHitSquare: return rule == MergeRule::kSum;
     case ChannelType::kDepth: return rule == MergeRule::kNearest;
     case ChannelType::kIds: return rule == MergeRule::kIdWeights;
   }
@@ -33,11 +41,22 @@ Result<void> CheckChannel(const Channel& channel) {
   if (!Fit(channel.type, channel.rule))
     return BadInput(
         fmt::format("channel \"{}\": its type and its merge rule do not go together", channel.name));
-  if (channel.type == ChannelType::kWeight && channel.is_written)
-    return BadInput(fmt::format("channel \"{}\": the filter weight is never written", channel.name));
+  if (IsNeverWritten(channel.type) && channel.is_written)
+    return BadInput(
+        fmt::format("channel \"{}\": {} are never written", channel.name,
+                    channel.type == ChannelType::kHitSum ? "sums over hits" : "weights and counts"));
   if ((channel.type == ChannelType::kCount) != (channel.name == kSamplesChannel)) {
     return BadInput(fmt::format("channel \"{}\": the count of samples, and nothing else, is called \"{}\"",
                                 channel.name, kSamplesChannel));
+  }
+  return {};
+}
+
+// Every channel that is written with the help of others has them.
+Result<void> CheckOperands(const std::vector<Channel>& channels) {
+  for (const Channel& channel : channels) {
+    if (const std::string missing = MissingOperand(channels, channel); !missing.empty())
+      return BadInput(fmt::format("channel \"{}\" needs a channel {}", channel.name, missing));
   }
   return {};
 }
@@ -87,11 +106,16 @@ std::vector<Channel> ChannelsFromNames(const std::vector<std::string>& names, bo
 
 void AddChannel(std::vector<Channel>& channels, Channel added) {
   const auto same = std::ranges::find(channels, added.name, &Channel::name);
-  if (same != channels.end() && !same->is_written) {
-    *same = std::move(added);
+  if (same != channels.end() && !(same->is_written && added.is_written)) {
+    if (added.is_written) *same = std::move(added);
     return;
   }
   channels.insert(std::ranges::find(channels, ChannelType::kWeight, &Channel::type), std::move(added));
+}
+
+bool IsNeverWritten(ChannelType type) {
+  return type == ChannelType::kWeight || type == ChannelType::kHitWeight || type == ChannelType::kHitCount ||
+         type == ChannelType::kHitSum;
 }
 
 bool IsColorChannel(const std::string& name) {
@@ -100,7 +124,10 @@ bool IsColorChannel(const std::string& name) {
 
 Result<void> CheckChannels(const std::vector<Channel>& channels) {
   if (channels.size() < 2 || channels.size() > kChannelsMax)
-    return BadInput(fmt::format("a frame has 2 to {} channels, not {}", kChannelsMax, channels.size()));
+    return BadInput(fmt::format(
+        "a frame has 2 to {} channels, not {}: ask for fewer layers (--aov), light groups or spectral "
+        "buckets",
+        kChannelsMax, channels.size()));
   for (const Channel& channel : channels) {
     if (auto ok = CheckChannel(channel); !ok) return ok;
   }
@@ -109,8 +136,11 @@ Result<void> CheckChannels(const std::vector<Channel>& channels) {
   const bool has_nearest = std::ranges::count(channels, MergeRule::kNearest, &Channel::rule) > 0;
   if (count(ChannelType::kDepth) != (has_nearest ? 1 : 0))
     return BadInput("channels of the nearest sample need one channel of its depth");
+  if (count(ChannelType::kHitWeight) > 1 || count(ChannelType::kHitCount) > 1)
+    return BadInput("a frame has at most one weight and one count of the samples that hit a surface");
   if (std::ranges::none_of(channels, &Channel::is_written))
     return BadInput("no channel of the frame is written");
+  if (auto ok = CheckOperands(channels); !ok) return ok;
   return CheckNamesDiffer(channels);
 }
 

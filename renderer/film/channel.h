@@ -23,10 +23,25 @@ enum class ChannelType : uint32_t {
   kFloat = 3,   // any other value; written as a 32-bit float
   kDepth = 4,   // distance to what a sample hit, > 0; 0: nothing was hit, written as infinity
   kIds = 5,     // what the samples hit, as in Cryptomatte (Friedman and Jones 2015): ids and their coverage
+  // Of "NAME.C": the squares of what the samples add to the colour "C". Written as the variance of that
+  // colour's mean.
+  kVariance = 6,
+  kHitWeight = 7,  // the filter weight of the samples that hit a surface; never written
+  kHitFloat = 8,   // a value of these samples; written as their mean
+  kHitSlope = 9,   // the same, written without its sign
+  kDirection =
+      10,  // a component "NAME.X", "NAME.Y" or "NAME.Z" of a vector, which is written as a unit vector
+  kHitCount = 11,  // the number of samples that hit a surface; never written
+  kHitSum = 12,    // a value of these samples, whatever their filter weight; never written
+  // The squares of the kHitSum "NAME.sum". Written as two channels: NAME, the variance of the samples, and
+  // "Relative" NAME, that divided by their mean.
+  kHitSquare = 13,
 };
+constexpr ChannelType kChannelTypeLast = ChannelType::kHitSquare;
 
 enum class MergeRule : uint32_t {
-  // left + right. Colours and floats are multiplied by the filter weight of their sample and written as mean.
+  // left + right. Values are multiplied by the filter weight of their sample, and kVariance by its square,
+  // but not counts, kHitSum and kHitSquare.
   kSum = 0,
   // The values of the sample with the least depth, of equal ones those of the lower sample index. A sample
   // that hit nothing is farther than any other. All channels of this rule come from the same sample.
@@ -60,14 +75,17 @@ Channel SamplesChannel(bool is_written);
 // The channels of a frame that an earlier release stored or sent by names alone: colours, "samples" if the
 // frame is adaptive, "W".
 std::vector<Channel> ChannelsFromNames(const std::vector<std::string>& names, bool writes_samples);
-// Adds a channel before the filter weight. One of the same name that is kept but not written is written from
-// now on.
+// Adds a channel before the filter weight. If one of the same name is kept but not written, or `added` is not
+// written, there is still one of them, which is written if any of the two is.
 void AddChannel(std::vector<Channel>& channels, Channel added);
+// Whether channels of the type only help to write others.
+bool IsNeverWritten(ChannelType type);
 // Whether it is one of R, G and B.
 bool IsColorChannel(const std::string& name);
 
 // Names are unique and legal in OpenEXR; type and rule go together; there is one weight, one depth if any
-// channel is that of the nearest sample, and at most one count, which is called "samples".
+// channel is that of the nearest sample, and at most one count, which is called "samples". What a channel is
+// written with the help of is there.
 Result<void> CheckChannels(const std::vector<Channel>& channels);
 
 }  // namespace tessera

@@ -10,17 +10,71 @@ namespace {
 
 using Source = PictureChannel::Source;
 
-PictureChannel ValueChannel(const Channel& channel, size_t index) {
-  const Source plain = channel.rule == MergeRule::kSum ? Source::kMean : Source::kValue;
+// What follows the last dot of a name, and what precedes it.
+std::string ComponentOf(const std::string& name) {
+  return name.substr(name.rfind('.') + 1);
+}
+std::string LayerOf(const std::string& name) {
+  return name.substr(0, name.rfind('.'));
+}
+
+// How channels of a type are written with the help of others: channels of a certain type, and of a certain
+// name unless that is empty.
+struct Operand {
+  ChannelType type;
+  std::string name;
+};
+
+std::vector<Operand> OperandsOf(const Channel& channel) {
   switch (channel.type) {
-    case ChannelType::kColor: return {channel.name, plain, index, 0, false};
-    case ChannelType::kDepth: return {channel.name, Source::kDepth, index, 0, true};
-    case ChannelType::kCount: return {channel.name, Source::kSamples, index, 0, true};
-    case ChannelType::kFloat:
-    case ChannelType::kWeight:
-    case ChannelType::kIds: break;
+    case ChannelType::kVariance: return {{ChannelType::kColor, ComponentOf(channel.name)}};
+    case ChannelType::kHitFloat:
+    case ChannelType::kHitSlope: return {{ChannelType::kHitWeight, ""}};
+    case ChannelType::kDirection: {
+      const std::string layer = LayerOf(channel.name);
+      return {{ChannelType::kDirection, layer + ".X"},
+              {ChannelType::kDirection, layer + ".Y"},
+              {ChannelType::kDirection, layer + ".Z"}};
+    }
+    case ChannelType::kHitSquare:
+      return {{ChannelType::kHitSum, channel.name + ".sum"}, {ChannelType::kHitCount, ""}};
+    default: return {};
   }
-  return {channel.name, plain, index, 0, true};
+}
+
+std::optional<size_t> Find(const std::vector<Channel>& channels, const Operand& operand) {
+  const auto found = std::ranges::find_if(channels, [&](const Channel& channel) {
+    return channel.type == operand.type && channel.rule == MergeRule::kSum &&
+           (operand.name.empty() || channel.name == operand.name);
+  });
+  if (found == channels.end()) return std::nullopt;
+  return static_cast<size_t>(found - channels.begin());
+}
+
+Source SourceOf(const Channel& channel) {
+  switch (channel.type) {
+    case ChannelType::kDepth: return Source::kDepth;
+    case ChannelType::kCount: return Source::kSamples;
+    case ChannelType::kVariance: return Source::kVariance;
+    case ChannelType::kHitFloat: return Source::kHitMean;
+    case ChannelType::kHitSlope: return Source::kHitSlope;
+    case ChannelType::kDirection: return Source::kDirection;
+    case ChannelType::kHitSquare: return Source::kHitVariance;
+    default: return channel.rule == MergeRule::kSum ? Source::kMean : Source::kValue;
+  }
+}
+
+void AddValue(const std::vector<Channel>& channels, size_t index, std::vector<PictureChannel>& picture) {
+  const Channel& channel = channels[index];
+  PictureChannel value{channel.name, SourceOf(channel), index, 0, channel.type != ChannelType::kColor, {}};
+  size_t i = 0;
+  for (const Operand& operand : OperandsOf(channel))
+    value.operands[i++] = Find(channels, operand).value_or(index);
+  picture.push_back(value);
+  if (channel.type != ChannelType::kHitSquare) return;
+  value.name = "Relative" + channel.name;
+  value.source = Source::kRelativeHitVariance;
+  picture.push_back(std::move(value));
 }
 
 // Two ranks to a layer, each an id and its coverage.
@@ -29,7 +83,7 @@ void AddRanks(const Channel& channel, size_t index, std::vector<PictureChannel>&
   for (uint32_t i = 0; i < 2 * kIdRanks; ++i) {
     const Source source = i % 2 == 0 ? Source::kRankedId : Source::kRankedCoverage;
     picture.push_back(
-        {fmt::format("{}{:02}.{}", channel.name, i / 4, kComponents[i % 4]), source, index, i / 2, true});
+        {fmt::format("{}{:02}.{}", channel.name, i / 4, kComponents[i % 4]), source, index, i / 2, true, {}});
   }
 }
 
@@ -42,10 +96,18 @@ std::vector<PictureChannel> PictureChannels(const std::vector<Channel>& channels
     if (channels[i].type == ChannelType::kIds) {
       AddRanks(channels[i], i, picture);
     } else {
-      picture.push_back(ValueChannel(channels[i], i));
+      AddValue(channels, i, picture);
     }
   }
   return picture;
+}
+
+std::string MissingOperand(const std::vector<Channel>& channels, const Channel& channel) {
+  for (const Operand& operand : OperandsOf(channel)) {
+    if (Find(channels, operand)) continue;
+    return operand.name.empty() ? "of the samples that hit a surface" : fmt::format("\"{}\"", operand.name);
+  }
+  return {};
 }
 
 ChannelLayout::ChannelLayout(const std::vector<Channel>& channels, bool keeps_counts)

@@ -10,6 +10,7 @@
 // them of its hashes. A record of zeros is the neutral element of every rule: a pixel without samples.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -37,16 +38,33 @@ struct PixelShape {
 
 // A channel of the finished picture and where its values come from.
 struct PictureChannel {
-  enum class Source { kMean, kValue, kDepth, kSamples, kRankedId, kRankedCoverage };
+  enum class Source {
+    kMean,
+    kValue,
+    kDepth,
+    kSamples,
+    kRankedId,
+    kRankedCoverage,
+    kVariance,     // operands: the colour
+    kHitMean,      // operands: the weight of hits
+    kHitSlope,     // the same
+    kDirection,    // operands: X, Y and Z
+    kHitVariance,  // operands: the sum, the count of hits
+    kRelativeHitVariance,
+  };
   std::string name;
   Source source = Source::kMean;
-  size_t channel = 0;     // index in the frame's list
-  uint32_t rank = 0;      // of ids: 0 has the largest coverage
-  bool is_exact = false;  // written as a 32-bit float, whatever the precision of the file
+  size_t channel = 0;                // index in the frame's list
+  uint32_t rank = 0;                 // of ids: 0 has the largest coverage
+  bool is_exact = false;             // written as a 32-bit float, whatever the precision of the file
+  std::array<size_t, 3> operands{};  // other channels that the value depends on, as `channel`
 };
 
 // The channels that a picture of the frame has, in the order of the frame's list.
 std::vector<PictureChannel> PictureChannels(const std::vector<Channel>& channels);
+
+// What a channel is written with the help of and the frame does not have, for a message; empty if it has all.
+std::string MissingOperand(const std::vector<Channel>& channels, const Channel& channel);
 
 class ChannelLayout {
  public:

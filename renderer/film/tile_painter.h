@@ -45,9 +45,13 @@ class TilePainter {
   void Paint(const PixelSource& pixel, float* out) const;
 
  private:
+  // The value of a channel that is no mean.
+  float Derived(const PixelSource& pixel, size_t index) const;
+
   const ChannelLayout& layout_;
   std::vector<PictureChannel> channels_;
-  std::vector<size_t> slots_;  // of each of them
+  std::vector<size_t> slots_;     // of each of them
+  std::vector<size_t> operands_;  // three of each of them
 };
 
 }  // namespace tessera

@@ -29,7 +29,12 @@ typename LightWalk<Sink>::Event LightWalk<Sink>::Advance() {
       in_medium_ = true;
       return Event::kInMedium;
     }
-    if (!found) return Event::kEscaped;
+    if (!found) {
+      if constexpr (Sink::kRecords) {
+        if (depth_ == 0) sink_.Escape(throughput_);
+      }
+      return Event::kEscaped;
+    }
     interaction = MakeInteraction(world.geometry, hit, ray);
     if (!world.materials.IsInterface(interaction.material)) {
       in_medium_ = false;
@@ -103,9 +108,9 @@ bool LightWalk<Sink>::Collides(const Coefficients& medium, float t_max) {
 }
 
 template <typename Sink>
-void LightWalk<Sink>::Leave(const Ray& next, SampledSpectrum weight, FirstScatter scatter) {
+void LightWalk<Sink>::Leave(const Ray& next, SampledSpectrum weight, const FirstVertex& vertex) {
   throughput_ *= weight;
-  first_ = FirstScatterWith(scatter);
+  if (depth_ == 0) first_ = vertex;
   ++depth_;
   ray = next;
   origin_ = next.o;

@@ -29,7 +29,7 @@ class LightWalk {
   bool EndsAt(Event event) const { return event == Event::kEscaped || depth_ == context_.settings.max_depth; }
   // Leaves the surface or the point in a medium where the last event was, along next.d; `weight` is that of
   // the radiance that will arrive.
-  void Leave(const Ray& next, SampledSpectrum weight, FirstScatter scatter);
+  void Leave(const Ray& next, SampledSpectrum weight, const FirstVertex& vertex);
 
   // Adds what the surface of the last event emits.
   void AddSurfaceEmission();
@@ -37,8 +37,21 @@ class LightWalk {
   void AddInfiniteEmission();
   void AddInfiniteEmission(int light);
   // Adds light that a shadow ray found from the last event. `radiance` is what the event scatters of it.
-  void AddLight(SampledSpectrum radiance, int light) {
-    sink_.Add(throughput_ * radiance, {light, depth_ + 1, FirstScatterWith(FirstScatter::kNonSpecular)});
+  void AddLight(SampledSpectrum radiance, int light, const FirstVertex& vertex) {
+    sink_.Add(throughput_ * radiance, {light, depth_ + 1, depth_ == 0 ? vertex : first_});
+  }
+  // Light that something keeps from the last event, which would scatter `radiance` of it.
+  void AddShadow(SampledSpectrum radiance) {
+    if constexpr (Sink::kRecords) {
+      if (depth_ == 0 && sink_.needs().shadow) sink_.AddShadow(throughput_ * radiance);
+    }
+  }
+  // What Leave and AddLight take of a surface that scatters light from wi.
+  FirstVertex VertexOf(const Bsdf& bsdf, Vec3 wi, bool is_specular) const {
+    if constexpr (Sink::kRecords) {
+      if (depth_ == 0 && sink_.needs().lobes) return FirstVertexAt(bsdf, interaction.wo, wi, is_specular);
+    }
+    return {};
   }
 
   // What scatters at the surface of the last event; may change its shading normal and drop wavelengths.
@@ -59,7 +72,6 @@ class LightWalk {
   void Add(SampledSpectrum radiance, int light) {
     sink_.Add(throughput_ * radiance, {light, depth_, first_});
   }
-  FirstScatter FirstScatterWith(FirstScatter scatter) const { return depth_ == 0 ? scatter : first_; }
 
   const PathContext& context_;
   Sink& sink_;
@@ -68,7 +80,7 @@ class LightWalk {
   Point3 origin_;  // where the path last scattered
   int medium_ = -1;
   int depth_ = 0;  // scattering events left behind
-  FirstScatter first_ = FirstScatter::kNone;
+  FirstVertex first_;
   bool in_medium_ = false;  // the last event
 };
 

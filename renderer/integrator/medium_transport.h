@@ -42,6 +42,11 @@ class MediumTransport {
     return LightThrough(medium_, sampled, shadow, SampledSpectrum(phase), phase);
   }
 
+  // As if media on the way were clear, too.
+  SampledSpectrum LightUnlessBlocked(const SampledLight& sampled, SampledSpectrum f_cosine) const {
+    return counted_ * Throughput() * f_cosine * sampled.light.L / sampled.pdf;
+  }
+
   void PassInterface(const SurfaceInteraction& interaction, Vec3 d) {
     medium_ = MediumTracker::Beyond(interaction, d, medium_);
   }

@@ -115,16 +115,16 @@ void TraceMixture(const PathContext& context, const LightDirections& lights, con
     const float u_choice = context.sampler.Get1D();
     const Point2 u_direction = context.sampler.Get2D();
     std::optional<MixtureSample> sample;
-    FirstScatter scatter = FirstScatter::kMedium;
+    FirstVertex vertex{FirstScatter::kMedium};
     if (event == Event::kInMedium) {
       sample = SampleMixture(lights, walk.ray, walk.phase(), u_choice, u_direction, context.wavelengths);
     } else {
       const Bsdf bsdf = walk.Scatterer();
       sample = SampleMixture(lights, walk.interaction, bsdf, u_choice, u_direction, context.wavelengths);
-      scatter = sample && sample->is_specular ? FirstScatter::kSpecular : FirstScatter::kNonSpecular;
+      if (sample) vertex = walk.VertexOf(bsdf, sample->ray.d, sample->is_specular);
     }
     if (!sample) return;
-    walk.Leave(sample->ray, sample->weight, scatter);
+    walk.Leave(sample->ray, sample->weight, vertex);
   }
 }
 

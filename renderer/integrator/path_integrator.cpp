@@ -43,10 +43,22 @@ class PathTracer {
   void AddMediumLight(Vec3 wo, const PhaseFunction& phase);
 
   void Add(SampledSpectrum contribution, int light) { sink_.Add(contribution, {light, depth_, first_}); }
-  // To be called at every vertex, once depth_ counts it.
-  void NoteScatter(FirstScatter scatter) {
+  // Both to be called once depth_ counts the vertex, before what it scatters is added.
+  void NoteScatter(const Bsdf& bsdf, Vec3 wo, Vec3 wi, bool is_specular) {
     if constexpr (Sink::kRecords) {
-      if (depth_ == 1) first_ = scatter;
+      if (depth_ == 1 && sink_.needs().lobes) first_ = FirstVertexAt(bsdf, wo, wi, is_specular);
+    }
+  }
+  void NoteMedium() {
+    if constexpr (Sink::kRecords) {
+      if (depth_ == 1) first_ = {FirstScatter::kMedium};
+    }
+  }
+  // Light of this vertex does not arrive.
+  void NoteShadow(const SampledLight& sampled, SampledSpectrum f_cosine) {
+    if constexpr (Sink::kRecords) {
+      if (depth_ == 1 && sink_.needs().shadow)
+        sink_.AddShadow(transport_.LightUnlessBlocked(sampled, f_cosine));
     }
   }
 
@@ -56,7 +68,7 @@ class PathTracer {
   Ray ray_;
   int depth_ = 0;       // scattering events
   int interfaces_ = 0;  // crossed since the last of them
-  FirstScatter first_ = FirstScatter::kNone;
+  FirstVertex first_;
   bool was_spread_ = false;  // whether any event was not specular
   bool weigh_ = false;       // whether light sampling could have found what the current ray hits
   // Radiance is compressed inside denser media; roulette looks at what will leave them.
@@ -71,7 +83,12 @@ bool PathTracer<Transport, Sink>::Extend() {
   switch (Fly(&hit, &t_event)) {
     case FlightEvent::kOnSurface: break;
     case FlightEvent::kInMedium: return ScatterInMedium(t_event);
-    case FlightEvent::kEscaped: AddInfiniteLights(); return false;
+    case FlightEvent::kEscaped:
+      if constexpr (Sink::kRecords) {
+        if (depth_ == 0) sink_.Escape(transport_.Throughput());
+      }
+      AddInfiniteLights();
+      return false;
     case FlightEvent::kAbsorbed: return false;
   }
   SurfaceInteraction interaction = MakeInteraction(context_.world.geometry, hit, ray_);
@@ -108,7 +125,7 @@ template <typename Transport, typename Sink>
 bool PathTracer<Transport, Sink>::ScatterInMedium(float t) {
   if constexpr (Transport::kHasMedia) {
     if (depth_++ == context_.settings.max_depth) return false;
-    NoteScatter(FirstScatter::kMedium);
+    NoteMedium();
     interfaces_ = 0;
     const PhaseFunction& phase = transport_.phase();
     const Vec3 wo = -ray_.d;
@@ -130,7 +147,6 @@ bool PathTracer<Transport, Sink>::ScatterOnSurface(SurfaceInteraction& interacti
   const bool had_all_wavelengths = !context_.wavelengths.SecondaryTerminated();
   const Bsdf bsdf = BsdfAt(context_, interaction, context_.settings.regularize && was_spread_);
   if (had_all_wavelengths && context_.wavelengths.SecondaryTerminated()) transport_.FollowFirstWavelength();
-  NoteScatter(FirstScatter::kNonSpecular);
   if (bsdf.HasNonSpecular()) AddSurfaceLight(interaction, bsdf);
   return SampleDirection(interaction, bsdf) && SurvivesRoulette();
 }
@@ -141,7 +157,7 @@ bool PathTracer<Transport, Sink>::SampleDirection(const SurfaceInteraction& inte
   const Point2 u_direction = context_.sampler.Get2D();
   const std::optional<BsdfSample> sample = bsdf.Sample(interaction.wo, u_component, u_direction);
   if (!sample) return false;
-  if (sample->IsSpecular()) NoteScatter(FirstScatter::kSpecular);
+  NoteScatter(bsdf, interaction.wo, sample->wi, sample->IsSpecular());
   if constexpr (Transport::kHasMedia) {
     if (sample->IsTransmission() && context_.world.materials.ScattersBelow(interaction.material))
       return ComeOut(interaction, *sample);
@@ -178,6 +194,7 @@ bool PathTracer<Transport, Sink>::ComeOut(const SurfaceInteraction& entry, const
     const std::optional<BsdfSample> sample =
         exit->bsdf.Sample(exit->interaction.wo, u_component, u_direction);
     if (!sample) return false;
+    NoteScatter(exit->bsdf, exit->interaction.wo, sample->wi, sample->IsSpecular());
     Leave(exit->interaction, *sample);
     return true;
   }
@@ -225,10 +242,12 @@ void PathTracer<Transport, Sink>::AddSurfaceLight(const SurfaceInteraction& inte
   const LightSample& light = sampled->light;
   const BsdfEvaluation evaluation = bsdf.Evaluate(interaction.wo, light.wi);
   if (!AnyNonZero(evaluation.f)) return;
+  NoteScatter(bsdf, interaction.wo, light.wi, false);
   const float cosine = AbsDot(light.wi, interaction.shading.n);
   const std::optional<SampledSpectrum> contribution = transport_.LightContribution(
       *sampled, ShadowRay(interaction, light), interaction, evaluation.f, cosine, evaluation.pdf);
-  if (contribution) Add(*contribution, sampled->index);
+  if (!contribution) return NoteShadow(*sampled, evaluation.f * cosine);
+  Add(*contribution, sampled->index);
 }
 
 template <typename Transport, typename Sink>
@@ -237,9 +256,11 @@ void PathTracer<Transport, Sink>::AddMediumLight(Vec3 wo, const PhaseFunction& p
   if (!sampled) return;
   const LightSample& light = sampled->light;
   const Ray shadow = SpawnRayTo(previous_.p, {}, {}, light.p, light.p_error, light.n, ray_.time);
+  const float scattered = phase.Evaluate(wo, light.wi);
   const std::optional<SampledSpectrum> contribution =
-      transport_.LightContribution(*sampled, shadow, phase.Evaluate(wo, light.wi));
-  if (contribution) Add(*contribution, sampled->index);
+      transport_.LightContribution(*sampled, shadow, scattered);
+  if (!contribution) return NoteShadow(*sampled, SampledSpectrum(scattered));
+  Add(*contribution, sampled->index);
 }
 
 }  // namespace

@@ -15,10 +15,12 @@ void TraceRandomWalk(const PathContext& context, const Ray& camera_ray, Sink& si
     if (event == Event::kOnSurface) walk.AddSurfaceEmission();
     if (walk.EndsAt(event)) return;
     const Vec3 wi = SampleUniformSphere(context.sampler.Get2D());
-    const SampledSpectrum f = walk.Scatterer().Evaluate(walk.interaction.wo, wi).f;
+    const Bsdf bsdf = walk.Scatterer();
+    const SampledSpectrum f = bsdf.Evaluate(walk.interaction.wo, wi).f;
     if (!AnyNonZero(f)) return;
     const float cosine = AbsDot(wi, walk.interaction.shading.n);
-    walk.Leave(walk.interaction.SpawnRay(wi), f * (cosine / UniformSpherePdf()), FirstScatter::kNonSpecular);
+    walk.Leave(walk.interaction.SpawnRay(wi), f * (cosine / UniformSpherePdf()),
+               walk.VertexOf(bsdf, wi, false));
   }
 }
 

@@ -31,11 +31,13 @@ SampledSpectrum AlbedoOf(const Bsdf& bsdf, const SurfaceInteraction& interaction
 
 void RecordingSink::ReachFirstSurface(const PathContext& context, const Hit& hit,
                                       const SurfaceInteraction& interaction) {
+  if (!needs().surface) return;
   SurfaceInteraction surface = interaction;
   SampledWavelengths wavelengths = context.wavelengths;
-  const Bsdf bsdf =
-      BsdfAt({context.world, context.settings, wavelengths, context.sampler, context.counts}, surface);
-  recorder_.AddFirstHit({hit, surface, Length(surface.p - origin_), AlbedoOf(bsdf, surface)});
+  Sampler sampler = context.sampler;
+  const Bsdf bsdf = BsdfAt({context.world, context.settings, wavelengths, sampler, context.counts}, surface);
+  const SampledSpectrum albedo = needs().albedo ? AlbedoOf(bsdf, surface) : SampledSpectrum(0.0f);
+  recorder_.AddFirstHit({hit, surface, Length(surface.p - origin_), albedo});
 }
 
 }  // namespace tessera

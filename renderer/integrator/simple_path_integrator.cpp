@@ -52,7 +52,7 @@ bool SimplePath<Sink>::ScatterInMedium() {
   const PhaseSample sample = walk_.phase().Sample(-walk_.ray.d, context_.sampler.Get2D());
   light_was_sampled_ = false;
   walk_.Leave({walk_.ray.o, sample.wi, std::numeric_limits<float>::infinity(), walk_.ray.time},
-              SampledSpectrum(1.0f), FirstScatter::kMedium);
+              SampledSpectrum(1.0f), {FirstScatter::kMedium});
   return true;
 }
 
@@ -91,8 +91,9 @@ void SimplePath<Sink>::AddDirectLight(const Bsdf& bsdf) {
   const SampledSpectrum f = bsdf.Evaluate(here.wo, light.wi).f;
   if (!AnyNonZero(f)) return;
   ++context_.counts.shadow;
-  if (context_.world.accelerator->Occluded(ShadowRay(here, light))) return;
-  walk_.AddLight(f * light.L * (AbsDot(light.wi, here.shading.n) / sampled->pdf), sampled->index);
+  const SampledSpectrum scattered = f * light.L * (AbsDot(light.wi, here.shading.n) / sampled->pdf);
+  if (context_.world.accelerator->Occluded(ShadowRay(here, light))) return walk_.AddShadow(scattered);
+  walk_.AddLight(scattered, sampled->index, walk_.VertexOf(bsdf, light.wi, false));
 }
 
 template <typename Sink>
@@ -105,7 +106,7 @@ bool SimplePath<Sink>::ScatterByBsdf(const Bsdf& bsdf) {
   if (sample->IsSpecular()) light_was_sampled_ = false;
   const float cosine = AbsDot(sample->wi, interaction.shading.n);
   walk_.Leave(interaction.SpawnRay(sample->wi), sample->f * (cosine / sample->pdf),
-              sample->IsSpecular() ? FirstScatter::kSpecular : FirstScatter::kNonSpecular);
+              walk_.VertexOf(bsdf, sample->wi, sample->IsSpecular()));
   return true;
 }
 
@@ -127,7 +128,7 @@ bool SimplePath<Sink>::ScatterUniformly(const Bsdf& bsdf) {
   const SampledSpectrum f = bsdf.Evaluate(interaction.wo, wi).f;
   if (!AnyNonZero(f)) return false;
   walk_.Leave(interaction.SpawnRay(wi), f * (AbsDot(wi, interaction.shading.n) / pdf),
-              FirstScatter::kNonSpecular);
+              walk_.VertexOf(bsdf, wi, false));
   return true;
 }
 

@@ -45,6 +45,11 @@ class VacuumTransport {
     return throughput_ * (f * sampled.light.L * (cosine * weight / sampled.pdf));
   }
 
+  // What the light would contribute if nothing were in the way and light sampling were the only technique.
+  SampledSpectrum LightUnlessBlocked(const SampledLight& sampled, SampledSpectrum f_cosine) const {
+    return throughput_ * f_cosine * sampled.light.L / sampled.pdf;
+  }
+
   // The path goes on through an `interface` surface.
   void PassInterface(const SurfaceInteraction&, Vec3) {}
   // The path leaves a surface along wi, which was sampled with density pdf. `weight`: f times the cosine over

@@ -78,6 +78,7 @@ Result<SourceLight> LightBuilder::ReadSource(const LightDescription& description
   const Kind<SourceReader>* kind = kSourceTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kSourceTable.Refusal(entity.kind));
   ParameterReader reader(entity);
+  reader.FindString("group");  // for renderer/scene/light_groups.h
   SourceLight light =
       kind->reader(reader, {inputs_.render_from_world * description.world_from_light.First(),
                             inputs_.render_from_world, inputs_.files, inputs_.images, diagnostics_});

@@ -41,6 +41,16 @@ class FilmSensor {
             output_[2][0] * seen.x + output_[2][1] * seen.y + output_[2][2] * seen.z};
   }
 
+  // What the clamp multiplies a sample by: 1 unless it is too bright.
+  float Limit(SampledSpectrum radiance, const SampledWavelengths& wavelengths) const {
+    const float largest = MaxComponent(Respond(responses_, radiance, wavelengths) * exposure_.imaging_ratio);
+    return largest > exposure_.component_max ? exposure_.component_max / largest : 1;
+  }
+  // The output RGB of a part of a sample with this limit.
+  Rgb ToRgb(SampledSpectrum part, const SampledWavelengths& wavelengths, float limit) const {
+    return Multiply(output_, Respond(responses_, part, wavelengths) * exposure_.imaging_ratio * limit);
+  }
+
   // The RGB of one sample of a reflectance under the white of the output colour space: in the mean (1, 1, 1)
   // for a reflectance of 1. Divides by the densities of the wavelengths.
   Rgb ReflectanceToRgb(SampledSpectrum reflectance, const SampledWavelengths& wavelengths) const;

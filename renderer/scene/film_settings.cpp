@@ -106,6 +106,19 @@ Result<void> ApplyOptions(const RenderOptions& options, FilmSettings* film) {
   return {};
 }
 
+// A parameter of ours: what --aov adds.
+std::set<std::string> ReadLayers(ParameterReader& reader) {
+  const std::vector<std::string_view> known = AovNames();
+  std::set<std::string> layers;
+  for (const std::string& name : reader.Strings("layers")) {
+    if (std::ranges::find(known, name) == known.end()) {
+      reader.FailAt("layers", fmt::format("unknown layer {}{}", Quoted(name), DidYouMean(name, known)));
+    }
+    layers.insert(name);
+  }
+  return layers;
+}
+
 FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options, Diagnostics& diagnostics) {
   FilmSettings film;
   reader.String("filename", "");  // the command line names the output
@@ -120,6 +133,7 @@ FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options, 
   std::vector<std::string_view> sensors{kObserver};
   sensors.insert(sensors.end(), SensorNames().begin(), SensorNames().end());
   film.sensor = reader.Choice("sensor", kObserver, sensors);
+  film.layers = ReadLayers(reader);
   if (!(film.diagonal_mm > 0)) reader.FailAt("diagonal", "diagonal must be above 0");
   if (!(film.iso > 0)) reader.FailAt("iso", "iso must be above 0");
   if (film.white_balance < 0 || film.white_balance > 40000) {
@@ -132,10 +146,10 @@ FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options, 
 FilmSettings ReadGbufferFilm(ParameterReader& reader, const RenderOptions& options,
                              Diagnostics& diagnostics) {
   constexpr std::array<std::string_view, 2> kCoordinates = {"camera", "world"};
-  reader.Choice("coordinatesystem", kCoordinates[0], kCoordinates);
-  diagnostics.Warn(reader.entity().location,
-                   "film \"gbuffer\" is written as \"rgb\": --aov adds albedo, normals and depth");
-  return ReadRgbFilm(reader, options, diagnostics);
+  const std::string space = reader.Choice("coordinatesystem", kCoordinates[0], kCoordinates);
+  FilmSettings film = ReadRgbFilm(reader, options, diagnostics);
+  film.gbuffer = space == kCoordinates[0] ? GbufferSpace::kCamera : GbufferSpace::kWorld;
+  return film;
 }
 
 FilmSettings ReadSpectralFilm(ParameterReader& reader, const RenderOptions& options,
@@ -160,7 +174,7 @@ FilmSettings ReadSpectralFilm(ParameterReader& reader, const RenderOptions& opti
 using FilmReader = FilmSettings (*)(ParameterReader&, const RenderOptions&, Diagnostics&);
 constexpr Kind<FilmReader> kKinds[] = {
     {"rgb", Support::kSupported, ReadRgbFilm},
-    {"gbuffer", Support::kMapped, ReadGbufferFilm, "rgb"},
+    {"gbuffer", Support::kSupported, ReadGbufferFilm},
     {"spectral", Support::kSupported, ReadSpectralFilm},
 };
 constexpr KindTable<FilmReader> kTable("film", kKinds);

@@ -1,6 +1,7 @@
 // What the Film directive asks for, with the overrides of the command line.
 #pragma once
 
+#include <set>
 #include <string>
 
 #include "renderer/description/diagnostics.h"
@@ -8,6 +9,7 @@
 #include "renderer/description/scene_description.h"
 #include "renderer/film/frame_spec.h"
 #include "renderer/scene/film_sensor.h"
+#include "renderer/scene/layer_sample.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/spectral_buckets.h"
 
@@ -23,6 +25,8 @@ struct FilmSettings {
   float component_max = 0;  // largest sensor component of one sample; infinite if there is no clamp
   ExrType exr_type = ExrType::kHalf;
   SpectralBuckets buckets;
+  GbufferSpace gbuffer = GbufferSpace::kNone;
+  std::set<std::string> layers;  // of AovNames
 
   // `exposure_time` in seconds. The colour space must outlive the sensor.
   FilmSensor MakeSensor(const ColorSpace& color_space, float exposure_time) const;

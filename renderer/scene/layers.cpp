@@ -2,145 +2,220 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <limits>
 
-#include "renderer/scene/layer_names.h"
-#include "renderer/scene/scene.h"
+#include "renderer/scene/screen_motion.h"
 
 namespace tessera {
 namespace {
 
-constexpr size_t kLayerChannelsMax = 4;
+// ---- What fills layers
 
-Channel Value(const char* name) {
-  return {name, ChannelType::kFloat, MergeRule::kSum};
+void Put(Vec3 v, float* values) {
+  values[0] = v.x;
+  values[1] = v.y;
+  values[2] = v.z;
 }
 
-constexpr MatteKind kMatteKinds[] = {MatteKind::kObject, MatteKind::kMaterial, MatteKind::kAsset};
-
-// Its name in the table.
-std::string_view LayerOf(MatteKind kind) {
-  return kLayerNames[4 + static_cast<size_t>(kind)];
+// Of the first surface, if the sample sees one.
+template <void (*kFill)(const SeenSurface& seen, const LayerSample& sample, float* values)>
+void OfSurface(const LayerSample& sample, float* values) {
+  if (sample.parts.surface) kFill(*sample.parts.surface, sample, values);
 }
 
-// A row of the table for a matte of Cryptomatte, whose values are ids.
+void FillAlbedo(const SeenSurface& seen, const LayerSample& sample, float* values) {
+  Put(sample.scene.sensor.ReflectanceToRgb(seen.albedo, sample.first_wavelengths), values);
+}
+void FillNormal(const SeenSurface& seen, const LayerSample&, float* values) {
+  Put(FaceForward(seen.interaction.shading.n, seen.interaction.wo), values);
+}
+void FillGeometricNormal(const SeenSurface& seen, const LayerSample&, float* values) {
+  Put(FaceForward(seen.interaction.n, seen.interaction.wo), values);
+}
+// A depth of 0 would stand for nothing.
+void FillDepth(const SeenSurface& seen, const LayerSample&, float* values) {
+  values[0] = std::max(seen.distance, std::numeric_limits<float>::min());
+}
+void FillPosition(const SeenSurface& seen, const LayerSample& sample, float* values) {
+  Put(sample.scene.world.camera.render_from_world().Inverse().ToPoint(seen.interaction.p), values);
+}
+void FillUv(const SeenSurface& seen, const LayerSample&, float* values) {
+  values[0] = seen.interaction.uv.x;
+  values[1] = seen.interaction.uv.y;
+}
+void FillMotion(const SeenSurface& seen, const LayerSample& sample, float* values) {
+  const Vec2 motion = ScreenMotion(sample.scene.world, seen.hit, seen.interaction, sample.film);
+  values[0] = motion.x;
+  values[1] = motion.y;
+}
+
 template <MatteKind kKind>
-constexpr Layer MatteRow() {
-  return {[] {
-            return std::vector<Channel>{{MatteLayer(kKind), ChannelType::kIds, MergeRule::kIdWeights}};
-          },
-          [](const LayerSample& sample, float* values) {
-            values[0] = sample.mattes.IdOf(kKind, sample.first.hit);
-          }};
+void FillMatte(const SeenSurface& seen, const LayerSample& sample, float* values) {
+  values[0] = sample.scene.mattes.IdOf(kKind, seen.hit);
 }
 
+void FillAlpha(const LayerSample& sample, float* values) {
+  values[0] = 1 - std::clamp(Average(sample.parts.transmittance), 0.0f, 1.0f);
+}
+void FillVariance(const LayerSample& sample, float* values) {
+  Put(Rgb{sample.rgb.x * sample.rgb.x, sample.rgb.y * sample.rgb.y, sample.rgb.z * sample.rgb.z}, values);
+}
+// Every fourth of the samples counts with the other sign: as many as with the first one among eight in order.
+void FillHalves(const LayerSample& sample, float* values) {
+  const float sign = (sample.index >> 2 & 1) == 0 ? 1.0f : -1.0f;
+  Put(Rgb{sample.rgb.x * sign, sample.rgb.y * sign, sample.rgb.z * sign}, values);
+}
+
+void FillColor(const LayerSample& sample, SampledSpectrum part, float* values) {
+  if (AnyNonZero(part)) Put(sample.ColorOf(part), values);
+}
+template <SampledSpectrum SampleParts::*kPart>
+void FillPart(const LayerSample& sample, float* values) {
+  FillColor(sample, sample.parts.*kPart, values);
+}
+template <ScatteredLight SampleParts::*kLight>
+void FillLight(const LayerSample& sample, float* values) {
+  FillColor(sample, (sample.parts.*kLight).all, values);
+}
+template <ScatteredLight SampleParts::*kLight, Lobe kLobe>
+void FillLobe(const LayerSample& sample, float* values) {
+  FillColor(sample, (sample.parts.*kLight).lobes[kLobe], values);
+}
+
+// ---- The table
+
+constexpr RecordNeeds kNothing{false, false, false, false};
+constexpr RecordNeeds kSurface{true, false, false, false};
+constexpr RecordNeeds kAlbedo{true, true, false, false};
+constexpr RecordNeeds kLobes{false, false, true, false};
+constexpr RecordNeeds kShadow{false, false, false, true};
+
+// Light, as colours with the precision of the picture's own.
+constexpr Layer Light(void (*fill)(const LayerSample&, float*), const RecordNeeds& needs = kNothing) {
+  return {"RGB", ChannelType::kColor, MergeRule::kSum, needs, fill};
+}
+// The mean of values over all samples: 0 counts for those that see no surface.
+constexpr Layer Mean(std::string_view components, const RecordNeeds& needs,
+                     void (*fill)(const LayerSample&, float*)) {
+  return {components, ChannelType::kFloat, MergeRule::kSum, needs, fill};
+}
+// The values of the sample that sees the nearest surface.
+constexpr Layer Nearest(std::string_view components, void (*fill)(const LayerSample&, float*),
+                        ChannelType type = ChannelType::kFloat) {
+  return {components, type, MergeRule::kNearest, kSurface, fill};
+}
+
+// The ids of what the samples see.
+template <MatteKind kKind>
+constexpr Layer Matte() {
+  return {"1",      ChannelType::kIds,           MergeRule::kIdWeights,
+          kSurface, OfSurface<FillMatte<kKind>>, MatteLayer(kKind)};
+}
+
+constexpr auto kDirect = &SampleParts::direct;
+constexpr auto kIndirect = &SampleParts::indirect;
+constexpr std::string_view kDepthLayer = "depth";
+// By MatteKind.
+constexpr MatteKind kMatteKinds[] = {MatteKind::kObject, MatteKind::kMaterial, MatteKind::kAsset};
+constexpr std::string_view kMatteLayers[] = {"crypto_object", "crypto_material", "crypto_asset"};
+constexpr std::string_view kMotionLayer = "motion";
+
+// In the order in which frames have the channels.
 constexpr Kind<Layer> kLayers[] = {
-    // The number of samples of each pixel.
-    {kLayerNames[0],
+    {kSamplesChannel,
      Support::kSupported,
-     {[] { return std::vector<Channel>{SamplesChannel(true)}; }, nullptr}},
-    // For denoisers: the mean reflectance, as colours under the white of the picture.
-    {kLayerNames[1],
+     {"N", ChannelType::kCount, MergeRule::kSum, kNothing, nullptr, kSamplesChannel}},
+    {"albedo", Support::kSupported, Mean("RGB", kAlbedo, OfSurface<FillAlbedo>)},
+    {"normal", Support::kSupported, Mean("XYZ", kSurface, OfSurface<FillNormal>)},
+    {kDepthLayer, Support::kSupported, Nearest("Z", OfSurface<FillDepth>, ChannelType::kDepth)},
+    {kMatteLayers[0], Support::kSupported, Matte<MatteKind::kObject>()},
+    {kMatteLayers[1], Support::kSupported, Matte<MatteKind::kMaterial>()},
+    {kMatteLayers[2], Support::kSupported, Matte<MatteKind::kAsset>()},
+    {"alpha", Support::kSupported, {"A", ChannelType::kColor, MergeRule::kSum, kNothing, FillAlpha, "A"}},
+    {"position", Support::kSupported, Nearest("XYZ", OfSurface<FillPosition>)},
+    {"normal_geometric", Support::kSupported, Mean("XYZ", kSurface, OfSurface<FillGeometricNormal>)},
+    {"uv", Support::kSupported, Nearest("UV", OfSurface<FillUv>)},
+    {kMotionLayer, Support::kSupported, Nearest("XY", OfSurface<FillMotion>)},
+    {"emission", Support::kSupported, Light(FillPart<&SampleParts::emission>)},
+    {"direct", Support::kSupported, Light(FillLight<kDirect>)},
+    {"direct_diffuse", Support::kSupported, Light(FillLobe<kDirect, kDiffuseLobe>, kLobes)},
+    {"direct_specular", Support::kSupported, Light(FillLobe<kDirect, kSpecularLobe>, kLobes)},
+    {"direct_transmission", Support::kSupported, Light(FillLobe<kDirect, kTransmissionLobe>, kLobes)},
+    {"direct_volume", Support::kSupported, Light(FillLobe<kDirect, kVolumeLobe>, kLobes)},
+    {"indirect", Support::kSupported, Light(FillLight<kIndirect>)},
+    {"indirect_diffuse", Support::kSupported, Light(FillLobe<kIndirect, kDiffuseLobe>, kLobes)},
+    {"indirect_specular", Support::kSupported, Light(FillLobe<kIndirect, kSpecularLobe>, kLobes)},
+    {"indirect_transmission", Support::kSupported, Light(FillLobe<kIndirect, kTransmissionLobe>, kLobes)},
+    {"indirect_volume", Support::kSupported, Light(FillLobe<kIndirect, kVolumeLobe>, kLobes)},
+    {"shadow", Support::kSupported, Light(FillPart<&SampleParts::shadow>, kShadow)},
+    {"variance",
      Support::kSupported,
-     {[] {
-        return std::vector<Channel>{Value("albedo.R"), Value("albedo.G"), Value("albedo.B")};
-      },
-      [](const LayerSample& sample, float* values) {
-        const Rgb rgb = sample.sensor.ReflectanceToRgb(sample.first.albedo, sample.wavelengths);
-        values[0] = rgb.x;
-        values[1] = rgb.y;
-        values[2] = rgb.z;
-      }}},
-    // For denoisers: the mean shading normal, in world space and towards the camera.
-    {kLayerNames[2],
-     Support::kSupported,
-     {[] {
-        return std::vector<Channel>{Value("N.X"), Value("N.Y"), Value("N.Z")};
-      },
-      [](const LayerSample& sample, float* values) {
-        const SurfaceInteraction& surface = sample.first.surface;
-        const Normal3 n = FaceForward(surface.shading.n, surface.wo);
-        values[0] = n.x;
-        values[1] = n.y;
-        values[2] = n.z;
-      }}},
-    // For compositing: the least distance from the camera.
-    {kLayerNames[3],
-     Support::kSupported,
-     {[] {
-        return std::vector<Channel>{{"Z", ChannelType::kDepth, MergeRule::kNearest}};
-      },
-      [](const LayerSample& sample, float* values) { values[0] = sample.first.distance; }}},
-    // For compositing: which share of the pixel each object, material and asset covers.
-    {kLayerNames[4], Support::kSupported, MatteRow<MatteKind::kObject>()},
-    {kLayerNames[5], Support::kSupported, MatteRow<MatteKind::kMaterial>()},
-    {kLayerNames[6], Support::kSupported, MatteRow<MatteKind::kAsset>()},
+     {"RGB", ChannelType::kVariance, MergeRule::kSum, kNothing, FillVariance}},
+    {kLightGroupsLayer, Support::kSupported, {}},
+    {"halves", Support::kSupported, Mean("RGB", kNothing, FillHalves)},
 };
-static_assert(std::size(kLayers) == std::size(kLayerNames));
+constexpr KindTable<Layer> kLayerTable("layer", kLayers);
 
 }  // namespace
 
 KindTable<Layer> Layers() {
-  return {"layer", kLayers};
+  return kLayerTable;
 }
 
-void AddLayers(const std::set<std::string>& names, std::vector<Channel>& channels) {
+std::vector<Channel> ChannelsOf(const Kind<Layer>& layer) {
+  const auto& [components, type, rule, needs, fill, channel_name] = layer.reader;
+  const bool is_written = !IsNeverWritten(type);
+  if (!channel_name.empty()) return {{std::string(channel_name), type, rule, is_written}};
+  std::vector<Channel> channels;
+  for (const char component : components)
+    channels.push_back({fmt::format("{}.{}", layer.name, component), type, rule, is_written});
+  return channels;
+}
+
+const std::vector<LayerSet>& LayerSets() {
+  static const std::vector<LayerSet> sets{
+      {"all", kLayerTable.Names()},
+      {"denoise", {"albedo", "normal", kDepthLayer, kMotionLayer, "variance", "halves"}},
+  };
+  return sets;
+}
+
+std::set<std::string> ExpandLayers(const std::set<std::string>& names, bool moves, bool has_light_groups) {
+  const auto has = [&](std::string_view layer) {
+    return layer == kMotionLayer ? moves : layer != kLightGroupsLayer || has_light_groups;
+  };
+  std::set<std::string> layers = names;
+  for (const LayerSet& set : LayerSets()) {
+    if (layers.erase(std::string(set.name)) == 0) continue;
+    for (const std::string_view layer : set.layers) {
+      if (has(layer)) layers.emplace(layer);
+    }
+  }
+  return layers;
+}
+
+void AddLayers(const std::set<std::string>& layers, std::vector<Channel>& channels) {
   for (const Kind<Layer>& kind : kLayers) {
-    if (!names.contains(std::string(kind.name))) continue;
-    for (const Channel& channel : kind.reader.channels()) AddChannel(channels, channel);
+    if (!layers.contains(std::string(kind.name))) continue;
+    for (const Channel& channel : ChannelsOf(kind)) AddChannel(channels, channel);
+  }
+  if (std::ranges::find(channels, MergeRule::kNearest, &Channel::rule) == channels.end()) return;
+  for (Channel& depth : ChannelsOf(*kLayerTable.Find(kDepthLayer))) {
+    depth.is_written = false;
+    AddChannel(channels, depth);
   }
 }
 
-void AddMatteNames(const std::set<std::string>& names, const MatteTable& mattes, const std::string& place,
+bool HasMattes(const std::set<std::string>& layers) {
+  return std::ranges::any_of(kMatteLayers,
+                             [&](std::string_view layer) { return layers.contains(std::string(layer)); });
+}
+
+void AddMatteNames(const std::set<std::string>& layers, const MatteTable& mattes, const std::string& place,
                    Diagnostics& diagnostics, std::map<std::string, std::string>& attributes) {
   for (const MatteKind kind : kMatteKinds) {
-    if (names.contains(std::string(LayerOf(kind))))
+    if (layers.contains(std::string(kMatteLayers[static_cast<size_t>(kind)])))
       mattes.AddAttributes(kind, place, diagnostics, attributes);
-  }
-}
-
-bool HasMattes(const std::set<std::string>& names) {
-  return std::ranges::any_of(kMatteKinds,
-                             [&](MatteKind kind) { return names.contains(std::string(LayerOf(kind))); });
-}
-
-LayerRecorder::LayerRecorder(const std::set<std::string>& names, const ChannelLayout& layout,
-                             const FilmSensor& sensor, const MatteTable& mattes)
-    : sensor_(sensor), mattes_(mattes) {
-  const size_t first_set = size_t{layout.shape().sums} + layout.shape().nearest;
-  for (const Kind<Layer>& kind : kLayers) {
-    if (kind.reader.fill == nullptr || !names.contains(std::string(kind.name))) continue;
-    Output output{&kind.reader, {}};
-    for (const Channel& channel : kind.reader.channels()) {
-      const size_t slot = *layout.SlotOf(channel.name);
-      const bool is_id = channel.rule == MergeRule::kIdWeights;
-      output.targets.push_back({is_id ? slot - first_set : slot, channel.rule});
-    }
-    TESSERA_CHECK(output.targets.size() <= kLayerChannelsMax);
-    outputs_.push_back(std::move(output));
-  }
-}
-
-void LayerRecorder::Start(const SampledWavelengths& wavelengths, float filter_weight, TileBuilder& tile) {
-  wavelengths_ = wavelengths;
-  filter_weight_ = filter_weight;
-  tile_ = &tile;
-}
-
-void LayerRecorder::AddFirstHit(const FirstHit& first) {
-  for (const Output& output : outputs_) {
-    float layer[kLayerChannelsMax] = {};
-    output.layer->fill({first, wavelengths_, sensor_, mattes_}, layer);
-    for (size_t i = 0; i < output.targets.size(); ++i) {
-      // A tile must not hold NaN or infinite values, which degenerate geometry can give.
-      if (!std::isfinite(layer[i])) continue;
-      const Target& target = output.targets[i];
-      switch (target.rule) {
-        case MergeRule::kSum: tile_->Values()[target.slot] = layer[i] * filter_weight_; break;
-        case MergeRule::kNearest: tile_->Values()[target.slot] = layer[i]; break;
-        case MergeRule::kIdWeights: tile_->AddId(target.slot, layer[i], filter_weight_); break;
-      }
-    }
   }
 }
 

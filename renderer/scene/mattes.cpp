@@ -8,22 +8,13 @@
 namespace tessera {
 namespace {
 
-struct KindWords {
-  const char* layer;
-  const char* plural;
-};
-constexpr KindWords kMatteWords[] = {
-    {"CryptoObject", "objects"}, {"CryptoMaterial", "materials"}, {"CryptoAsset", "assets"}};
+constexpr const char* kMattePlurals[] = {"objects", "materials", "assets"};
 
 float IdOrNone(const std::string& name) {
   return name.empty() ? 0 : MatteId(name);
 }
 
 }  // namespace
-
-const char* MatteLayer(MatteKind kind) {
-  return kMatteWords[static_cast<size_t>(kind)].layer;
-}
 
 MatteTable::MatteTable(const SceneNames& names, const Geometry& geometry) : geometry_(&geometry) {
   NameShapes(names);
@@ -86,12 +77,12 @@ void MatteTable::AddAttributes(MatteKind kind, const std::string& place, Diagnos
   const auto index = static_cast<size_t>(kind);
   const MatteManifest manifest = MakeManifest(names_[index]);
   if (manifest.listed < manifest.total) {
-    diagnostics.Warn(
-        place, fmt::format("the picture will name {} of {} {}: its header has room for {} bytes "
-                           "of names; the mattes of the others are there, without a name",
-                           manifest.listed, manifest.total, kMatteWords[index].plural, kManifestBytesMax));
+    diagnostics.Warn(place,
+                     fmt::format("the picture will name {} of {} {}: its header has room for {} bytes "
+                                 "of names; the mattes of the others are there, without a name",
+                                 manifest.listed, manifest.total, kMattePlurals[index], kManifestBytesMax));
   }
-  AddMatteAttributes(kMatteWords[index].layer, manifest, attributes);
+  AddMatteAttributes(MatteLayer(kind), manifest, attributes);
 }
 
 }  // namespace tessera

@@ -15,7 +15,10 @@ namespace tessera {
 enum class MatteKind { kObject, kMaterial, kAsset };
 
 // The layer of the file.
-const char* MatteLayer(MatteKind kind);
+constexpr const char* MatteLayer(MatteKind kind) {
+  constexpr const char* kLayers[] = {"CryptoObject", "CryptoMaterial", "CryptoAsset"};
+  return kLayers[static_cast<size_t>(kind)];
+}
 
 // Immutable once built.
 class MatteTable {

@@ -8,14 +8,15 @@
 #include <vector>
 
 #include "renderer/description/number.h"
-#include "renderer/scene/layer_names.h"
+#include "renderer/scene/layers.h"
 #include "renderer/scene/scene.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
 namespace {
 
-constexpr size_t kTextSizeMax = 4096;  // bytes: all keys with the longest values fit
+// Bytes: all keys with the longest values fit.
+constexpr size_t kTextSizeMax = 4096 + kLightGroupsMax * (kLightGroupNameMax + kLightGroupPatternMax + 2);
 // ---- Values as text. FromText returns nullopt unless all of `text` is a value of the type, and finite.
 
 template <typename Number>
@@ -95,6 +96,30 @@ std::optional<std::set<std::string>> FromText(std::string_view text, std::set<st
   return names;
 }
 
+// Neither holds control characters.
+constexpr char kRuleSeparator = '\t';
+
+std::string ToText(const std::vector<LightGroupRule>& rules) {
+  std::string text;
+  for (const LightGroupRule& rule : rules) {
+    if (!text.empty()) text += kRuleSeparator;
+    text.append(rule.group).append("=").append(rule.pattern);
+  }
+  return text;
+}
+
+std::optional<std::vector<LightGroupRule>> FromText(std::string_view text, std::vector<LightGroupRule>*) {
+  std::vector<LightGroupRule> rules;
+  for (size_t start = 0; start <= text.size();) {
+    const size_t end = std::min(text.find(kRuleSeparator, start), text.size());
+    Result<LightGroupRule> rule = ParseLightGroupRule(text.substr(start, end - start));
+    if (!rule || rules.size() == kLightGroupsMax) return std::nullopt;
+    rules.push_back(*std::move(rule));
+    start = end + 1;
+  }
+  return rules;
+}
+
 template <typename T>
 std::string ToText(const std::optional<T>& value) {
   return ToText(*value);
@@ -140,6 +165,7 @@ constexpr Line kLines[] = {
     LineOf<&RenderOptions::exr_type>("exr-type"),
     LineOf<&RenderOptions::height>("height"),
     LineOf<&RenderOptions::integrator>("integrator"),
+    LineOf<&RenderOptions::light_groups>("light-group"),
     LineOf<&RenderOptions::max_depth>("max-depth"),
     LineOf<&RenderOptions::noise_threshold>("noise-threshold"),
     LineOf<&RenderOptions::seed>("seed"),
@@ -167,7 +193,9 @@ Result<void> DecodeLine(std::string_view text, RenderOptions& options) {
 }  // namespace
 
 std::vector<std::string_view> AovNames() {
-  return {std::begin(kLayerNames), std::end(kLayerNames)};
+  std::vector<std::string_view> names = Layers().Names();
+  for (const LayerSet& set : LayerSets()) names.push_back(set.name);
+  return names;
 }
 
 std::string EncodeRenderOptions(const RenderOptions& options) {

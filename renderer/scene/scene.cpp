@@ -8,6 +8,7 @@
 #include "renderer/description/motion.h"
 #include "renderer/pbrt/parser.h"
 #include "renderer/scene/film_settings.h"
+#include "renderer/scene/gbuffer.h"
 #include "renderer/scene/integrator_choice.h"
 #include "renderer/scene/layers.h"
 #include "renderer/scene/light_check.h"
@@ -83,6 +84,7 @@ class SceneBuilder {
   Result<void> DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator);
   Result<std::vector<EmittingShape>> BuildNamedWorld(const IntegratorChoice& integrator,
                                                      const std::string& name);
+  void WarnOfEmptyLayers(const std::set<std::string>& layers, const IntegratorChoice& integrator);
   Result<void> BuildAccelerator();
   void SurveyAccelerators();
   Result<void> CheckLights(const std::string& name);
@@ -92,6 +94,7 @@ class SceneBuilder {
   SceneFileSource files_;
   ImageCache images_{files_};
   const Kind<AcceleratorMaker>* accelerator_ = nullptr;
+  bool moves_ = false;      // whether anything does while the shutter is open
   bool wavefront_ = false;  // the scene asks for pbrt's wavefront renderer
   std::unique_ptr<Scene::Data> data_ = std::make_unique<Scene::Data>();
 };
@@ -101,6 +104,7 @@ Result<void> SceneBuilder::SettleMotion(const std::string& name) {
   const Result<int> moving = CheckMotion(scene_);
   if (!moving) return moving.error();
   data_->summary.moving = static_cast<uint64_t>(*moving);
+  moves_ = *moving > 0 && (!options_.time || HasShutter(scene_.camera));
   if (*moving == 0 || !options_.time) return {};
   if (HasShutter(scene_.camera)) {
     StartTimeAt(*options_.time, scene_);
@@ -144,14 +148,19 @@ Result<void> SceneBuilder::ReadSettings(const std::string& name) {
                             ? kSpacingMin
                             : 1 / std::sqrt(static_cast<float>(data.sampler.samples_per_pixel));
   data.estimator.integrator = integrator->integrator;
-  const float footprint = scene_options->disable_texture_filtering ? 0 : std::max(kSpacingMin, spacing);
+  data.footprint_scale = std::max(kSpacingMin, spacing);
+  const float footprint = scene_options->disable_texture_filtering ? 0 : data.footprint_scale;
   data.estimator.path = {integrator->max_depth, footprint, integrator->regularize,
                          scene_options->force_diffuse};
   data.estimator.techniques = {integrator->sample_lights, integrator->sample_bsdf};
 
+  Result<LightGroups> groups = LightGroups::Read(scene_, options_.light_groups, scene_.diagnostics);
+  if (!groups) return groups.error();
+  data.light_groups = *std::move(groups);
   if (Result<void> described = DescribeFrame(*film, *integrator); !described) return described;
   const Result<std::vector<EmittingShape>> emitters = BuildNamedWorld(*integrator, name);
   if (!emitters) return emitters.error();
+  data.light_groups.Assign(data.world, *emitters);
   if (data.world.has_subsurface && data.estimator.integrator.kind != IntegratorKind::kVolPath) {
     scene_.diagnostics.Warn(
         scene_.integrator.location,
@@ -161,6 +170,25 @@ Result<void> SceneBuilder::ReadSettings(const std::string& name) {
   }
   if (data.estimator.integrator.kind == IntegratorKind::kMixture) data.estimator.lights.emplace(data.world);
   return CheckLightsFor(data.estimator, scene_, *emitters, data.world, scene_.diagnostics);
+}
+
+void SceneBuilder::WarnOfEmptyLayers(const std::set<std::string>& layers,
+                                     const IntegratorChoice& integrator) {
+  if (layers.contains("motion") && !moves_)
+    scene_.diagnostics.Warn(scene_.film.location,
+                            "layer \"motion\" is zero: nothing moves while the shutter is open");
+  if (layers.contains(std::string(kLightGroupsLayer)) && !data_->light_groups.any())
+    scene_.diagnostics.Warn(
+        scene_.film.location,
+        "layer \"light_groups\" has all light in the group \"others\": no light has a group");
+  const IntegratorKind kind = integrator.integrator.kind;
+  const bool samples_lights = kind == IntegratorKind::kPath || kind == IntegratorKind::kVolPath ||
+                              (kind == IntegratorKind::kSimplePath && integrator.sample_lights);
+  if (layers.contains("shadow") && !samples_lights) {
+    scene_.diagnostics.Warn(
+        scene_.integrator.location,
+        fmt::format("layer \"shadow\" is black: integrator \"{}\" does not sample lights", integrator.name));
+  }
 }
 
 Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator) {
@@ -175,8 +203,16 @@ Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const Integra
   data.frame.exr_type = film.exr_type;
   data.frame.SetNoiseThreshold(options_.noise_threshold);
   data.frame.tile_size = options_.tile_size.value_or(kTileSizeDefault);
-  data.layers = options_.aovs;
+  data.layers = film.layers;
+  data.layers.insert(options_.aovs.begin(), options_.aovs.end());
+  data.layers = ExpandLayers(data.layers, moves_, data.light_groups.any());
+  if (!options_.light_groups.empty()) data.layers.emplace(kLightGroupsLayer);
+  WarnOfEmptyLayers(data.layers, integrator);
   AddLayers(data.layers, data.frame.channels);
+  if (data.layers.contains(std::string(kLightGroupsLayer)))
+    data.light_groups.AddChannels(data.frame.channels);
+  data.gbuffer = film.gbuffer;
+  if (film.gbuffer != GbufferSpace::kNone) AddGbufferLayers(data.frame.channels);
   data.buckets = film.buckets;
   data.buckets.AddChannels(data.frame.channels);
   data.summary.camera = scene_.camera.kind;

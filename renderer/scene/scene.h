@@ -14,12 +14,13 @@
 #include "renderer/film/frame_spec.h"
 #include "renderer/film/pixel_mask.h"
 #include "renderer/film/radiance_tile.h"
+#include "renderer/scene/light_group_rule.h"
 
 namespace tessera {
 
 struct SceneDescription;
 
-// Names of the channels that may be added to a picture.
+// Names of the layers that may be added to a picture, then those of sets of them.
 std::vector<std::string_view> AovNames();
 
 // What the command line may override of a scene (DESIGN.md section 8).
@@ -38,6 +39,7 @@ struct RenderOptions {
   std::optional<ExrType> exr_type;
   double noise_threshold = 0;  // FrameSpec::noise_threshold
   std::set<std::string> aovs;  // of AovNames
+  std::vector<LightGroupRule> light_groups;
 
   bool operator==(const RenderOptions&) const = default;
 };

@@ -1,7 +1,6 @@
 // The contents of a Scene, for the files that build it and render from it.
 #pragma once
 
-#include <set>
 #include <string>
 
 #include "renderer/camera/camera.h"
@@ -11,6 +10,8 @@
 #include "renderer/integrator/world.h"
 #include "renderer/sampler/sampler_settings.h"
 #include "renderer/scene/film_sensor.h"
+#include "renderer/scene/layer_sample.h"
+#include "renderer/scene/light_groups.h"
 #include "renderer/scene/mattes.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/spectral_buckets.h"
@@ -26,6 +27,9 @@ struct Scene::Data {
   FilmSensor sensor = FilmSensor::Observer(ColorSpace::Srgb(), {}, 0);
   FrameSpec frame;
   SpectralBuckets buckets;
+  LightGroups light_groups;
+  GbufferSpace gbuffer = GbufferSpace::kNone;
+  float footprint_scale = 1;      // of the film "gbuffer"
   bool pixel_jitter = true;       // else samples are at the centres of pixels and of the lens
   bool wavelength_jitter = true;  // else all samples have the same wavelengths
   std::set<std::string> layers;   // in the frame: names in Layers()

@@ -1,7 +1,7 @@
 #include <array>
 
 #include "renderer/film/tile_builder.h"
-#include "renderer/scene/layers.h"
+#include "renderer/scene/layer_recorder.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/scene_data.h"
 
@@ -16,7 +16,8 @@ class PixelRenderer {
         sampler_(data.sampler.sampler),
         rgb_{*layout.SlotOf("R"), *layout.SlotOf("G"), *layout.SlotOf("B")},
         weight_(layout.weight()),
-        layers_(data.layers, layout, data.sensor, data.mattes),
+        layers_({data.world, data.sensor, data.light_groups, data.mattes, data.gbuffer, data.footprint_scale},
+                layout),
         buckets_(data.buckets, layout),
         statistics_(*statistics) {}
 
@@ -56,9 +57,15 @@ class PixelRenderer {
     const CameraSample seen = camera.GenerateRay(film, u_lens, u_time);
     const PathContext context{data_.world, data_.estimator.path, wavelengths, sampler_, rays_};
     SampledSpectrum radiance(0.0f);
-    if (seen.weight > 0) radiance = Estimate(context, seen.ray, filter.weight, tile) * seen.weight;
+    if (!layers_.empty()) layers_.Start(wavelengths);
+    if (seen.weight > 0) radiance = Estimate(context, seen.ray) * seen.weight;
     const Rgb rgb = data_.sensor.ToRgb(radiance, wavelengths);
     values[weight_] = filter.weight;
+    if (!layers_.empty()) {
+      const SampleExposure exposure{wavelengths, seen.weight, data_.sensor.Limit(radiance, wavelengths)};
+      const auto finite = IsFinite(rgb) ? std::optional<Rgb>(rgb) : std::nullopt;
+      layers_.Finish({index, film, filter.weight, finite, exposure}, tile);
+    }
     if (!IsFinite(rgb)) {
       ++statistics_.discarded_samples;
       return;
@@ -69,10 +76,8 @@ class PixelRenderer {
     if (!buckets_.empty()) buckets_.Add(radiance, wavelengths, filter.weight, values);
   }
 
-  SampledSpectrum Estimate(const PathContext& context, const Ray& ray, float filter_weight,
-                           TileBuilder& tile) {
+  SampledSpectrum Estimate(const PathContext& context, const Ray& ray) {
     if (layers_.empty()) return EstimateRadiance(context, data_.estimator, ray);
-    layers_.Start(context.wavelengths, filter_weight, tile);
     return EstimateRadiance(context, data_.estimator, ray, layers_);
   }
 

@@ -63,6 +63,7 @@ FrameSpec Clients::DrawFrame() {
   const int width = world_.random.Int(5, 24);
   const int height = world_.random.Int(5, 24);
   FrameSpec frame = SmallFrame(width, height, 8, samples);
+  if (width % 2 == 0) AddModelLayers(frame);
   if (world_.options.noise_threshold == 0 || world_.random.Chance(0.5)) return frame;
   frame.SetNoiseThreshold(world_.options.noise_threshold);
   AddChannel(frame.channels, SamplesChannel(true));

@@ -10,6 +10,8 @@ namespace tessera {
 
 // A frame of a few tiles with channels "R" and "W"; not adaptive.
 FrameSpec SmallFrame(int width, int height, int tile_size, uint32_t samples_per_pixel);
+// Adds a channel of every merge rule, and some that are written with the help of others.
+void AddModelLayers(FrameSpec& spec);
 // The sums of a unit of the picture named by `seed`.
 RadianceTile RenderModel(uint64_t seed, const FrameSpec& spec, uint32_t tile, const PixelMask& pixels,
                          SampleRange range);

@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
+#include <map>
 
 #include "renderer/film/channel_layout.h"
+#include "renderer/film/tile_painter.h"
 #include "tests/renderer/film/rule_frames.h"
 
 namespace tessera {
@@ -63,6 +66,59 @@ TEST(Channel, AListThatMakesNoSenseIsRefusedByName) {
   }
 }
 
+TEST(Channel, WhatIsWrittenWithTheHelpOfOthersNeedsThem) {
+  const struct {
+    const char* name;
+    std::function<void(Channels&)> add;
+    const char* message;
+  } cases[] = {
+      {"a variance of no colour",
+       [](Channels& c) {
+         AddChannel(c, {"variance.Y", ChannelType::kVariance});
+       },
+       "needs a channel \"Y\""},
+      {"means over hits without their weight",
+       [](Channels& c) {
+         AddChannel(c, {"u", ChannelType::kHitFloat});
+       },
+       "of the samples that hit a surface"},
+      {"a vector of two components",
+       [](Channels& c) {
+         AddChannel(c, {"N.X", ChannelType::kDirection});
+         AddChannel(c, {"N.Y", ChannelType::kDirection});
+       },
+       "needs a channel \"N.Z\""},
+      {"squares without sums",
+       [](Channels& c) {
+         AddChannel(c, {"Variance.R", ChannelType::kHitSquare});
+       },
+       "needs a channel \"Variance.R.sum\""},
+      {"a weight of hits that is written",
+       [](Channels& c) {
+         AddChannel(c, {"hit.W", ChannelType::kHitWeight});
+       },
+       "never written"},
+      {"two weights of hits",
+       [](Channels& c) {
+         AddChannel(c, {"hit.W", ChannelType::kHitWeight, MergeRule::kSum, false});
+         AddChannel(c, {"hit.V", ChannelType::kHitWeight, MergeRule::kSum, false});
+       },
+       "at most one weight"},
+      {"a variance of the nearest sample",
+       [](Channels& c) {
+         AddChannel(c, {"variance.R", ChannelType::kVariance, MergeRule::kNearest});
+       },
+       "do not go together"},
+  };
+  for (const auto& bad : cases) {
+    Channels channels = ColorsAndWeight({"R", "G", "B"});
+    bad.add(channels);
+    const auto checked = CheckChannels(channels);
+    ASSERT_FALSE(checked) << bad.name;
+    EXPECT_THAT(checked.error().message, testing::HasSubstr(bad.message)) << bad.name;
+  }
+}
+
 TEST(Channel, NamesOfEarlierReleasesGetTheirTypes) {
   Channels expected = ColorsAndWeight({"R", "G", "B"});
   EXPECT_EQ(ChannelsFromNames({"R", "G", "B", "W"}, false), expected);
@@ -71,6 +127,71 @@ TEST(Channel, NamesOfEarlierReleasesGetTheirTypes) {
   EXPECT_EQ(ChannelsFromNames({"R", "G", "B", "samples", "W"}, true), expected);
   expected[3].is_written = false;
   EXPECT_EQ(ChannelsFromNames({"R", "G", "B", "samples", "W"}, false), expected);
+}
+
+TEST(Channel, IsThereOnceIfOneOfTwoIsNotWritten) {
+  const Channel hidden{"depth.Z", ChannelType::kDepth, MergeRule::kNearest, false};
+  Channel shown = hidden;
+  shown.is_written = true;
+  for (const auto& [first, second] : {std::pair(hidden, shown), std::pair(shown, hidden)}) {
+    Channels channels = ColorsAndWeight({"R"});
+    AddChannel(channels, first);
+    AddChannel(channels, second);
+    EXPECT_EQ(channels.size(), 3u);
+    EXPECT_EQ(channels[1], shown);
+  }
+}
+
+// Two samples of weight 2 and one of weight -1, two of which hit something.
+TEST(TilePainter, PaintsWhatIsDerivedOfSums) {
+  Channels channels = ColorsAndWeight({"R"});
+  AddChannel(channels, {"variance.R", ChannelType::kVariance});
+  AddChannel(channels, {"hit.W", ChannelType::kHitWeight, MergeRule::kSum, false});
+  AddChannel(channels, {"u", ChannelType::kHitFloat});
+  AddChannel(channels, {"dzdx", ChannelType::kHitSlope});
+  for (const char* name : {"N.X", "N.Y", "N.Z"}) AddChannel(channels, {name, ChannelType::kDirection});
+  AddChannel(channels, {"hit.samples", ChannelType::kHitCount, MergeRule::kSum, false});
+  AddChannel(channels, {"Variance.R.sum", ChannelType::kHitSum, MergeRule::kSum, false});
+  AddChannel(channels, {"Variance.R", ChannelType::kHitSquare});
+  ASSERT_TRUE(CheckChannels(channels));
+  const ChannelLayout layout(channels, false);
+  std::vector<float> record(layout.shape().stride());
+  const auto set = [&](const char* name, float value) { record[*layout.SlotOf(name)] = value; };
+  set("R", 2 * 1 + 2 * 3 - 1 * 2);
+  set("W", 2 + 2 - 1);
+  set("variance.R", 4 + 36 + 4);
+  set("hit.W", 4);
+  set("u", 2 * 0.25f + 2 * 0.75f);
+  set("dzdx", 2 * -0.5f + 2 * 0.25f);
+  set("N.X", 3);
+  set("N.Z", -4);
+  set("hit.samples", 2);
+  set("Variance.R.sum", 1 + 3);
+  set("Variance.R", 1 + 9);
+  const TilePainter painter(channels, layout);
+  PixelSource pixel(layout, 1, record, 3);
+  pixel.Next();
+  const std::vector<std::string> names = painter.Names();
+  std::vector<float> painted(names.size());
+  painter.Paint(pixel, painted.data());
+  std::map<std::string, float> value;
+  for (size_t i = 0; i < names.size(); ++i) value[names[i]] = painted[i];
+  EXPECT_FLOAT_EQ(value["R"], 2);
+  // The variance of 2, 6 and -2 is 16; of their sum 48; divided by the square of the weight.
+  EXPECT_FLOAT_EQ(value["variance.R"], 48.0f / 9);
+  EXPECT_FLOAT_EQ(value["u"], 0.5f);
+  EXPECT_FLOAT_EQ(value["dzdx"], 0.125f);
+  EXPECT_FLOAT_EQ(value["N.X"], 0.6f);
+  EXPECT_FLOAT_EQ(value["N.Z"], -0.8f);
+  EXPECT_FLOAT_EQ(value["Variance.R"], 2);
+  EXPECT_FLOAT_EQ(value["RelativeVariance.R"], 1);
+  EXPECT_EQ(value.size(), 9u) << "weights, counts and sums are not written";
+
+  std::ranges::fill(record, 0.0f);
+  PixelSource empty(layout, 1, record, 0);
+  empty.Next();
+  painter.Paint(empty, painted.data());
+  for (size_t i = 0; i < names.size(); ++i) EXPECT_EQ(painted[i], 0) << names[i];
 }
 
 TEST(ChannelLayout, GroupsChannelsByRuleAndPutsTheDepthFirst) {

@@ -32,11 +32,17 @@ class Record : public SampleRecorder {
     surface = Surface{first.hit, first.surface, first.distance, first.albedo};
   }
 
+  void AddShadow(SampledSpectrum blocked) override { shadow += blocked; }
+  void Escape(SampledSpectrum transmittance) override {
+    EXPECT_FALSE(escape) << "a path leaves the scene twice";
+    escape = transmittance;
+  }
+
   // The parts that arrived along such a path.
   SampledSpectrum Sum(int light, int depth, FirstScatter first) const {
     SampledSpectrum sum(0.0f);
     for (const Part& part : parts) {
-      if (part.path.light == light && part.path.depth == depth && part.path.first == first)
+      if (part.path.light == light && part.path.depth == depth && part.path.first.scatter == first)
         sum += part.contribution;
     }
     return sum;
@@ -44,6 +50,8 @@ class Record : public SampleRecorder {
 
   std::vector<Part> parts;
   std::optional<Surface> surface;
+  SampledSpectrum shadow{0.0f};
+  std::optional<SampledSpectrum> escape;
 };
 
 constexpr IntegratorTraits kPath{IntegratorKind::kPath, false, true};
@@ -175,9 +183,9 @@ TEST(SampleRecord, LightOfTheSkyOnABallArrivesAtDepthOneWithTheScattererOfTheBal
     const SampledSpectrum radiance =
         Tracer(*diffuse, kPath, 5).RecordOf({0, 1, 0}, index).Sum(0, 0, FirstScatter::kNone);
     EXPECT_GT(radiance[0], 0);
-    ExpectNear(Tracer(*diffuse, kPath, 5).RecordOf(d, index).Sum(0, 1, FirstScatter::kNonSpecular),
+    ExpectNear(Tracer(*diffuse, kPath, 5).RecordOf(d, index).Sum(0, 1, FirstScatter::kReflection),
                radiance * 0.5f, 1e-5f);
-    ExpectNear(Tracer(*mirror, kPath, 5).RecordOf(d, index).Sum(0, 1, FirstScatter::kSpecular),
+    ExpectNear(Tracer(*mirror, kPath, 5).RecordOf(d, index).Sum(0, 1, FirstScatter::kReflection),
                radiance * 0.25f, 1e-4f);
   }
 }
@@ -194,9 +202,9 @@ Shape "disk" "float radius" 1 "float height" 4
   for (uint32_t index = 0; index < 50; ++index) {
     const Record record = Tracer(*world, kPath, 5).RecordOf({0, 0, 1}, index);
     EXPECT_GT(record.Sum(1, 0, FirstScatter::kNone)[0], 0);
-    lit_by_point += AnyNonZero(record.Sum(0, 1, FirstScatter::kNonSpecular));
+    lit_by_point += AnyNonZero(record.Sum(0, 1, FirstScatter::kReflection));
     // A flat emitter does not light itself.
-    EXPECT_FALSE(AnyNonZero(record.Sum(1, 1, FirstScatter::kNonSpecular)));
+    EXPECT_FALSE(AnyNonZero(record.Sum(1, 1, FirstScatter::kReflection)));
   }
   EXPECT_GT(lit_by_point, 10);
 }
@@ -247,8 +255,8 @@ TEST(SampleRecord, PartsByLightDepthAndFirstScatterSumToTheRadiance) {
         ASSERT_GE(path.light, LightPath::kMediumEmission);
         ASSERT_LT(path.light, static_cast<int>(world->lights.size()));
         ASSERT_LE(path.depth, 6);
-        ASSERT_EQ(path.depth == 0, path.first == FirstScatter::kNone) << c.name;
-        sums[{path.light, path.depth, path.first}] += part.contribution;
+        ASSERT_EQ(path.depth == 0, path.first.scatter == FirstScatter::kNone) << c.name;
+        sums[{path.light, path.depth, path.first.scatter}] += part.contribution;
       }
     }
     EXPECT_GT(sums.size(), 3u) << c.name;
@@ -265,7 +273,7 @@ TEST(SampleRecord, FogIsTheFirstScattererOfWhatItScattersAndOfWhatItsPathsFindLa
   for (uint32_t index = 0; index < 300; ++index) {
     const Record record = tracer.RecordOf({-0.2f, 0, 1}, index);
     for (const Record::Part& part : record.parts) {
-      if (part.path.first == FirstScatter::kMedium) {
+      if (part.path.first.scatter == FirstScatter::kMedium) {
         ++by_fog;
         EXPECT_FALSE(record.surface) << "a path that scatters in a medium first has no first surface";
       }
