@@ -101,7 +101,10 @@ Result<std::vector<SceneFrame>> ListFrames(const SceneOptions& options) {
   std::vector<SceneFrame> frames;
   for (const int number : options.frames->Numbers()) {
     SceneFrame frame{number, name.Of(number), options.render, is_animated};
-    if (is_animated) frame.options.time = number / options.fps;
+    if (is_animated) {
+      frame.options.time = number / options.fps;
+      frame.options.time_step = options.frames->step / options.fps;
+    }
     frames.push_back(std::move(frame));
   }
   return frames;

@@ -60,6 +60,7 @@ struct LayerScene {
   const MatteTable& mattes;
   GbufferSpace gbuffer = GbufferSpace::kNone;
   float footprint_scale = 1;  // as PathSettings has it if textures are filtered
+  TimeRange motion_times{};   // from when to when the layer "motion" looks
 };
 
 struct LayerSample {

@@ -44,7 +44,8 @@ void FillUv(const SeenSurface& seen, const LayerSample&, float* values) {
   values[1] = seen.interaction.uv.y;
 }
 void FillMotion(const SeenSurface& seen, const LayerSample& sample, float* values) {
-  const Vec2 motion = ScreenMotion(sample.scene.world, seen.hit, seen.interaction, sample.film);
+  const Vec2 motion =
+      ScreenMotion(sample.scene.world, seen.hit, seen.interaction, sample.film, sample.scene.motion_times);
   values[0] = motion.x;
   values[1] = motion.y;
 }

@@ -172,6 +172,7 @@ constexpr Line kLines[] = {
     LineOf<&RenderOptions::samples_per_pixel>("spp"),
     LineOf<&RenderOptions::tile_size>("tile-size"),
     LineOf<&RenderOptions::time>("time"),
+    LineOf<&RenderOptions::time_step>("time-step"),
     LineOf<&RenderOptions::width>("width"),
 };
 

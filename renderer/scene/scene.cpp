@@ -37,6 +37,14 @@ bool HasShutter(const Entity& camera) {
   });
 }
 
+bool WantsMotion(const Entity& film, const RenderOptions& options) {
+  std::set<std::string> names = options.aovs;
+  for (const Parameter& parameter : film.parameters) {
+    if (parameter.name == "layers") names.insert(parameter.strings.begin(), parameter.strings.end());
+  }
+  return ExpandLayers(names, true, false).contains("motion");
+}
+
 Result<void> CheckOptions(const RenderOptions& options) {
   if (options.samples_per_pixel &&
       (*options.samples_per_pixel < 1 || *options.samples_per_pixel > kSamplesPerPixelMax)) {
@@ -104,16 +112,22 @@ Result<void> SceneBuilder::SettleMotion(const std::string& name) {
   const Result<int> moving = CheckMotion(scene_);
   if (!moving) return moving.error();
   data_->summary.moving = static_cast<uint64_t>(*moving);
-  moves_ = *moving > 0 && (!options_.time || HasShutter(scene_.camera));
+  const bool has_shutter = HasShutter(scene_.camera);
+  const bool shows_way = options_.time && options_.time_step && WantsMotion(scene_.film, options_);
+  moves_ = *moving > 0 && (!options_.time || has_shutter || shows_way);
   if (*moving == 0 || !options_.time) return {};
-  if (HasShutter(scene_.camera)) {
+  if (has_shutter) {
     StartTimeAt(*options_.time, scene_);
     return {};
   }
   scene_.diagnostics.Warn(name,
                           "what moves is shown at the time of the frame, without motion blur: the camera has "
                           "neither \"shutteropen\" nor \"shutterclose\"");
-  return StopMotion(*options_.time, scene_);
+  if (!shows_way) return StopMotion(*options_.time, scene_);
+  // What moves is kept moving, for its way to the next frame.
+  StartTimeAt(*options_.time, scene_);
+  data_->is_moment = true;
+  return {};
 }
 
 Result<void> SceneBuilder::ReadSettings(const std::string& name) {
@@ -131,6 +145,8 @@ Result<void> SceneBuilder::ReadSettings(const std::string& name) {
                    images_, scene_.diagnostics);
   if (!camera) return camera.error();
   data.world.camera = *camera;
+  data.motion_times = {data.world.camera.shutter_open(), data.world.camera.shutter_close()};
+  if (data.is_moment) data.motion_times.end = static_cast<float>(*options_.time_step);
   Result<Filter> filter = Filter::Read(scene_.filter);
   if (!filter) return filter.error();
   data.filter = std::move(*filter);

@@ -32,8 +32,9 @@ struct RenderOptions {
   // Seconds: when the frame of an animated scene is. Added to the times of the shutter; a scene that gives
   // none shows this moment.
   std::optional<double> time;
-  std::string integrator;   // empty: the scene's
-  std::string accelerator;  // empty: "embree"
+  std::optional<double> time_step;  // seconds to the next frame of the sequence, for the layer "motion"
+  std::string integrator;           // empty: the scene's
+  std::string accelerator;          // empty: "embree"
   std::optional<int> max_depth;
   std::optional<int> tile_size;
   std::optional<ExrType> exr_type;

@@ -30,6 +30,8 @@ struct Scene::Data {
   LightGroups light_groups;
   GbufferSpace gbuffer = GbufferSpace::kNone;
   float footprint_scale = 1;      // of the film "gbuffer"
+  TimeRange motion_times;         // of the layer "motion"
+  bool is_moment = false;         // all rays have the time at which the shutter opens
   bool pixel_jitter = true;       // else samples are at the centres of pixels and of the lens
   bool wavelength_jitter = true;  // else all samples have the same wavelengths
   std::set<std::string> layers;   // in the frame: names in Layers()

@@ -16,7 +16,8 @@ class PixelRenderer {
         sampler_(data.sampler.sampler),
         rgb_{*layout.SlotOf("R"), *layout.SlotOf("G"), *layout.SlotOf("B")},
         weight_(layout.weight()),
-        layers_({data.world, data.sensor, data.light_groups, data.mattes, data.gbuffer, data.footprint_scale},
+        layers_({data.world, data.sensor, data.light_groups, data.mattes, data.gbuffer, data.footprint_scale,
+                 data.motion_times},
                 layout),
         buckets_(data.buckets, layout),
         statistics_(*statistics) {}
@@ -46,12 +47,13 @@ class PixelRenderer {
         SampledWavelengths::SampleVisible(data_.wavelength_jitter ? u_wavelengths : 0.5f);
     const Camera& camera = data_.world.camera;
     Point2 u_lens = camera.has_lens() ? sampler_.Get2D() : Point2{0.5f, 0.5f};
-    float u_time = data_.world.moves ? sampler_.Get1D() : 0.5f;
+    float u_time = data_.world.moves && !data_.is_moment ? sampler_.Get1D() : 0.5f;
     if (!data_.pixel_jitter) {
       filter = {{0, 0}, 1};
       u_lens = {0.5f, 0.5f};
       u_time = 0.5f;
     }
+    if (data_.is_moment) u_time = 0;
     const Point2 film{static_cast<float>(x) + 0.5f + filter.offset.x,
                       static_cast<float>(y) + 0.5f + filter.offset.y};
     const CameraSample seen = camera.GenerateRay(film, u_lens, u_time);

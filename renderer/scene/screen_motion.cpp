@@ -73,14 +73,15 @@ Point3 PointAt(const World& world, const Hit& hit, const SurfaceInteraction& int
 
 }  // namespace
 
-Vec2 ScreenMotion(const World& world, const Hit& hit, const SurfaceInteraction& interaction, Point2 film) {
+Vec2 ScreenMotion(const World& world, const Hit& hit, const SurfaceInteraction& interaction, Point2 film,
+                  const TimeRange& times) {
   const Camera& camera = world.camera;
   const bool rests = hit.instance == Hit::kNoInstance || world.geometry.instances[hit.instance].motion < 0;
   if (rests && !camera.moves()) return {0, 0};
   const auto place_at = [&](float time_s) {
     return FindOnFilm(camera, PointAt(world, hit, interaction, time_s), time_s, film).value_or(film);
   };
-  const Point2 from = place_at(camera.shutter_open()), to = place_at(camera.shutter_close());
+  const Point2 from = place_at(times.start), to = place_at(times.end);
   return {to.x - from.x, to.y - from.y};
 }
 

@@ -1,13 +1,14 @@
-// How far what the camera sees moves over the picture while the shutter is open.
+// How far what the camera sees moves over the picture.
 #pragma once
 
 #include "renderer/integrator/world.h"
 
 namespace tessera {
 
-// From where the point of a hit is on the film when the shutter opens to where it is when the shutter closes,
-// in pixels to the right and down. `film`: where the ray that found it left the film, in pixels. Where the
+// From where the point of a hit is on the film at the start of `times` to where it is at their end, in pixels
+// to the right and down. `film`: where the ray that found it left the film, in pixels. Where the
 // camera cannot see the point at one of the two times, that end is where the ray left the film.
-Vec2 ScreenMotion(const World& world, const Hit& hit, const SurfaceInteraction& interaction, Point2 film);
+Vec2 ScreenMotion(const World& world, const Hit& hit, const SurfaceInteraction& interaction, Point2 film,
+                  const TimeRange& times);
 
 }  // namespace tessera

@@ -7,8 +7,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fstream>
+#include <set>
+#include <sstream>
 #include <thread>
 
+#include "renderer/scene/layers.h"
 #include "tests/bench/bench_farm.h"
 #include "tests/bench/synthetic_workers.h"
 
@@ -22,6 +25,7 @@ struct Plan {
   double seconds = 10;
   int slots = 4;
   std::string resolution = "1920x1080";
+  std::string layers;  // --aov
   bool tls = false;
   int rounds = 0;  // of plain and encrypted connections in turn; 0: no comparison
   bool csv = false;
@@ -32,9 +36,21 @@ constexpr double kUnitSeconds = 1;  // the scheduler cuts no unit into fewer tha
 void Submit(const Plan& plan, const BenchFarm& farm) {
   const std::string scene = farm.folder() + "/scene.pbrt";
   std::ofstream(scene) << "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\n";
-  const Outcome outcome = farm.Tessera(
-      {"submit", scene, "--spp", "1048576", "--tile-size", "64", "--resolution", plan.resolution});
+  std::vector<std::string> words{"submit",      scene, "--spp",        "1048576",
+                                 "--tile-size", "64",  "--resolution", plan.resolution};
+  if (!plan.layers.empty()) words.insert(words.end(), {"--aov", plan.layers});
+  const Outcome outcome = farm.Tessera(words);
   if (outcome.code != 0) throw std::runtime_error("submit failed: " + outcome.errors);
+}
+
+// Of the frame that is submitted: nothing in it moves or has a group.
+PixelShape ShapeOf(const Plan& plan) {
+  std::vector<Channel> channels = ColorsAndWeight({"R", "G", "B"});
+  std::set<std::string> names;
+  std::istringstream words(plan.layers);
+  for (std::string name; std::getline(words, name, ',');) names.insert(name);
+  AddLayers(ExpandLayers(names, false, false), channels);
+  return ChannelLayout(channels, false).shape();
 }
 
 LoadCounts Since(const LoadCounts& then, const LoadCounts& now) {
@@ -52,7 +68,7 @@ Measured Measure(const Plan& plan, int connections, Security security) {
   const pid_t coordinator = farm.coordinator().pid();
   const double idle_megabytes = UsageOf(coordinator).megabytes;
   Submit(plan, farm);
-  SyntheticWorkers workers(farm.Join(Role::kWorker), connections, plan.slots, kUnitSeconds);
+  SyntheticWorkers workers(farm.Join(Role::kWorker), connections, plan.slots, kUnitSeconds, ShapeOf(plan));
   const auto half = std::chrono::duration<double>(plan.seconds / 2);
   std::this_thread::sleep_for(half);  // everybody is connected, every tile has been begun
   const LoadCounts before = workers.counts();
@@ -115,6 +131,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1.0, 86'400.0));
   app.add_option("--slots", plan.slots, "of each worker")->check(CLI::Range(1, 1024));
   app.add_option("--resolution", plan.resolution, "of the frame, in tiles of 64 x 64 pixels");
+  app.add_option("--aov", plan.layers, "layers of the frame, as tessera render takes them");
   app.add_flag("--tls", plan.tls, "encrypted connections");
   app.add_option("--compare-tls", plan.rounds,
                  "measure plain and encrypted connections this many times in turn")

@@ -21,17 +21,24 @@ namespace {
 constexpr std::chrono::seconds kPatience{60};
 constexpr std::chrono::milliseconds kWait{1000};  // of a state in the coordinator
 constexpr size_t kResultsPerCall = 16;
-constexpr uint32_t kChannels = 4;  // of a picture without extras: R, G, B and the weight
 
-// Made-up sums, the same for every tile: what they are makes no difference to who merges them.
-RadianceTile MakeTile(const Lease& lease) {
+// Made-up values, the same for every tile: what they are makes no difference to who merges them. Sets of ids
+// have two entries, as at an edge.
+RadianceTile MakeTile(const Lease& lease, const PixelShape& shape) {
   RadianceTile tile;
   tile.bounds = lease.bounds;
   tile.range = lease.unit.range;
-  tile.shape = {kChannels};
-  tile.sums.resize(static_cast<size_t>(lease.bounds.area()) * kChannels);
-  for (size_t i = 0; i < tile.sums.size(); ++i)
-    tile.sums[i] = static_cast<float>(lease.unit.range.size) * (0.1f + static_cast<float>(i % 97) * 0.01f);
+  tile.shape = shape;
+  const size_t stride = shape.stride();
+  const size_t records = static_cast<size_t>(lease.bounds.area()) * stride;
+  const auto samples = static_cast<float>(lease.unit.range.size);
+  tile.sums.resize(records);
+  for (size_t i = 0; i < records; ++i) {
+    const bool is_set_size = i % stride >= size_t{shape.sums} + shape.nearest;
+    tile.sums[i] = is_set_size ? 2.0f : samples * (0.1f + static_cast<float>(i % 97) * 0.01f);
+  }
+  for (size_t set = 0; set < static_cast<size_t>(lease.bounds.area()) * shape.id_sets; ++set)
+    tile.sums.insert(tile.sums.end(), {1.5f, samples * 0.75f, 2.5f, samples * 0.25f});
   return tile;
 }
 
@@ -64,11 +71,13 @@ struct SyntheticWorkers::Shared {
 // gRPC's threads.
 class SyntheticWorkers::One {
  public:
-  One(Shared& shared, const Endpoint& coordinator, int index, int slots, double unit_seconds)
+  One(Shared& shared, const Endpoint& coordinator, int index, int slots, double unit_seconds,
+      const PixelShape& shape)
       : shared_(shared),
         channel_(OpenChannel(coordinator)),
         stub_(proto::Work::NewStub(channel_)),
-        unit_seconds_(unit_seconds) {
+        unit_seconds_(unit_seconds),
+        shape_(shape) {
     state_.worker = WorkerId{static_cast<uint64_t>(index) + 1};
     state_.name = fmt::format("synthetic-{}", index);
     state_.slots = slots;
@@ -192,7 +201,7 @@ class SyntheticWorkers::One {
     proto::UnitResult& result = *request.add_results();
     Write(lease.id, *result.mutable_lease());
     Write(lease.unit, *result.mutable_unit());
-    result.set_tile(EncodeRadianceTile(MakeTile(lease)));
+    result.set_tile(EncodeRadianceTile(MakeTile(lease, shape_)));
     result.set_render_seconds(unit_seconds_ * lease.unit.range.size);
     shared_.bytes += result.tile().size();
   }
@@ -224,6 +233,7 @@ class SyntheticWorkers::One {
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<proto::Work::Stub> stub_;
   const double unit_seconds_;
+  const PixelShape shape_;
   std::mutex mutex_;  // of what follows
   WorkerState state_;
   std::map<LeaseId, Lease> held_;
@@ -231,10 +241,11 @@ class SyntheticWorkers::One {
   bool is_returning_ = false;
 };
 
-SyntheticWorkers::SyntheticWorkers(const Endpoint& coordinator, int count, int slots, double unit_seconds)
+SyntheticWorkers::SyntheticWorkers(const Endpoint& coordinator, int count, int slots, double unit_seconds,
+                                   const PixelShape& shape)
     : shared_(std::make_unique<Shared>()) {
   for (int i = 0; i < count; ++i)
-    all_.push_back(std::make_unique<One>(*shared_, coordinator, i, slots, unit_seconds));
+    all_.push_back(std::make_unique<One>(*shared_, coordinator, i, slots, unit_seconds, shape));
   for (const auto& one : all_) one->Start();
 }
 

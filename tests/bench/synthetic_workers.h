@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "proto/wire/endpoint.h"
+#include "renderer/film/channel_layout.h"
 
 namespace tessera {
 
@@ -23,8 +24,9 @@ struct LoadCounts {
 class SyntheticWorkers {
  public:
   // `unit_seconds` is what they say that one sample of a tile took to render: it decides how the scheduler
-  // cuts.
-  SyntheticWorkers(const Endpoint& coordinator, int count, int slots, double unit_seconds);
+  // cuts. `shape` is that of the frame: R, G, B and the weight, unless it has layers.
+  SyntheticWorkers(const Endpoint& coordinator, int count, int slots, double unit_seconds,
+                   const PixelShape& shape = {4});
   // Stops all of them and waits for their last calls.
   ~SyntheticWorkers();
   SyntheticWorkers(const SyntheticWorkers&) = delete;

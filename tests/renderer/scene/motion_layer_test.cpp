@@ -85,5 +85,47 @@ Shape "bilinearmesh" "point3 P" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]
   }
 }
 
+// Half a second into the animation the wall is at half its way, and moves by a 24th of it until the next
+// frame.
+TEST(MotionLayer, MotionOfAFrameThatShowsAMomentReachesToTheNextFrame) {
+  const std::string text = std::string(kMotionFilm) + R"(
+Camera "perspective" "float fov" 90
+WorldBegin
+LightSource "infinite"
+Material "diffuse"
+ActiveTransform EndTime
+Translate 4 -2 0
+ActiveTransform All
+Translate 0 0 4
+Scale 9 9 1
+Shape "bilinearmesh" "point3 P" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]
+)";
+  const auto load = [&](const std::set<std::string>& layers) {
+    MemoryFiles files({{"scene.pbrt", text}});
+    RenderOptions options;
+    options.aovs = layers;
+    options.samples_per_pixel = 4;
+    options.time = 0.5;
+    options.time_step = 1.0 / 24;
+    return std::move(*Scene::Load(files, "scene.pbrt", options, Scene::Depth::kRender));
+  };
+  const auto scene = load({"motion"}), plain = load({});
+  const PixelBounds all{0, 0, 40, 40};
+  const RadianceTile tile = *scene->Render(all, {}, {0, 4}, nullptr);
+  const RadianceTile still = *plain->Render(all, {}, {0, 4}, nullptr);
+  const ChannelLayout layout = scene->frame().Layout(), plain_layout = plain->frame().Layout();
+  int seen = 0;
+  for (size_t pixel = 0; pixel < 1600; ++pixel) {
+    const float* const values = &tile.sums[pixel * layout.shape().stride()];
+    EXPECT_NEAR(values[*layout.SlotOf("G")],
+                still.sums[pixel * plain_layout.shape().stride() + *plain_layout.SlotOf("G")], 1e-3f);
+    if (values[*layout.SlotOf("depth.Z")] == 0) continue;
+    ++seen;
+    ASSERT_NEAR(values[*layout.SlotOf("motion.X")], 20 * 4.0f / 24 / 4, 0.01f);
+    ASSERT_NEAR(values[*layout.SlotOf("motion.Y")], 20 * 2.0f / 24 / 4, 0.01f);
+  }
+  EXPECT_GT(seen, 1000);
+}
+
 }  // namespace
 }  // namespace tessera
