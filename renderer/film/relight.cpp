@@ -15,6 +15,9 @@ namespace {
 constexpr std::string_view kGroupPrefix = "light_";
 constexpr std::array<std::string_view, 3> kColors{"R", "G", "B"};
 
+// Frames have a weight. No picture has a channel of this name.
+constexpr const char* kUnusedWeight = "tessera:weight";
+
 // Layers of light of other kinds, which a gain of a group would leave wrong.
 constexpr std::string_view kStaleLayers[] = {"direct", "indirect", "emission",
                                              "shadow", "variance", "halves"};
@@ -131,8 +134,12 @@ Result<std::string> EncodeLoaded(const LoadedPicture& picture, ExrType type) {
   spec.samples_per_pixel = 1;
   spec.tile_size = kTileSizeMax;
   spec.exr_type = type;
-  spec.attributes = picture.attributes;
-  spec.channels = ColorsAndWeight({});
+  for (const auto& [name, value] : picture.attributes) {
+    FrameSpec with = spec;
+    with.attributes[name] = value;
+    if (with.Check()) spec = std::move(with);  // what describes the file itself is written anew
+  }
+  spec.channels = {{kUnusedWeight, ChannelType::kWeight, MergeRule::kSum, false}};
   // Light is what the film or a light has the colours of.
   for (const std::string& name : picture.channels) {
     const bool is_light = IsColorChannel(name) || name == "A" || name.starts_with(kGroupPrefix);

@@ -64,6 +64,20 @@ TEST(Relight, IsWrittenAndReadAgain) {
   EXPECT_EQ(read->attributes.at("tessera:seed"), "7");
 }
 
+TEST(Relight, PicturesOfOtherProgramsKeepWhatCanBeWritten) {
+  LoadedPicture picture = LitPicture();
+  picture.channels[3] = "W";  // the name of our own weight
+  picture.attributes["view"] = "left";
+  picture.attributes["owner"] = "somebody";
+  const auto bytes = EncodeLoaded(*Relight(picture, {}), ExrType::kHalf);
+  ASSERT_TRUE(bytes) << bytes.error().message;
+  const auto read = DecodeExr(*bytes, "mixed.exr");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(ValueOf(*read, 1, "W"), 13);
+  EXPECT_EQ(read->attributes.at("owner"), "somebody");
+  EXPECT_FALSE(read->attributes.contains("view"));
+}
+
 TEST(Relight, NamesGroupsThatThePictureLacks) {
   const LightGain gains[] = {{"kay", {2, 2, 2}}};
   const auto refused = Relight(LitPicture(), gains);
