@@ -69,6 +69,7 @@ TEST(Layers, EveryLayerMakesAFrameThatPassesItsChecks) {
     for (const Channel& channel : ChannelsOf(layer)) {
       EXPECT_NE(std::ranges::find(channels, channel), channels.end()) << channel.name;
     }
+    if (layer.name == kLightGroupsLayer) continue;  // its channels are those of the scene's groups
     std::vector<Channel> written = ColorsAndWeight({"R", "G", "B"});
     for (const Channel& channel : ChannelsOf(layer)) AddChannel(written, channel);
     EXPECT_EQ(PictureChannels(channels).size(), PictureChannels(written).size()) << layer.name;
