@@ -74,8 +74,9 @@ Result<void> CheckRelight(const RelightOptions& options) {
 
 Result<int> RunRelight(const RelightOptions& options, Cancellation& cancellation) {
   constexpr int kOnlyFrame = 0;
-  const PictureNames names(options.output.picture, options.output.png, PictureNames::Numbers::kNone,
-                           options.output.no_clobber ? Existing::kKeep : Existing::kReplace);
+  PictureNames names(options.output.picture, options.output.png, PictureNames::Numbers::kNone,
+                     options.output.no_clobber ? Existing::kKeep : Existing::kReplace);
+  names.SetExrOutput(options.output.exr);
   if (auto checked = names.Check({kOnlyFrame}, {options.picture}); !checked) return checked.error();
   const auto picture = LoadExr(options.picture);
   if (!picture) return picture.error();

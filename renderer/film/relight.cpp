@@ -95,6 +95,7 @@ Result<LoadedPicture> Relight(const LoadedPicture& picture, std::span<const Ligh
   if (auto checked = CheckGains(groups, gains); !checked) return checked.error();
   LoadedPicture result = picture;
   result.channels.clear();
+  result.types.clear();
   std::vector<ColorSum> outputs;
   std::vector<float> factors(picture.channels.size(), 1);
   std::array<ColorSum, 3> colors;
