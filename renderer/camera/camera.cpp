@@ -55,7 +55,7 @@ Result<Camera> Camera::Read(const Entity& entity, const AnimatedTransform& camer
   camera.shutter_open_ = reader.Float("shutteropen", 0);
   camera.shutter_close_ = reader.Float("shutterclose", 1);
   if (!(camera.shutter_close_ > camera.shutter_open_))
-    reader.FailAt("shutterclose", "shutterclose must be later than shutteropen");
+    reader.FailAt("shutterclose", "the shutter does not open: shutterclose must be later than shutteropen");
   if (!std::isfinite(camera.exposure_time()))
     reader.FailAt("shutterclose", "the shutter is open for too long");
   camera.kind_ = kind->reader({reader, film, images, diagnostics});

@@ -119,7 +119,13 @@ bool SceneParser::LightSource(const Statement& statement) {
     Warn(statement.location, "the light is ignored: its transformation has no inverse");
     return true;
   }
-  return entity && builder_->AddLight({*std::move(entity), Moving(), state_.outside_medium});
+  if (!entity) return false;
+  // Its picture is resampled once, seen from the portal, which is in world space.
+  const bool has_portal = std::ranges::any_of(
+      entity->parameters, [](const Parameter& parameter) { return parameter.name == "portal"; });
+  AnimatedTransform transform =
+      has_portal ? AnimatedTransform(AtRest(statement, "light with a portal")) : Moving();
+  return builder_->AddLight({*std::move(entity), std::move(transform), state_.outside_medium});
 }
 
 bool SceneParser::AreaLightSource(const Statement& statement) {

@@ -1,5 +1,6 @@
 #include "renderer/camera/camera.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -162,6 +163,17 @@ TEST(Camera, BadParametersAreRefused) {
   }
   EXPECT_FALSE(TryCamera("orthographic", {FloatParameter("fov", 50)}).camera);
   EXPECT_FALSE(TryCamera("spherical", {StringParameter("mapping", "mercator")}).camera);
+}
+
+// pbrt swaps times in the wrong order, but only after it has refused them as those of a black picture.
+TEST(Camera, AShutterThatDoesNotOpenIsRefused) {
+  for (const auto& [open, close] : {std::pair(2.0f, 1.0f), std::pair(1.0f, 1.0f), std::pair(0.0f, -1.0f)}) {
+    const auto refused = TryCamera(
+        "perspective", {FloatParameter("shutteropen", open), FloatParameter("shutterclose", close)});
+    ASSERT_FALSE(refused.camera) << open << " " << close;
+    EXPECT_THAT(refused.camera.error().message,
+                testing::HasSubstr("the shutter does not open: shutterclose must be later than shutteropen"));
+  }
 }
 
 TEST(SphericalCamera, ParametersOfOtherCamerasAreReadWithoutEffect) {

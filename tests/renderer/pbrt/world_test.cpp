@@ -103,6 +103,21 @@ TEST(World, WarningsAreBounded) {
   EXPECT_EQ(scene.diagnostics.WarningTexts().back(), "900 further warnings");
 }
 
+// Its picture is seen through the portal, which has its place in the world.
+TEST(World, AnInfiniteLightWithAPortalStaysWhereItIsAtTheStart) {
+  const SceneDescription scene = Parsed(
+      "WorldBegin Rotate 10 0 0 1 ActiveTransform EndTime Rotate 90 0 0 1\n"
+      "LightSource \"infinite\"\nLightSource \"infinite\" \"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]");
+  ASSERT_EQ(scene.lights.size(), 2u);
+  EXPECT_TRUE(scene.lights[0].world_from_light.IsAnimated());
+  EXPECT_FALSE(scene.lights[1].world_from_light.IsAnimated());
+  EXPECT_EQ(scene.lights[1].world_from_light.First(), scene.lights[0].world_from_light.First());
+  EXPECT_THAT(
+      scene.diagnostics.WarningTexts(),
+      ElementsAre("a.pbrt:3:1: the light with a portal does not move: the transformation at the start time "
+                  "is used"));
+}
+
 TEST(World, ObjectsHoldTheirShapesAndInstancesPlaceThem) {
   const SceneDescription scene = Parsed(
       "WorldBegin Translate 1 0 0 ObjectBegin \"o\" Translate 0 1 0 Shape \"sphere\" AttributeBegin Shape "
