@@ -18,8 +18,9 @@
 namespace tessera {
 namespace {
 
-constexpr int kPathDepthMax = 1'000'000;      // bounces: more than any path survives
-constexpr double kFramesPerSecondMin = 1e-3;  // slower than any time lapse
+constexpr int kPathDepthMax = 1'000'000;                     // bounces: more than any path survives
+constexpr double kFramesPerSecondMin = 1e-3;                 // slower than any time lapse
+constexpr double kEdgeScaleMin = 1e-6, kEdgeScaleMax = 1e6;  // beyond any use
 constexpr int64_t kPatienceMax_s = 7 * 24 * 3600;
 constexpr size_t kJobsWatchedMax = 64;  // each takes a connection and a thread
 
@@ -72,6 +73,27 @@ void AddSamplingFlags(CLI::App& app, RenderOptions& render) {
            WholeNumber<int>(0, kPathDepthMax));
 }
 
+// Flags of pbrt under the same names.
+void AddDebugFlags(CLI::App& app, RenderOptions& render) {
+  AddSwitch(app, "--quick", "Render a draft: a quarter of the width and height at 1 sample per pixel",
+            render.quick);
+  AddSwitch(app, "--disable-pixel-jitter", "Sample the centres of pixels and of the lens",
+            render.disable_pixel_jitter);
+  AddSwitch(app, "--disable-wavelength-jitter", "Give all samples the same wavelengths",
+            render.disable_wavelength_jitter);
+  AddSwitch(app, "--disable-texture-filtering", "Look textures up at points",
+            render.disable_texture_filtering);
+  AddSwitch(app, "--force-diffuse", "Make all surfaces diffuse, with the albedo of their material",
+            render.force_diffuse);
+  AddValue(app, "--displacement-edge-scale", "F",
+           "Multiply the edge length of displaced meshes; below 1 is finer", render.displacement_edge_scale,
+           [](std::string_view flag, std::string_view word) -> Result<float> {
+             const auto scale = ParseNumber(flag, word, kEdgeScaleMin, kEdgeScaleMax);
+             if (!scale) return scale.error();
+             return static_cast<float>(*scale);
+           });
+}
+
 void AddFilmFlags(CLI::App& app, RenderOptions& render) {
   const auto set_size = [&render](const std::string& word) -> Result<void> {
     const auto size = ParseResolution("--resolution", word);
@@ -82,6 +104,8 @@ void AddFilmFlags(CLI::App& app, RenderOptions& render) {
   AddWord(app, "--resolution", "WxH", "Size of the picture in pixels", set_size);
   AddValue(app, "--crop", "x0,x1,y0,y1", "Part of the picture to render, as fractions of its size",
            render.crop, ParseCrop);
+  AddValue(app, "--pixelbounds", "x0,x1,y0,y1", "The same in pixels; x1 and y1 are exclusive",
+           render.pixel_bounds, ParsePixelBounds);
   AddValue(app, "--tile-size", "N",
            WithDefault("Side of a tile in pixels", fmt::format("{}", kTileSizeDefault)), render.tile_size,
            WholeNumber<int>(1, kTileSizeMax));
@@ -119,6 +143,7 @@ void AddSceneFlags(CLI::App& app, SceneOptions& options) {
   AddFrameFlags(app, options);
   AddSamplingFlags(app, options.render);
   AddFilmFlags(app, options.render);
+  AddDebugFlags(app, options.render);
   AddUnsupported(app, "--camera");
 }
 

@@ -51,6 +51,20 @@ Result<std::array<float, 4>> ParseCrop(std::string_view flag, std::string_view w
   return crop;
 }
 
+Result<std::array<int, 4>> ParsePixelBounds(std::string_view flag, std::string_view word) {
+  const auto parts = Split(word, ',');
+  std::array<int, 4> bounds{};
+  bool good = parts.size() == 4;
+  for (size_t i = 0; good && i < 4; ++i)
+    good = ParseWhole(parts[i], bounds[i]) && bounds[i] >= 0 && bounds[i] <= kResolutionMax;
+  if (!good || bounds[0] >= bounds[1] || bounds[2] >= bounds[3]) {
+    return BadInput(
+        fmt::format("{0}: \"{1}\" is not x0,x1,y0,y1 with 0 <= x0 < x1 <= {2} and 0 <= y0 < y1 <= {2}", flag,
+                    word, kResolutionMax));
+  }
+  return bounds;
+}
+
 Result<ExrType> ParseExrType(std::string_view flag, std::string_view word) {
   if (word == "half") return ExrType::kHalf;
   if (word == "float") return ExrType::kFloat;

@@ -23,6 +23,8 @@ namespace tessera {
 Result<std::pair<int, int>> ParseResolution(std::string_view flag, std::string_view word);
 // "x0,x1,y0,y1", fractions of the picture.
 Result<std::array<float, 4>> ParseCrop(std::string_view flag, std::string_view word);
+// "x0,x1,y0,y1", pixels.
+Result<std::array<int, 4>> ParsePixelBounds(std::string_view flag, std::string_view word);
 // "half" or "float".
 Result<ExrType> ParseExrType(std::string_view flag, std::string_view word);
 Result<ExrCompression> ParseCompression(std::string_view flag, std::string_view word);

@@ -42,6 +42,12 @@ std::optional<std::array<T, 4>> FourOf(const std::vector<T>& values, std::string
   return std::nullopt;
 }
 
+// By what --quick divides the width and height of a scene.
+int DivisorOf(const RenderOptions& options) {
+  constexpr int kQuickDivisor = 4;  // as in pbrt
+  return options.quick && !options.width && !options.height ? kQuickDivisor : 1;
+}
+
 // In either order, as in pbrt.
 template <typename T>
 void SortAndClamp(T& low, T& high, T max) {
@@ -50,17 +56,27 @@ void SortAndClamp(T& low, T& high, T max) {
   high = std::clamp(high, T{0}, max);
 }
 
-PixelBounds CropToPixels(const std::array<int, 4>& given, const FilmSettings& film,
-                         const ParameterReader& reader, Diagnostics& diagnostics) {
+// Warns if the bounds x0, x1, y0, y1 reach beyond a film of that size.
+PixelBounds CropToPixels(const std::array<int, 4>& given, int width, int height,
+                         const SourceLocation& location, Diagnostics& diagnostics) {
   std::array<int, 4> v = given;
-  SortAndClamp(v[0], v[1], film.width);
-  SortAndClamp(v[2], v[3], film.height);
+  SortAndClamp(v[0], v[1], width);
+  SortAndClamp(v[2], v[3], height);
   const std::array<int, 4> sorted{std::min(given[0], given[1]), std::max(given[0], given[1]),
                                   std::min(given[2], given[3]), std::max(given[2], given[3])};
-  if (v != sorted)
-    diagnostics.Warn(reader.LocationOf("pixelbounds"),
-                     "pixelbounds reach beyond the film and are cut at its border");
+  if (v != sorted) diagnostics.Warn(location, "pixelbounds reach beyond the film and are cut at its border");
   return {v[0], v[2], v[1], v[3]};
+}
+
+// Divides width and height, and shrinks the crop to the pixels that hold any part of it.
+void Shrink(int divisor, FilmSettings* film) {
+  const auto shrink = [divisor](int& size, int& low, int& high) {
+    size = std::max(1, size / divisor);
+    low = std::min(low / divisor, size - 1);
+    high = std::min((high + divisor - 1) / divisor, size);
+  };
+  shrink(film->width, film->crop.x0, film->crop.x1);
+  shrink(film->height, film->crop.y0, film->crop.y1);
 }
 
 // The scene's own crop: `cropwindow` before `pixelbounds`.
@@ -68,7 +84,7 @@ PixelBounds ReadCrop(ParameterReader& reader, const FilmSettings& film, Diagnost
   PixelBounds crop{0, 0, film.width, film.height};
   std::string_view name = "pixelbounds";
   if (const auto bounds = FourOf(reader.Integers("pixelbounds"), "pixelbounds", reader, diagnostics))
-    crop = CropToPixels(*bounds, film, reader, diagnostics);
+    crop = CropToPixels(*bounds, film.width, film.height, reader.LocationOf("pixelbounds"), diagnostics);
   if (auto window = FourOf(reader.Floats("cropwindow"), "cropwindow", reader, diagnostics)) {
     auto& [x0, x1, y0, y1] = *window;
     SortAndClamp(x0, x1, 1.0f);
@@ -91,11 +107,16 @@ int ReadResolution(ParameterReader& reader, std::string_view name, int default_v
   return value;
 }
 
-Result<void> ApplyOptions(const RenderOptions& options, FilmSettings* film) {
+Result<void> ApplyOptions(const RenderOptions& options, const SourceLocation& location, FilmSettings* film,
+                          Diagnostics& diagnostics) {
   if (film->width < 1 || film->height < 1 || film->width > kResolutionMax || film->height > kResolutionMax) {
     return BadInput(fmt::format("--resolution: {}x{} must lie between 1x1 and {}x{}", film->width,
                                 film->height, kResolutionMax, kResolutionMax));
   }
+  if (options.crop && options.pixel_bounds)
+    return BadInput("--crop and --pixelbounds exclude each other, expected one of them");
+  if (options.pixel_bounds)
+    film->crop = CropToPixels(*options.pixel_bounds, film->width, film->height, location, diagnostics);
   if (options.crop) {
     if (!InUnitOrder(*options.crop))
       return BadInput("--crop: must be x0,x1,y0,y1 with x0 < x1, y0 < y1 within 0 and 1");
@@ -124,7 +145,10 @@ FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options, 
   reader.String("filename", "");  // the command line names the output
   film.width = ReadResolution(reader, "xresolution", 1280, options.width);
   film.height = ReadResolution(reader, "yresolution", 720, options.height);
-  if (!reader.failed()) film.crop = ReadCrop(reader, film, diagnostics);
+  if (!reader.failed()) {
+    film.crop = ReadCrop(reader, film, diagnostics);
+    Shrink(DivisorOf(options), &film);
+  }
   film.diagonal_mm = reader.Float("diagonal", 35);
   film.iso = reader.Float("iso", 100);
   film.white_balance = reader.Float("whitebalance", 0);
@@ -200,7 +224,8 @@ Result<FilmSettings> ReadFilm(const Entity& entity, const RenderOptions& options
   ParameterReader reader(entity);
   FilmSettings film = kind->reader(reader, options, diagnostics);
   if (Result<void> done = reader.Finish(); !done) return done.error();
-  if (Result<void> applied = ApplyOptions(options, &film); !applied) return applied.error();
+  if (Result<void> applied = ApplyOptions(options, entity.location, &film, diagnostics); !applied)
+    return applied.error();
   return film;
 }
 

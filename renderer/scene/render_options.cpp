@@ -19,6 +19,16 @@ namespace {
 constexpr size_t kTextSizeMax = 4096 + kLightGroupsMax * (kLightGroupNameMax + kLightGroupPatternMax + 2);
 // ---- Values as text. FromText returns nullopt unless all of `text` is a value of the type, and finite.
 
+std::string ToText(bool value) {
+  return value ? "true" : "false";
+}
+
+std::optional<bool> FromText(std::string_view text, bool*) {
+  if (text == "true") return true;
+  if (text == "false") return false;
+  return std::nullopt;
+}
+
 template <typename Number>
 requires std::is_arithmetic_v<Number> std::string ToText(Number value) {
   char text[64];
@@ -53,22 +63,25 @@ std::vector<std::string_view> SplitAtCommas(std::string_view text) {
   return parts;
 }
 
-using Crop = std::array<float, 4>;
+template <typename Number>
+using Four = std::array<Number, 4>;
 
-std::string ToText(const Crop& crop) {
-  return ToText(crop[0]) + "," + ToText(crop[1]) + "," + ToText(crop[2]) + "," + ToText(crop[3]);
+template <typename Number>
+std::string ToText(const Four<Number>& numbers) {
+  return ToText(numbers[0]) + "," + ToText(numbers[1]) + "," + ToText(numbers[2]) + "," + ToText(numbers[3]);
 }
 
-std::optional<Crop> FromText(std::string_view text, Crop*) {
+template <typename Number>
+std::optional<Four<Number>> FromText(std::string_view text, Four<Number>*) {
   const std::vector<std::string_view> parts = SplitAtCommas(text);
-  Crop crop{};
-  if (parts.size() != crop.size()) return std::nullopt;
-  for (size_t i = 0; i < crop.size(); ++i) {
-    const std::optional<float> fraction = FromText(parts[i], static_cast<float*>(nullptr));
-    if (!fraction) return std::nullopt;
-    crop[i] = *fraction;
+  Four<Number> numbers{};
+  if (parts.size() != numbers.size()) return std::nullopt;
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    const std::optional<Number> number = FromText(parts[i], static_cast<Number*>(nullptr));
+    if (!number) return std::nullopt;
+    numbers[i] = *number;
   }
-  return crop;
+  return numbers;
 }
 
 std::string ToText(ExrType type) {
@@ -162,12 +175,19 @@ constexpr Line kLines[] = {
     LineOf<&RenderOptions::accelerator>("accelerator"),
     LineOf<&RenderOptions::aovs>("aov"),
     LineOf<&RenderOptions::crop>("crop"),
+    LineOf<&RenderOptions::disable_pixel_jitter>("disable-pixel-jitter"),
+    LineOf<&RenderOptions::disable_texture_filtering>("disable-texture-filtering"),
+    LineOf<&RenderOptions::disable_wavelength_jitter>("disable-wavelength-jitter"),
+    LineOf<&RenderOptions::displacement_edge_scale>("displacement-edge-scale"),
     LineOf<&RenderOptions::exr_type>("exr-type"),
+    LineOf<&RenderOptions::force_diffuse>("force-diffuse"),
     LineOf<&RenderOptions::height>("height"),
     LineOf<&RenderOptions::integrator>("integrator"),
     LineOf<&RenderOptions::light_groups>("light-group"),
     LineOf<&RenderOptions::max_depth>("max-depth"),
     LineOf<&RenderOptions::noise_threshold>("noise-threshold"),
+    LineOf<&RenderOptions::pixel_bounds>("pixelbounds"),
+    LineOf<&RenderOptions::quick>("quick"),
     LineOf<&RenderOptions::seed>("seed"),
     LineOf<&RenderOptions::samples_per_pixel>("spp"),
     LineOf<&RenderOptions::tile_size>("tile-size"),

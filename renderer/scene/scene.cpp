@@ -132,7 +132,7 @@ Result<void> SceneBuilder::SettleMotion(const std::string& name) {
 
 Result<void> SceneBuilder::ReadSettings(const std::string& name) {
   Scene::Data& data = *data_;
-  const Result<SceneOptions> scene_options = ReadSceneOptions(scene_, scene_.diagnostics);
+  const Result<SceneOptions> scene_options = ReadSceneOptions(scene_, options_, scene_.diagnostics);
   if (!scene_options) return scene_options.error();
   wavefront_ = scene_options->wavefront;
   ScaleDisplacementEdges(scene_options->displacement_edge_scale, scene_);
@@ -150,9 +150,11 @@ Result<void> SceneBuilder::ReadSettings(const std::string& name) {
   Result<Filter> filter = Filter::Read(scene_.filter);
   if (!filter) return filter.error();
   data.filter = std::move(*filter);
+  std::optional<uint32_t> samples = options_.samples_per_pixel;
+  if (options_.quick && !samples) samples = 1;
   const Result<SamplerSettings> sampler =
-      ReadSampler(scene_.sampler, film->width, film->height, {options_.samples_per_pixel, options_.seed},
-                  scene_options->seed, scene_.diagnostics);
+      ReadSampler(scene_.sampler, film->width, film->height, {samples, options_.seed}, scene_options->seed,
+                  scene_.diagnostics);
   if (!sampler) return sampler.error();
   data.sampler = *sampler;
   data.summary.extendable = !data.sampler.sampler.DependsOnCount();

@@ -27,7 +27,9 @@ std::vector<std::string_view> AovNames();
 struct RenderOptions {
   std::optional<uint32_t> samples_per_pixel;
   std::optional<int> width, height;
-  std::optional<std::array<float, 4>> crop;  // x0, x1, y0, y1 as fractions
+  std::optional<std::array<float, 4>> crop;  // x0, x1, y0, y1 as fractions; excludes pixel_bounds
+  // x0, x1, y0, y1; the ends are exclusive.
+  std::optional<std::array<int, 4>> pixel_bounds;
   std::optional<uint64_t> seed;
   // Seconds: when the frame of an animated scene is. Added to the times of the shutter; a scene that gives
   // none shows this moment.
@@ -41,6 +43,12 @@ struct RenderOptions {
   double noise_threshold = 0;  // FrameSpec::noise_threshold
   std::set<std::string> aovs;  // of AovNames
   std::vector<LightGroupRule> light_groups;
+  // Switch an Option of the scene on (SceneOptions).
+  bool disable_pixel_jitter = false, disable_wavelength_jitter = false, disable_texture_filtering = false;
+  bool force_diffuse = false;
+  std::optional<float> displacement_edge_scale;  // replaces that of the scene
+  // A draft: one sample per pixel and a quarter of the width and height, unless they are given.
+  bool quick = false;
 
   bool operator==(const RenderOptions&) const = default;
 };

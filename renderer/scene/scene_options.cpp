@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "renderer/description/option_kinds.h"
+#include "renderer/scene/scene.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
@@ -39,9 +41,22 @@ bool* FlagOf(std::string_view name, SceneOptions* options) {
   return nullptr;
 }
 
+Result<void> Override(const RenderOptions& overrides, SceneOptions* options) {
+  options->disable_pixel_jitter |= overrides.disable_pixel_jitter;
+  options->disable_wavelength_jitter |= overrides.disable_wavelength_jitter;
+  options->disable_texture_filtering |= overrides.disable_texture_filtering;
+  options->force_diffuse |= overrides.force_diffuse;
+  if (!overrides.displacement_edge_scale) return {};
+  if (!(*overrides.displacement_edge_scale > 0))
+    return BadInput("--displacement-edge-scale: must be above 0");
+  options->displacement_edge_scale = *overrides.displacement_edge_scale;
+  return {};
+}
+
 }  // namespace
 
-Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics& diagnostics) {
+Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, const RenderOptions& overrides,
+                                      Diagnostics& diagnostics) {
   SceneOptions options;
   const KindTable<std::string_view> kinds = OptionKinds();
   for (const Parameter& option : scene.options) {
@@ -63,6 +78,7 @@ Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics
       options.seed = *seed;
     }
   }
+  if (const Result<void> overridden = Override(overrides, &options); !overridden) return overridden.error();
   return options;
 }
 
@@ -71,7 +87,7 @@ void ScaleDisplacementEdges(float factor, SceneDescription& scene) {
   const auto scale = [factor](std::vector<ShapeDescription>& shapes) {
     for (ShapeDescription& shape : shapes) {
       if (shape.entity.kind != "plymesh") continue;
-      // The default comes first, so that what is written takes precedence.
+      // What is written stands before all defaults, and a later default takes precedence over this one.
       Parameter length;
       length.type = "float";
       length.name = "edgelength";
@@ -79,7 +95,7 @@ void ScaleDisplacementEdges(float factor, SceneDescription& scene) {
       length.floats = {1};
       length.is_default = true;
       std::vector<Parameter>& parameters = shape.entity.parameters;
-      parameters.insert(parameters.begin(), std::move(length));
+      parameters.insert(std::ranges::find_if(parameters, &Parameter::is_default), std::move(length));
       for (Parameter& parameter : parameters) {
         if (parameter.type == "float" && parameter.name == "edgelength")
           for (float& value : parameter.floats) value *= factor;

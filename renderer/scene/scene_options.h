@@ -10,6 +10,8 @@
 
 namespace tessera {
 
+struct RenderOptions;
+
 struct SceneOptions {
   uint64_t seed = 0;
   bool wavefront = false;
@@ -20,8 +22,10 @@ struct SceneOptions {
   bool force_diffuse = false;              // surfaces are Lambertian with the albedo of their material
 };
 
-// Options that are not available are warnings, values that make no sense are errors.
-Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, Diagnostics& diagnostics);
+// Those of the scene with the overrides of the command line. Options that are not available are warnings,
+// values that make no sense are errors.
+Result<SceneOptions> ReadSceneOptions(const SceneDescription& scene, const RenderOptions& overrides,
+                                      Diagnostics& diagnostics);
 
 // Multiplies `edgelength` of every plymesh that is displaced.
 void ScaleDisplacementEdges(float factor, SceneDescription& scene);

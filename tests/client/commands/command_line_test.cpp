@@ -60,7 +60,9 @@ TEST(SceneFlags, ReadEveryOption) {
       AddSceneFlags,
       "s.pbrt --frames 3-9x2 --fps 30 --spp 64 --resolution 640x480 --crop 0,0.5,0.25,1 "
       "--seed 18446744073709551615 --integrator volpath --accelerator bvh --max-depth 9 --tile-size 64 "
-      "--exr-type float --noise-threshold 0.05 --aov samples");
+      "--exr-type float --noise-threshold 0.05 --aov samples --pixelbounds 1,20,3,40 --quick "
+      "--disable-pixel-jitter --disable-wavelength-jitter --disable-texture-filtering --force-diffuse "
+      "--displacement-edge-scale 0.5");
   EXPECT_EQ(options.path, "s.pbrt");
   EXPECT_EQ(options.frames, (FrameRange{3, 9, 2}));
   EXPECT_EQ(options.fps, 30);
@@ -77,6 +79,13 @@ TEST(SceneFlags, ReadEveryOption) {
   EXPECT_EQ(render.exr_type, ExrType::kFloat);
   EXPECT_EQ(render.noise_threshold, 0.05);
   EXPECT_EQ(render.aovs, std::set<std::string>{"samples"});
+  EXPECT_EQ(render.pixel_bounds, (std::array<int, 4>{1, 20, 3, 40}));
+  EXPECT_TRUE(render.quick);
+  EXPECT_TRUE(render.disable_pixel_jitter);
+  EXPECT_TRUE(render.disable_wavelength_jitter);
+  EXPECT_TRUE(render.disable_texture_filtering);
+  EXPECT_TRUE(render.force_diffuse);
+  EXPECT_EQ(render.displacement_edge_scale, 0.5f);
 }
 
 TEST(SceneFlags, LeaveTheDefaultsOfWhatIsNotGiven) {
@@ -216,7 +225,7 @@ TEST(CommandLine, RefusesNumbersThatAreNone) {
   const std::pair<const char*, std::vector<const char*>> flags[] = {
       {"render s.pbrt",
        {"--fps", "--spp", "--noise-threshold", "--seed", "--max-depth", "--resolution", "--crop",
-        "--tile-size", "--workers", "--threads", "--verify"}},
+        "--pixelbounds", "--displacement-edge-scale", "--tile-size", "--workers", "--threads", "--verify"}},
       {"submit s.pbrt", {"--priority", "--patience", "--verify"}},
       {"fetch 1", {"--frame", "--patience"}},
       {"extend 1", {"--spp"}},

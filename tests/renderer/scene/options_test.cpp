@@ -1,6 +1,9 @@
 // The Option directives that change pictures, and integrators that are replaced.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <map>
 
 #include "renderer/film/merger.h"
 #include "renderer/scene/scene.h"
@@ -15,13 +18,13 @@ struct Outcome {
 };
 
 // `settings` come before, `world` after WorldBegin of a picture of 8 x 8 pixels.
-Outcome Render(const std::string& settings, const std::string& world) {
+Outcome Render(const std::string& settings, const std::string& world, const RenderOptions& overrides = {}) {
   MemoryFiles files(
       {{"a.pbrt",
         "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 \"bool savefp16\" false\n"
         "Camera \"perspective\"\nSampler \"independent\" \"integer pixelsamples\" 64\n" +
             settings + "\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n" + world}});
-  const Result<std::unique_ptr<Scene>> scene = Scene::Load(files, "a.pbrt", {}, Scene::Depth::kRender);
+  const Result<std::unique_ptr<Scene>> scene = Scene::Load(files, "a.pbrt", overrides, Scene::Depth::kRender);
   if (!scene) {
     ADD_FAILURE() << scene.error().message;
     return {};
@@ -106,6 +109,62 @@ TEST(Options, ForceDiffuseKeepsTheAlbedoOfMaterials) {
   // Under uniform light both show their albedo.
   EXPECT_NEAR(MeanOf(diffuse.values), MeanOf(metal.values), 0.05);
   EXPECT_NE(diffuse.values, metal.values);
+}
+
+// Each switch of the command line gives the bits of the option of the scene.
+TEST(Options, TheCommandLineSwitchesThemOn) {
+  const std::string world = R"(
+    Texture "c" "spectrum" "checkerboard" "float uscale" 50 "float vscale" 50
+    Material "conductor" "texture reflectance" "c" "float roughness" 0.1
+    Shape "bilinearmesh" "point3 P" [ -9 -9 2  9 -9 2  -9 9 2  9 9 2 ])";
+  const std::pair<const char*, bool RenderOptions::*> switches[] = {
+      {"disablepixeljitter", &RenderOptions::disable_pixel_jitter},
+      {"disablewavelengthjitter", &RenderOptions::disable_wavelength_jitter},
+      {"disabletexturefiltering", &RenderOptions::disable_texture_filtering},
+      {"forcediffuse", &RenderOptions::force_diffuse}};
+  const std::vector<float> plain = Render("", world).values;
+  for (const auto& [name, member] : switches) {
+    RenderOptions overrides;
+    overrides.*member = true;
+    const std::vector<float> switched = Render("", world, overrides).values;
+    EXPECT_EQ(switched, Render(fmt::format("Option \"{}\" true", name), world).values) << name;
+    EXPECT_NE(switched, plain) << name;
+    EXPECT_EQ(switched, Render(fmt::format("Option \"{}\" false", name), world, overrides).values) << name;
+  }
+}
+
+uint64_t TrianglesOf(const std::string& settings, const RenderOptions& overrides,
+                     const std::string& edge_length = "\"float edgelength\" 0.5") {
+  MemoryFiles files({{"a.pbrt", settings + R"(
+    WorldBegin Texture "d" "float" "constant" "float value" 0.1
+    Shape "plymesh" "string filename" "a.ply" "texture displacement" "d" )" +
+                                    edge_length},
+                     {"a.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                      "property float z\nproperty float u\nproperty float v\nelement face 1\n"
+                      "property list uchar int vertex_indices\nend_header\n"
+                      "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"}});
+  const auto scene = Scene::Load(files, "a.pbrt", overrides, Scene::Depth::kCheck);
+  EXPECT_TRUE(scene) << scene.error().message;
+  if (!scene) return 0;
+  for (const PrimitiveTotal& total : (*scene)->summary().primitives)
+    if (total.name == "triangles") return total.count;
+  return 0;
+}
+
+TEST(Options, TheCommandLineReplacesTheScaleOfDisplacementEdges) {
+  RenderOptions fine;
+  fine.displacement_edge_scale = 0.25f;
+  const uint64_t coarse_count = TrianglesOf("", {}), fine_count = TrianglesOf("", fine);
+  EXPECT_GT(fine_count, 4 * coarse_count);
+  EXPECT_EQ(TrianglesOf("Option \"displacementedgescale\" 0.25", {}), fine_count);
+  EXPECT_EQ(TrianglesOf("Option \"displacementedgescale\" 3", fine), fine_count);
+  EXPECT_EQ(TrianglesOf("", fine, "\"float edgelength\" 0.125"),
+            TrianglesOf("", {}, "\"float edgelength\" 0.03125"));
+  fine.displacement_edge_scale = 0.0f;
+  MemoryFiles files(std::map<std::string, std::string>{{"a.pbrt", "WorldBegin"}});
+  EXPECT_EQ(Scene::Load(files, "a.pbrt", fine, Scene::Depth::kCheck).error().message,
+            "--displacement-edge-scale: must be above 0");
 }
 
 // Light from a point that reaches the wall by way of a mirror alone, which no path can find.

@@ -209,6 +209,47 @@ TEST(Scene, TileSizeAndCropDoNotChangeAPixel) {
   }
 }
 
+Result<FrameSpec> FrameOf(const std::string& film, const RenderOptions& options) {
+  MemoryFiles files(std::map<std::string, std::string>{
+      {"scene.pbrt", "Film \"rgb\" " + film + " Sampler \"halton\"\nWorldBegin"}});
+  const auto scene = Scene::Load(files, "scene.pbrt", options, Scene::Depth::kCheck);
+  if (!scene) return scene.error();
+  return (*scene)->frame();
+}
+
+TEST(Scene, AQuickPictureHasOneSampleInAQuarterOfTheWidthAndHeight) {
+  RenderOptions quick;
+  quick.quick = true;
+  const std::string film = "\"integer xresolution\" 402 \"integer yresolution\" 3 ";
+  const FrameSpec draft = *FrameOf(film, quick);
+  EXPECT_EQ(draft.width, 100);
+  EXPECT_EQ(draft.height, 1);
+  EXPECT_EQ(draft.crop, (PixelBounds{0, 0, 100, 1}));
+  EXPECT_EQ(draft.samples_per_pixel, 1u);
+  const FrameSpec part = *FrameOf(film + "\"integer pixelbounds\" [ 9 200 2 3 ]", quick);
+  EXPECT_EQ(part.crop, (PixelBounds{2, 0, 50, 1}));
+  EXPECT_EQ(FrameOf(film + "\"integer pixelbounds\" [ 401 402 0 1 ]", quick)->crop,
+            (PixelBounds{99, 0, 100, 1}));
+  quick.samples_per_pixel = 8;
+  quick.width = quick.height = 40;
+  const FrameSpec given = *FrameOf(film, quick);
+  EXPECT_EQ(given.width, 40);
+  EXPECT_EQ(given.samples_per_pixel, 8u);
+}
+
+TEST(Scene, PixelBoundsOfTheCommandLineReplaceTheCropOfTheScene) {
+  const std::string film =
+      "\"integer xresolution\" 40 \"integer yresolution\" 30 \"float cropwindow\" [0 .5 0 .5]";
+  RenderOptions options;
+  options.pixel_bounds = {3, 9, 5, 100};
+  EXPECT_EQ(FrameOf(film, options)->crop, (PixelBounds{3, 5, 9, 30}));
+  options.pixel_bounds = {40, 50, 0, 10};
+  EXPECT_EQ(FrameOf(film, options).error().message, "the crop holds no pixel");
+  options.crop = {0, 1, 0, 1};
+  EXPECT_EQ(FrameOf(film, options).error().message,
+            "--crop and --pixelbounds exclude each other, expected one of them");
+}
+
 TEST(Scene, SeedChangesTheNoise) {
   RenderOptions seed;
   seed.seed = 5;
@@ -256,12 +297,19 @@ TEST(Scene, RenderOptionsSurviveTheirCodec) {
   options.exr_type = ExrType::kFloat;
   options.noise_threshold = 0.1;
   options.aovs = {"samples"};
+  options.pixel_bounds = {1, 30, 2, 40};
+  options.disable_pixel_jitter = options.disable_wavelength_jitter = true;
+  options.disable_texture_filtering = options.force_diffuse = true;
+  options.displacement_edge_scale = 0.25f;
+  options.quick = true;
   const Result<RenderOptions> decoded = DecodeRenderOptions(EncodeRenderOptions(options));
   ASSERT_TRUE(decoded) << decoded.error().message;
   EXPECT_EQ(*decoded, options);
   EXPECT_EQ(*DecodeRenderOptions(EncodeRenderOptions({})), RenderOptions{});
-  for (const char* bad : {"spp=x\n", "spp\n", "sppp=4\n", "crop=0,1,0\n", "crop=0,1,0,1,2\n", "spp=-4\n",
-                          "exr-type=double\n", "aov=\n", "aov=sample\n", "noise-threshold=x\n"}) {
+  for (const char* bad :
+       {"spp=x\n", "spp\n", "sppp=4\n", "crop=0,1,0\n", "crop=0,1,0,1,2\n", "spp=-4\n", "exr-type=double\n",
+        "aov=\n", "aov=sample\n", "noise-threshold=x\n", "quick=1\n", "quick=\n", "force-diffuse=yes\n",
+        "pixelbounds=0,1,0\n", "pixelbounds=0,1.5,0,1\n", "displacement-edge-scale=nan\n"}) {
     EXPECT_FALSE(DecodeRenderOptions(bad)) << bad;
   }
 }
