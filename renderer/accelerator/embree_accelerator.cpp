@@ -1,5 +1,7 @@
 #include "renderer/accelerator/embree_accelerator.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <deque>
@@ -37,6 +39,7 @@ class EmbreeAccelerator : public Accelerator {
     EmbreeRayContext context = MakeContext(ray);
     RTCRayHit query;
     query.ray = MakeRay(ray, kAllMask);
+    if (!IsTraceable(query.ray, origin_max_)) return false;
     for (int attempt = 0; attempt < kFalseHitsMax; ++attempt) {
       query.ray.tfar = ray.t_max;
       query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -54,6 +57,7 @@ class EmbreeAccelerator : public Accelerator {
   bool Occluded(const Ray& ray) const override {
     EmbreeRayContext context = MakeContext(ray);
     RTCRay query = MakeRay(ray, kSolidMask);
+    if (!IsTraceable(query, origin_max_)) return false;
     rtcOccluded1(top_.handle(), &context.base, &query);
     return query.tfar < 0;
   }
@@ -81,11 +85,15 @@ class EmbreeAccelerator : public Accelerator {
     instances_.push_back(index);
   }
 
-  EmbreeGeometryHandle MakeInstance(const Instance& instance, const EmbreeScene& group) const {
+  EmbreeGeometryHandle MakeInstance(const Instance& instance, const EmbreeScene& group) {
     EmbreeGeometryHandle geometry(rtcNewGeometry(device_->handle(), RTC_GEOMETRY_TYPE_INSTANCE));
     rtcSetGeometryInstancedScene(geometry.get(), group.handle());
     rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
                             instance.render_from_group.matrix().m.data());
+    for (const std::array<float, 4>& row : instance.render_from_group.inverse_matrix().m) {
+      const float growth = std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]);
+      origin_max_ = std::min(origin_max_, kTracedCoordinateMax / std::max(1.0f, growth));
+    }
     return geometry;
   }
 
@@ -150,6 +158,8 @@ class EmbreeAccelerator : public Accelerator {
   std::vector<std::unique_ptr<EmbreeScene>> groups_;  // null if it has no instance
   std::vector<uint32_t> instances_;                   // those that are not empty
   std::deque<EmbreeMovingInstance> moving_;           // callbacks hold pointers to them
+  // Rays that start farther away would be too large in the space of an instance: they count as misses.
+  float origin_max_ = kTracedCoordinateMax;
   double build_seconds_ = 0;
 };
 

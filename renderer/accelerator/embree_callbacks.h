@@ -1,6 +1,8 @@
 // What Embree calls back while it traces: our own primitives, and alpha.
 #pragma once
 
+#include <cmath>
+
 #include "renderer/accelerator/embree_scene.h"
 #include "renderer/texture/texture.h"
 
@@ -23,6 +25,16 @@ struct EmbreeRayContext {
                                                       : instances[embree_instance - first_instance];
   }
 };
+
+// Embree aborts at rays with coordinates of more than 1.8e18, whose squares are not finite.
+constexpr float kTracedCoordinateMax = 1e18f;
+
+// Whether the ray has numbers, and none of them too large. Embree must not be given any other.
+inline bool IsTraceable(const RTCRay& ray, float origin_max) {
+  return std::abs(ray.org_x) + std::abs(ray.org_y) + std::abs(ray.org_z) <= origin_max &&
+         std::abs(ray.dir_x) + std::abs(ray.dir_y) + std::abs(ray.dir_z) <= kTracedCoordinateMax &&
+         ray.tfar > 0;
+}
 
 void SetUserPrimitiveCallbacks(RTCGeometry geometry);
 void SetAlphaFilter(RTCGeometry geometry);

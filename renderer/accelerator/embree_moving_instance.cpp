@@ -53,6 +53,7 @@ void IntersectMoving(const RTCIntersectFunctionNArguments* arguments) {
   const InstanceVisit visit(arguments->context, instance);
   if (visit.is_flat()) return;
   RTCRayHit inside{visit.Enter(ray_hit->ray), {}};
+  if (!IsTraceable(inside.ray, kTracedCoordinateMax)) return;
   inside.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(instance.group, arguments->context, &inside);
   if (inside.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
@@ -68,6 +69,7 @@ void OccludedMoving(const RTCOccludedFunctionNArguments* arguments) {
   const InstanceVisit visit(arguments->context, instance);
   if (visit.is_flat()) return;
   RTCRay inside = visit.Enter(*ray);
+  if (!IsTraceable(inside, kTracedCoordinateMax)) return;
   rtcOccluded1(instance.group, arguments->context, &inside);
   ray->tfar = inside.tfar;  // negative infinity if it is occluded
 }

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "renderer/math/flat_transform.h"
+#include "renderer/shape/reach.h"
 #include "renderer/shape/shape_builder.h"
 #include "renderer/texture/texture_builder.h"
 #include "renderer/util/load_budget.h"
@@ -197,7 +198,12 @@ Result<void> WorldBuilder::AddInstance(const Part& part, const AnimatedTransform
   }
   if (world_from_object.IsAnimated() || part.object_from_part.IsAnimated())
     return AddMovingInstance(part, world_from_object, place);
-  world_.geometry.instances.push_back({part.group, render_from_world_ * world_from_object.Fixed()});
+  const Transform render_from_object = render_from_world_ * world_from_object.Fixed();
+  if (!IsReachable(render_from_object)) {
+    diagnostics_.Warn(place, "the object is not shown: it is too small, too large or too far away");
+    return {};
+  }
+  world_.geometry.instances.push_back({part.group, render_from_object});
   return {};
 }
 

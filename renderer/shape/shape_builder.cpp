@@ -5,15 +5,17 @@
 #include <utility>
 
 #include "renderer/math/flat_transform.h"
+#include "renderer/shape/reach.h"
 #include "renderer/shape/shape_kinds.h"
 
 namespace tessera {
 namespace {
 
-// Whether what a transform made of the vertices is still in the range of float.
-bool IsFinite(const Shape& shape) {
+// Whether what a transform made of the vertices is still in the range of rays.
+bool IsWithinReach(const Shape& shape) {
   const Bounds3 bounds = shape.Bounds();
-  return tessera::IsFinite(bounds.min) && tessera::IsFinite(bounds.max);
+  const Vec3 most = Max(Abs(bounds.min), Abs(bounds.max));
+  return most.x <= kCoordinateMax && most.y <= kCoordinateMax && most.z <= kCoordinateMax;
 }
 
 // Quadrics and curves are intersected in their own space. Returns whether there were any.
@@ -53,7 +55,10 @@ Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, Surfa
     diagnostics.Warn(entity.location, "the shape is not shown: its transformation has no inverse");
   for (Form& form : forms) {
     Shape shape{surface, std::move(form)};
-    if (!IsFinite(shape)) return ErrorAt(entity.location, "the shape is not finite in rendering space");
+    if (!IsWithinReach(shape)) {
+      return ErrorAt(entity.location,
+                     fmt::format("the shape is not within +-{:g} in rendering space", kCoordinateMax));
+    }
     shapes.push_back(std::move(shape));
   }
   return shapes;

@@ -103,7 +103,7 @@ TEST(CurveReader, ErrorsNameTheProblemAndItsLocation) {
   EXPECT_EQ(Build(kCubic + "\"string type\" \"ribbon\" \"normal N\" [0 0 0 0 0 1]").error,
             "a.pbrt:2:75: a normal of a ribbon is zero");
   EXPECT_EQ(Build("Scale 1e30 1e30 1e30 Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2e9 1 0 3 1 0]").error,
-            "a.pbrt:2:22: the shape is not finite in rendering space");
+            "a.pbrt:2:22: the shape is not within +-1e+17 in rendering space");
   for (const std::string number : {"nan", "inf", "1e39"}) {
     EXPECT_THAT(Build("Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 1 0 3 1 " + number + "]").error,
                 testing::StartsWith("a.pbrt:2:"))

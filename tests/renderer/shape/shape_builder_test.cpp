@@ -113,7 +113,7 @@ TEST(ShapeBuilder, ErrorsNameTheProblemAndItsLocation) {
                 .error,
             "a.pbrt:2:77: displacement needs a mesh with texture coordinates");
   EXPECT_EQ(Build("Scale 10 1 1 Shape \"trianglemesh\" \"point3 P\" [0 0 0 2e38 0 0 0 1 0]").error,
-            "a.pbrt:2:14: the shape is not finite in rendering space");
+            "a.pbrt:2:14: the shape is not within +-1e+17 in rendering space");
 }
 
 TEST(ShapeBuilder, AnUnknownParameterIsAnError) {
