@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
+#include <utility>
 
 #include "renderer/util/text.h"
 
@@ -334,9 +336,13 @@ Error ParameterReader::UnknownParameter(const Parameter& p) const {
 
 Result<void> ParameterReader::Finish() {
   if (error_) return *error_;
+  // Each name is looked up once, as a file may repeat it a million times.
+  std::set<std::pair<std::string_view, std::string_view>> shadowed;
   for (size_t i = 0; i < used_.size(); ++i) {
     const Parameter& p = entity_->parameters[i];
-    if (!used_[i] && !p.is_default && !IsShadowed(p)) return UnknownParameter(p);
+    if (used_[i] || p.is_default || shadowed.contains({p.type, p.name})) continue;
+    if (!IsShadowed(p)) return UnknownParameter(p);
+    shadowed.emplace(p.type, p.name);
   }
   return {};
 }

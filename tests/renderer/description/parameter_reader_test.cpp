@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <ctime>
+
 #include "tests/renderer/pbrt/parse_helpers.h"
 
 namespace tessera {
@@ -48,6 +50,20 @@ TEST(ParameterReader, GivesValuesByTypeAndNameAndElseTheDefault) {
   EXPECT_EQ(reader.FindInteger("g"), std::nullopt);
   EXPECT_EQ(reader.FindString("g"), std::nullopt);
   EXPECT_EQ(MessageOf(reader.Finish()), "no error");
+}
+
+// In time that grows with the number of parameters, not with its square: minutes for these.
+TEST(ParameterReader, ReadsAParameterThatIsRepeatedAMillionTimes) {
+  Parameter parameter;
+  parameter.type = "float";
+  parameter.name = "f";
+  parameter.floats = {1};
+  const Entity entity{"Camera", "perspective", {}, std::vector<Parameter>(1'000'000, parameter)};
+  const std::clock_t start = std::clock();
+  ParameterReader reader(entity);
+  EXPECT_EQ(reader.Float("f", 2), 1);
+  EXPECT_EQ(MessageOf(reader.Finish()), "no error");
+  EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 20);
 }
 
 TEST(ParameterReader, GivesLists) {
