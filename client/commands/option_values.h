@@ -15,6 +15,7 @@
 #include "proto/shell/flags.h"
 #include "proto/shell/values.h"
 #include "renderer/film/frame_spec.h"
+#include "renderer/film/picture_format.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
