@@ -19,7 +19,7 @@ Result<void> FilesInUse::AddOutput(const std::string& path) {
   const std::string alias = path == other ? "" : fmt::format(" ({})", ShownPath(other));
   if (use->second.is_input)
     return BadInput(
-        fmt::format("{}: the scene reads this file{}, so nothing can be written to it; choose another name",
+        fmt::format("{}: the command reads this file{}, so nothing can be written to it; choose another name",
                     ShownPath(path), alias));
   return BadInput(fmt::format("{}: two pictures would be written to this file{}; choose another name",
                               ShownPath(path), alias));

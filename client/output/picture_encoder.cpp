@@ -72,9 +72,8 @@ std::string EncodePfm(const LoadedPicture& picture, const std::vector<float>& rg
   return bytes;
 }
 
-Result<std::string> EncodeWithLibrary(const char* format, const LoadedPicture& picture, ValueType type,
-                                      const void* pixels, const std::string& path) {
-  auto encoded = image_module::Encode({format, picture.width, picture.height, type, pixels});
+Result<std::string> EncodeWithLibrary(const image_module::RgbPicture& picture, const std::string& path) {
+  auto encoded = image_module::Encode(picture);
   if (!encoded)
     return Failed(fmt::format("{}: cannot encode the picture: {}", path, encoded.error().message));
   return encoded;
@@ -87,12 +86,14 @@ Result<std::string> Encode(PictureFormat format, const LoadedPicture& picture, c
     case PictureFormat::kPng:
     case PictureFormat::kJpeg: {
       const char* const name = format == PictureFormat::kPng ? "png" : "jpg";
-      return EncodeWithLibrary(name, picture, ValueType::kUint8, EightBit(rgb).data(), path);
+      const std::vector<uint8_t> bytes = EightBit(rgb);
+      return EncodeWithLibrary({name, picture.width, picture.height, ValueType::kUint8, bytes.data()}, path);
     }
-    case PictureFormat::kTiff: return EncodeWithLibrary("tif", picture, ValueType::kFloat, rgb.data(), path);
+    case PictureFormat::kTiff:
+      return EncodeWithLibrary({"tif", picture.width, picture.height, ValueType::kFloat, rgb.data()}, path);
     case PictureFormat::kRadiance:
       ClampToRadiance(rgb);
-      return EncodeWithLibrary("hdr", picture, ValueType::kFloat, rgb.data(), path);
+      return EncodeWithLibrary({"hdr", picture.width, picture.height, ValueType::kFloat, rgb.data()}, path);
     case PictureFormat::kPfm: return EncodePfm(picture, rgb);
   }
   TESSERA_CHECK(false);
@@ -113,6 +114,11 @@ Result<std::string> EncodeAs(PictureFormat format, const LoadedPicture& picture,
   } catch (const std::exception& e) {
     return Failed(fmt::format("{}: cannot encode the picture: {}", path, e.what()));
   }
+}
+
+Result<std::string> EncodePng(int width, int height, const std::vector<uint8_t>& values,
+                              const std::string& path) {
+  return EncodeWithLibrary({"png", width, height, ValueType::kUint8, values.data()}, path);
 }
 
 }  // namespace tessera

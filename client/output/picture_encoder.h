@@ -1,7 +1,9 @@
 // Pictures in formats other than OpenEXR, made from what an OpenEXR file holds.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "client/output/picture_format.h"
 #include "renderer/film/picture_file.h"
@@ -19,5 +21,9 @@ Result<void> CheckEncoder(PictureFormat format);
 // with a shared exponent; negative values and NaN become 0.
 // Errors name `path`. Not for kExr.
 Result<std::string> EncodeAs(PictureFormat format, const LoadedPicture& picture, const std::string& path);
+
+// A PNG of 8-bit sRGB values, three for each pixel, rows from top to bottom. Errors name `path`.
+Result<std::string> EncodePng(int width, int height, const std::vector<uint8_t>& values,
+                              const std::string& path);
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "tests/end_to_end/farm_fixture.h"
 
@@ -223,12 +224,36 @@ TEST_F(Commands, ComparePrintsTheDifferenceOfTwoPictures) {
   Oracle(BoxScene(), {"--spp", "4", "--seed", "9"});
   const Outcome same = Tessera({"compare", "a.exr", "a.exr"});
   EXPECT_EQ(same.code, 0);
-  EXPECT_EQ(same.output, "mse=0 relmse=0 psnr=inf maxabs=0 identical=yes\n");
+  EXPECT_EQ(same.output, "mse=0 relmse=0 psnr=inf maxabs=0 identical=yes flip=0\n");
   const Outcome different = Tessera({"compare", "a.exr", "oracle.exr"});
   EXPECT_EQ(different.code, 1);
   EXPECT_THAT(different.output, HasSubstr("identical=no"));
   EXPECT_EQ(Tessera({"compare", "a.exr", "oracle.exr", "--tolerance", "100000"}).code, 0);
   EXPECT_EQ(Tessera({"compare", "a.exr", "nothing.exr"}).code, 2);
+}
+
+TEST_F(Commands, CompareLooksAtOneLayerAndDrawsTheErrors) {
+  Oracle(BoxScene(), {"--spp", "4", "--aov", "albedo,depth"});
+  std::filesystem::rename(Path("oracle.exr"), Path("a.exr"));
+  Oracle(BoxScene(), {"--spp", "4", "--seed", "9", "--aov", "albedo"});
+  const Outcome colors = Tessera({"compare", "a.exr", "oracle.exr", "--layer", "RGB", "--json"});
+  const auto json = nlohmann::json::parse(colors.output);
+  EXPECT_GT(json["flip"], 0);
+  EXPECT_LT(json["flip"], 1);
+  EXPECT_GE(json["flip_exposures"]["count"], 2);
+  const Outcome depth = Tessera({"compare", "a.exr", "a.exr", "--layer", "Z", "--difference", "z.png"});
+  EXPECT_EQ(depth.code, 0) << depth.errors;
+  EXPECT_EQ(depth.output, "mse=0 relmse=0 psnr=inf maxabs=0 identical=yes\n");
+  EXPECT_EQ(Bytes("z.png").substr(1, 3), "PNG");
+  EXPECT_EQ(Tessera({"compare", "a.exr", "oracle.exr", "--difference", "rgb.png"}).code, 1);
+  EXPECT_EQ(Bytes("rgb.png").substr(1, 3), "PNG");
+  const Outcome missing = Tessera({"compare", "a.exr", "oracle.exr", "--layer", "Z"});
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_THAT(missing.errors, HasSubstr("oracle.exr: no layer \"Z\"; it has RGB, albedo"));
+  std::filesystem::copy(Path("a.exr"), Path("a.png"));
+  const Outcome input = Tessera({"compare", "a.png", "oracle.exr", "--difference", "a.png"});
+  EXPECT_EQ(input.code, 2);
+  EXPECT_THAT(input.errors, HasSubstr("a.png: the command reads this file"));
 }
 
 TEST_F(Commands, InfoDescribesAScene) {

@@ -58,9 +58,9 @@ TEST_F(Outputs, InputsAreNeverOverwritten) {
   fs::create_symlink("part.pbrt", Path("part.exr"));
   fs::create_hard_link(Path("sunset.pbrt"), Path("hard.exr"));
   for (const char* way : {"--in-process", "--workers=1"}) {
-    ExpectRefused({"render", "sunset.pbrt", way}, "sunset.exr: the scene reads this file");
+    ExpectRefused({"render", "sunset.pbrt", way}, "sunset.exr: the command reads this file");
     for (const char* name : {"./sunset.exr", "link.exr", "part.exr", "hard.exr", "tmp/../sunset.exr"}) {
-      ExpectRefused({"render", "sunset.pbrt", "-o", name, way}, "the scene reads this file");
+      ExpectRefused({"render", "sunset.pbrt", "-o", name, way}, "the command reads this file");
     }
     ExpectRefused({"render", "sunset.pbrt", "-o", "sunset.pbrt", way}, "cannot write pictures of type .pbrt");
     ExpectRefused({"render", "plain.pbrt", "-o", "a.png", "--png", "./a.png", way}, "two pictures");
@@ -76,7 +76,7 @@ TEST_F(Outputs, NumberedFramesOverwriteNeitherInputsNorEachOther) {
   Write("plain.pbrt", Scene());
   ASSERT_EQ(Tessera({"render", "plain.pbrt", "-o", "walk.0002.exr", "--in-process"}).code, 0);
   ExpectRefused({"render", "walk.pbrt", "--frames", "1-3", "--in-process"},
-                "walk.0002.exr: the scene reads this file");
+                "walk.0002.exr: the command reads this file");
   EXPECT_FALSE(Exists("walk.0001.exr"));
   fs::create_symlink("out.0001.exr", Path("out.0002.exr"));
   ExpectRefused({"render", "plain.pbrt", "--frames", "1-2", "-o", "out.exr", "--in-process"},

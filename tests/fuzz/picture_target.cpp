@@ -1,3 +1,4 @@
+#include "renderer/compare/picture_difference.h"
 #include "renderer/film/picture_file.h"
 #include "renderer/util/check.h"
 #include "tests/fuzz/targets.h"

@@ -124,7 +124,7 @@ TEST(CommandLine, AcceptsEveryCommandWithItsFlags) {
         "render s.pbrt --verify 5% --workers 2",
         "info s.pbrt --accelerator bvh --json",
         "kinds --json",
-        "compare a.exr b.exr --tolerance 0.5 --json",
+        "compare a.exr b.exr --tolerance 0.5 --layer albedo --difference d.png --json",
         "submit s.pbrt --coordinator farm:99 --name film --priority -4 --watch --spp 8 --require gpu "
         "--require linux-6 --verify 2.5% --json",
         "fetch 12 --preview -o a.exr --png a.png --frame 3 --json",
@@ -191,6 +191,8 @@ TEST(CommandLine, RefusesBadWordsAndNamesWhatIsExpected) {
       {"status 0", "JOB: \"0\""},
       {"compare a.exr", "B is required"},
       {"compare a.exr b.exr --tolerance -1", "--tolerance: \"-1\""},
+      {"compare a.exr b.exr --difference d.exr", "--difference: \"d.exr\" does not end in .png"},
+      {"compare a.exr b.exr --difference -", "--difference: write to a file"},
       {"submit s.pbrt --priority 1000001", "--priority"},
       {"extend 3", "--spp is required"},
       {"extend 3 --spp 0", "--spp: \"0\""},

@@ -36,7 +36,7 @@ TEST_F(FilesOfACommand, AreNotOverwrittenByItsOutputsHoweverTheyAreSpelled) {
     const auto added = files.AddOutput(folder_ + name);
     ASSERT_FALSE(added) << name;
     EXPECT_EQ(added.error().kind, ErrorKind::kBadInput);
-    EXPECT_THAT(added.error().message, HasSubstr("the scene reads this file")) << name;
+    EXPECT_THAT(added.error().message, HasSubstr("the command reads this file")) << name;
   }
   EXPECT_TRUE(files.AddOutput(folder_ + "/other.exr"));
 }

@@ -1,11 +1,11 @@
+#include "renderer/compare/picture_difference.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
-
-#include "renderer/film/picture_file.h"
 
 namespace tessera {
 namespace {
