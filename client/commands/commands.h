@@ -11,6 +11,7 @@ Command BenchCommand();
 Command CancelCommand();
 Command CompareCommand();
 Command CompletionCommand();
+Command DenoiseCommand();
 Command DoctorCommand();
 Command DrainCommand();
 Command ExtendCommand();
@@ -36,7 +37,7 @@ Command WorkersCommand();
 using MakeCommandFunction = Command (*)();
 inline constexpr MakeCommandFunction kCommands[] = {
     // On this machine.
-    RenderCommand, InfoCommand, KindsCommand, CompareCommand, RelightCommand, BenchCommand,
+    RenderCommand, InfoCommand, KindsCommand, CompareCommand, DenoiseCommand, RelightCommand, BenchCommand,
     // Jobs of a farm.
     SubmitCommand, JobsCommand, StatusCommand, WatchCommand, FetchCommand, ExtendCommand, PriorityCommand,
     PauseCommand, ResumeCommand, CancelCommand,

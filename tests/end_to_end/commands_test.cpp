@@ -256,6 +256,15 @@ TEST_F(Commands, CompareLooksAtOneLayerAndDrawsTheErrors) {
   EXPECT_THAT(input.errors, HasSubstr("a.png: the command reads this file"));
 }
 
+TEST_F(Commands, DenoiseNamesTheLayersThatAPictureLacks) {
+  Oracle(BoxScene(), {"--spp", "8", "--aov", "albedo,depth"});
+  const Outcome refused = Tessera({"denoise", "oracle.exr", "-o", "denoised.exr"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.errors, HasSubstr("oracle.exr: cannot be denoised without the layers normal, halves"));
+  EXPECT_FALSE(Exists("denoised.exr"));
+  EXPECT_EQ(Tessera({"denoise", "oracle.exr", "-o", "oracle.exr"}).code, 2) << "it would overwrite its input";
+}
+
 TEST_F(Commands, InfoDescribesAScene) {
   const Outcome text = Tessera({"info", BoxScene()});
   EXPECT_EQ(text.code, 0) << text.errors;

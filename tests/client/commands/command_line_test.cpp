@@ -125,6 +125,8 @@ TEST(CommandLine, AcceptsEveryCommandWithItsFlags) {
         "info s.pbrt --accelerator bvh --json",
         "kinds --json",
         "compare a.exr b.exr --tolerance 0.5 --layer albedo --difference d.png --json",
+        "denoise a.exr -o b.exr --png b.png --exr-type float --threads 2 --json",
+        "denoise a.####.exr --frames 1-8 -o b.exr",
         "submit s.pbrt --coordinator farm:99 --name film --priority -4 --watch --spp 8 --require gpu "
         "--require linux-6 --verify 2.5% --json",
         "fetch 12 --preview -o a.exr --png a.png --frame 3 --json",
@@ -221,6 +223,22 @@ TEST(CommandLine, TakesArgumentsThatHaveTheNameOfACommand) {
   EXPECT_TRUE(Parse("info render"));
   EXPECT_TRUE(Parse("man fetch"));
   EXPECT_TRUE(Parse("compare jobs workers --json"));
+}
+
+TEST(CommandLine, RefusesWordsThatDenoiseCannotUse) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"denoise", "PICTURE is required"},
+      {"denoise a.exr --frames 1-8", "a.exr: the name of a sequence has ####"},
+      {"denoise a.exr --exr-type double", "--exr-type: \"double\""},
+      {"denoise a.exr --threads 0", "--threads"},
+      {"denoise a.exr -o - --json", "the standard output cannot take both"},
+  };
+  for (const auto& [words, message] : cases) {
+    const auto parsed = Parse(words);
+    ASSERT_FALSE(parsed) << words;
+    EXPECT_EQ(parsed.error().kind, ErrorKind::kBadInput) << words;
+    EXPECT_THAT(parsed.error().message, HasSubstr(message)) << words;
+  }
 }
 
 TEST(CommandLine, RefusesNumbersThatAreNone) {

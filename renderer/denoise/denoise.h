@@ -1,0 +1,41 @@
+// Removes the noise of rendered pictures, guided by the layers albedo, normal and depth.
+//
+// The method is nonlinearly weighted first-order regression: Bitterli, Rousselle, Moon, Iglesias-Guitian,
+// Adler, Mitchell, Jarosz and Novak, "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo
+// Renderings", EGSR 2016. Around each pixel the colours are fitted by a linear function of the features
+// (albedo, normal, depth), with the weights of non-local means for rendered pictures: Rousselle, Knaus and
+// Zwicker, "Adaptive Rendering with Non-Local Means Filtering", SIGGRAPH Asia 2012. The fits of all pixels
+// around contribute to a pixel.
+//
+//   - The layer "halves" splits the picture into two independent ones. Each is denoised with the weights of
+//     the other, so that weights and noise are not correlated; the result is their mean. The difference of
+//     the halves also estimates the variance that the weights need.
+//   - Colours are divided by the albedo before and multiplied by it after, which keeps textures.
+//   - Single pixels that are far brighter than all around (fireflies) are darkened before, since no filter
+//     of this size can spread their light far enough.
+//
+// The picture is processed in strips of rows, so the memory beside the picture and its result grows with its
+// width, not its height: some 19 KB per pixel of width. Values are the same for any number of threads.
+#pragma once
+
+#include <stop_token>
+#include <string>
+
+#include "renderer/film/picture_file.h"
+
+namespace tessera {
+
+// The layer of the result that keeps the colours as they were.
+constexpr const char* kNoisyLayer = "noisy";
+
+// Whether Denoise accepts the picture. The error names it `name` and lists the layers that are missing.
+Result<void> CheckDenoisable(const LoadedPicture& picture, const std::string& name);
+
+// The picture with R, G and B denoised and the layer "noisy" added; a layer of this name that is there
+// already is what is denoised, so that denoising twice is the same as once. Values that are not finite count
+// as black if they are not a number, else as very bright. Fails if CheckDenoisable does, if memory runs out
+// or a stop is requested.
+Result<LoadedPicture> Denoise(const LoadedPicture& picture, const std::string& name, int threads,
+                              const std::stop_token& stop);
+
+}  // namespace tessera

@@ -1,0 +1,28 @@
+// Where a picture has the layers that denoising needs.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+
+#include "renderer/film/picture_file.h"
+
+namespace tessera {
+
+constexpr size_t kColors = 3;
+
+// Indices of channels.
+struct InputLayers {
+  std::array<size_t, kColors> color{}, halves{}, albedo{}, normal{};
+  size_t depth = 0;
+  // The means of the samples of the two halves are these times (color + halves) and (color - halves).
+  std::array<float, 2> half_scales = {1, 1};
+};
+
+// The error calls the picture `name`, lists the layers that are missing and says how they are rendered.
+Result<InputLayers> FindInputLayers(const LoadedPicture& picture, const std::string& name);
+
+// The largest finite depth, or 1 if there is none.
+float LargestDepth(const LoadedPicture& picture, size_t depth);
+
+}  // namespace tessera

@@ -1,0 +1,154 @@
+#include "renderer/denoise/local_regression.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+namespace {
+
+constexpr size_t kTerms = kFeatures + 1;  // of the linear function: a constant and the features
+constexpr size_t kProducts = kTerms * (kTerms + 1) / 2;
+
+// Added to the diagonal of the features, relative to the sum of weights: a feature whose standard deviation
+// is below 0.02 (of an albedo or normal, or 2 % of a depth) hardly matters.
+constexpr float kRidge = 3e-4f;
+// Keeps the equations of pixels without weights solvable.
+constexpr float kTiny = 1e-6f;
+
+// A value for each pixel of a row of a tile.
+using Lanes = std::array<float, kTile>;
+
+// The differences of the features of the pixels at (dx, dy) from those of row y, and before them 1.
+void FindTerms(const Strip& strip, int x, int y, int dx, int dy, std::array<Lanes, kTerms>& terms) {
+  terms[0].fill(1);
+  for (size_t i = 0; i < kFeatures; ++i) {
+    const float* const p = strip.features[i].At(x, y);
+    const float* const q = strip.features[i].At(x + dx, y + dy);
+    for (size_t l = 0; l < kTile; ++l) terms[i + 1][l] = q[l] - p[l];
+  }
+}
+
+bool AnyWeight(const float* weights) {
+  float largest = 0;
+  for (size_t l = 0; l < kTile; ++l) largest = std::max(largest, weights[l]);
+  return largest > 0;
+}
+
+}  // namespace
+
+// The normal equations of the pixels of a row. Products are those of a symmetric matrix: row i, column j <= i
+// at i (i + 1) / 2 + j; they become its Cholesky factor.
+struct LocalRegression::Row {
+  std::array<Lanes, kProducts> products;
+  std::array<std::array<Lanes, kTerms>, kColors> solutions;  // right sides, then solutions
+
+  static size_t At(size_t i, size_t j) { return i * (i + 1) / 2 + j; }
+
+  void Clear() {
+    for (Lanes& lanes : products) lanes.fill(0);
+    for (auto& color : solutions) {
+      for (Lanes& lanes : color) lanes.fill(0);
+    }
+  }
+  void Add(const std::array<Lanes, kTerms>& terms, const float* weights,
+           const std::array<const float*, kColors>& colors) {
+    for (size_t i = 0; i < kTerms; ++i) {
+      Lanes weighted;
+      for (size_t l = 0; l < kTile; ++l) weighted[l] = weights[l] * terms[i][l];
+      for (size_t j = 0; j <= i; ++j) {
+        Lanes& sum = products[At(i, j)];
+        for (size_t l = 0; l < kTile; ++l) sum[l] += weighted[l] * terms[j][l];
+      }
+      for (size_t c = 0; c < kColors; ++c) {
+        Lanes& sum = solutions[c][i];
+        for (size_t l = 0; l < kTile; ++l) sum[l] += weighted[l] * colors[c][l];
+      }
+    }
+  }
+  void Solve() {
+    Factorize();
+    for (auto& color : solutions) Substitute(color);
+  }
+
+ private:
+  void Factorize() {
+    const Lanes total = products[0];
+    for (size_t l = 0; l < kTile; ++l) products[0][l] += kTiny;
+    for (size_t i = 1; i < kTerms; ++i) {
+      for (size_t l = 0; l < kTile; ++l) products[At(i, i)][l] += kRidge * total[l] + kTiny;
+    }
+    for (size_t i = 0; i < kTerms; ++i) {
+      for (size_t j = 0; j <= i; ++j) {
+        Lanes& entry = products[At(i, j)];
+        for (size_t k = 0; k < j; ++k) Subtract(products[At(i, k)], products[At(j, k)], entry);
+        if (i == j) {
+          // Rounding must not make it negative.
+          for (float& value : entry) value = std::sqrt(std::max(value, kTiny));
+        } else {
+          Divide(products[At(j, j)], entry);
+        }
+      }
+    }
+  }
+  void Substitute(std::array<Lanes, kTerms>& right) const {
+    for (size_t i = 0; i < kTerms; ++i) {
+      for (size_t k = 0; k < i; ++k) Subtract(products[At(i, k)], right[k], right[i]);
+      Divide(products[At(i, i)], right[i]);
+    }
+    for (size_t i = kTerms; i-- > 0;) {
+      for (size_t k = i + 1; k < kTerms; ++k) Subtract(products[At(k, i)], right[k], right[i]);
+      Divide(products[At(i, i)], right[i]);
+    }
+  }
+  static void Subtract(const Lanes& a, const Lanes& b, Lanes& from) {
+    for (size_t l = 0; l < kTile; ++l) from[l] -= a[l] * b[l];
+  }
+  static void Divide(const Lanes& by, Lanes& lanes) {
+    for (size_t l = 0; l < kTile; ++l) lanes[l] /= by[l];
+  }
+};
+
+LocalRegression::LocalRegression() : row_(std::make_unique<Row>()) {}
+LocalRegression::~LocalRegression() = default;
+
+void LocalRegression::Fit(const Strip& strip, size_t half, const TilePlace& tile, const PatchWeights& weights,
+                          TileContributions& contributions) {
+  std::array<Lanes, kTerms> terms;
+  // Calls `body` for each offset at which a pixel of row y has a weight.
+  const auto for_window = [&](int y, const auto& body) {
+    for (int dy = -kWindowRadius; dy <= kWindowRadius; ++dy) {
+      for (int dx = -kWindowRadius; dx <= kWindowRadius; ++dx) {
+        const float* const w = weights.Row(dx, dy, y);
+        if (!AnyWeight(w)) continue;
+        FindTerms(strip, tile.x0, tile.y0 + y, dx, dy, terms);
+        body(dx, dy, w);
+      }
+    }
+  };
+  for (int y = 0; y < std::min(kTile, tile.height - tile.y0); ++y) {
+    row_->Clear();
+    for_window(y, [&](int dx, int dy, const float* w) {
+      std::array<const float*, kColors> colors;
+      for (size_t c = 0; c < kColors; ++c)
+        colors[c] = strip.halves[half][c].At(tile.x0 + dx, tile.y0 + y + dy);
+      row_->Add(terms, w, colors);
+    });
+    row_->Solve();
+    for_window(y, [&](int dx, int dy, const float* w) {
+      const auto row = static_cast<size_t>(y + dy + kWindowRadius);
+      const auto column = static_cast<size_t>(dx + kWindowRadius);
+      for (size_t c = 0; c < kColors; ++c) {
+        Lanes fit = row_->solutions[c][0];
+        for (size_t i = 1; i < kTerms; ++i) {
+          for (size_t l = 0; l < kTile; ++l) fit[l] += row_->solutions[c][i][l] * terms[i][l];
+        }
+        float* const sum = &contributions.sums[c][row][column];
+        for (size_t l = 0; l < kTile; ++l) sum[l] += w[l] * fit[l];
+      }
+      float* const sum = &contributions.sums[kColors][row][column];
+      for (size_t l = 0; l < kTile; ++l) sum[l] += w[l];
+    });
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,141 @@
+#include "renderer/denoise/strip.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/denoise/firefly.h"
+#include "renderer/util/parallel.h"
+
+namespace tessera {
+namespace {
+
+// Rows and columns that Load needs beyond those of a strip.
+constexpr int kSmoothRadius = 3;  // of the variance
+constexpr int kOuterMargin = kStripMargin + kSmoothRadius + kFireflyRadius;
+
+// Squares of colours, and sums of them, stay finite.
+constexpr float kColorMax = 1e15f;
+// Albedos beyond this are errors of the scene; they would make features useless.
+constexpr float kAlbedoMax = 4.0f;
+
+// Weights of a Gaussian of 1.5 pixels at the distances 0 to 3, which sum to 1 over both sides.
+constexpr float kSmoothWeights[kSmoothRadius + 1] = {0.27068f, 0.21674f, 0.11128f, 0.03664f};
+
+// The pixel that is seen at `i` if the picture of `size` pixels is between mirrors.
+int Mirrored(int i, int size) {
+  if (size == 1) return 0;
+  const int period = 2 * (size - 1);
+  const int place = ((i % period) + period) % period;
+  return place < size ? place : period - place;
+}
+
+float Finite(float value, float limit) {
+  return std::isnan(value) ? 0 : std::clamp(value, -limit, limit);
+}
+
+// Copies the mirror image of a row beside it.
+void MirrorRow(Plane& plane, int y, int width, int margin) {
+  float* const row = plane.At(0, y);
+  for (int i = 1; i <= margin; ++i) {
+    row[-i] = row[Mirrored(-i, width)];
+    row[width - 1 + i] = row[Mirrored(width - 1 + i, width)];
+  }
+}
+
+}  // namespace
+
+StripLoader::StripLoader(const LoadedPicture& picture, const InputLayers& layers)
+    : picture_(picture),
+      layers_(layers),
+      width_(picture.bounds.width()),
+      height_(picture.bounds.height()),
+      depth_max_(LargestDepth(picture, layers.depth)) {}
+
+void StripLoader::Resize(int y0, int y1, Strip& strip) {
+  const auto resize = [&](Plane& plane) {
+    // Tiles are read as a whole, the last ones of a row beyond the margin as well.
+    plane.Resize(-kOuterMargin, width_ + 2 * kOuterMargin + kTile, y0 - kOuterMargin,
+                 y1 - y0 + 2 * kOuterMargin);
+  };
+  for (auto& half : strip.halves) std::ranges::for_each(half, resize);
+  std::ranges::for_each(strip.variance, resize);
+  std::ranges::for_each(strip.features, resize);
+  std::ranges::for_each(darkening_, resize);
+}
+
+void StripLoader::LoadRow(int y, Strip& strip) const {
+  const size_t channels = picture_.channels.size();
+  const float* pixel =
+      &picture_.values[static_cast<size_t>(Mirrored(y, height_)) * static_cast<size_t>(width_) * channels];
+  for (int x = 0; x < width_; ++x, pixel += channels) {
+    for (size_t c = 0; c < kColors; ++c) {
+      const float color = pixel[layers_.color[c]], difference = pixel[layers_.halves[c]];
+      *strip.halves[0][c].At(x, y) = Finite((color + difference) * layers_.half_scales[0], kColorMax);
+      *strip.halves[1][c].At(x, y) = Finite((color - difference) * layers_.half_scales[1], kColorMax);
+      *strip.features[kAlbedoFeature + c].At(x, y) =
+          std::max(0.0f, Finite(pixel[layers_.albedo[c]], kAlbedoMax));
+      *strip.features[kNormalFeature + c].At(x, y) = Finite(pixel[layers_.normal[c]], 1);
+    }
+    // What is farther than everything counts as twice as far as the farthest surface.
+    const float depth = pixel[layers_.depth];
+    const float ratio = std::isfinite(depth) ? std::max(depth / depth_max_, 1e-4f) : 2.0f;
+    *strip.features[kDepthFeature].At(x, y) = std::log(ratio);
+  }
+  for (auto& half : strip.halves) {
+    for (Plane& plane : half) MirrorRow(plane, y, width_, kOuterMargin);
+  }
+  for (Plane& plane : strip.features) MirrorRow(plane, y, width_, kOuterMargin);
+}
+
+void StripLoader::DarkenRow(int y, const Strip& strip) {
+  FindFireflies(strip, width_, y, darkening_);
+}
+
+void StripLoader::DivideRow(int y, Strip& strip) const {
+  for (size_t half = 0; half < 2; ++half) {
+    const float* const darkening = darkening_[half].At(0, y);
+    for (size_t c = 0; c < kColors; ++c) {
+      float* const row = strip.halves[half][c].At(0, y);
+      const float* const albedo = strip.features[kAlbedoFeature + c].At(0, y);
+      for (int x = 0; x < width_; ++x) row[x] *= darkening[x] / AlbedoFactor(albedo[x]);
+      MirrorRow(strip.halves[half][c], y, width_, kOuterMargin);
+    }
+  }
+}
+
+// Half of the squared difference of two independent means estimates the variance of each; a single estimate
+// says little, so those around are averaged.
+void StripLoader::SmoothRow(int y, Strip& strip) const {
+  for (size_t c = 0; c < kColors; ++c) {
+    float* const variance = strip.variance[c].At(0, y);
+    std::vector<float> column(static_cast<size_t>(width_ + 2 * kSmoothRadius), 0.0f);
+    for (int dy = -kSmoothRadius; dy <= kSmoothRadius; ++dy) {
+      const float* const a = strip.halves[0][c].At(-kSmoothRadius, y + dy);
+      const float* const b = strip.halves[1][c].At(-kSmoothRadius, y + dy);
+      const float weight = 0.5f * kSmoothWeights[std::abs(dy)];
+      for (size_t i = 0; i < column.size(); ++i) column[i] += weight * ((a[i] - b[i]) * (a[i] - b[i]));
+    }
+    std::fill_n(variance, width_, 0.0f);
+    for (int dx = 0; dx <= 2 * kSmoothRadius; ++dx) {
+      const float weight = kSmoothWeights[std::abs(dx - kSmoothRadius)];
+      for (int x = 0; x < width_; ++x) variance[x] += weight * column[static_cast<size_t>(x + dx)];
+    }
+    MirrorRow(strip.variance[c], y, width_, kStripMargin);
+  }
+}
+
+Result<void> StripLoader::Load(int y0, int y1, int threads, const std::stop_token& stop, Strip& strip) {
+  Resize(y0, y1, strip);
+  // Calls `body` for the rows within `margin` of the strip.
+  const auto for_rows = [&](int margin, const auto& body) {
+    return ForEachItem(static_cast<size_t>(y1 - y0 + 2 * margin), threads, stop,
+                       [&](size_t i) { body(y0 - margin + static_cast<int>(i)); });
+  };
+  constexpr int kInner = kStripMargin + kSmoothRadius;
+  if (auto ok = for_rows(kOuterMargin, [&](int y) { LoadRow(y, strip); }); !ok) return ok;
+  if (auto ok = for_rows(kInner, [&](int y) { DarkenRow(y, strip); }); !ok) return ok;
+  if (auto ok = for_rows(kInner, [&](int y) { DivideRow(y, strip); }); !ok) return ok;
+  return for_rows(kStripMargin, [&](int y) { SmoothRow(y, strip); });
+}
+
+}  // namespace tessera

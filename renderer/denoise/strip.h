@@ -1,0 +1,87 @@
+// Some rows of the picture, prepared for denoising.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <stop_token>
+#include <vector>
+
+#include "renderer/denoise/input_layers.h"
+#include "renderer/util/result.h"
+
+namespace tessera {
+
+// Around a pixel: the pixels that it is compared with, and those around each that are compared (5 x 5).
+constexpr int kWindowRadius = 7;
+constexpr int kPatchRadius = 2;
+constexpr int kStripMargin = kWindowRadius + kPatchRadius;
+
+// Pixels are processed in tiles of this width and height; loops over a row of one are unrolled and
+// vectorised.
+constexpr int kTile = 32;
+
+constexpr size_t kFeatures = 7;  // albedo, normal, logarithm of the depth
+constexpr size_t kAlbedoFeature = 0, kNormalFeature = 3, kDepthFeature = 6;
+
+// Values of pixels of some rows and columns, row by row.
+class Plane {
+ public:
+  void Resize(int x0, int width, int y0, int height) {
+    x0_ = x0;
+    y0_ = y0;
+    width_ = static_cast<size_t>(width);
+    values_.resize(width_ * static_cast<size_t>(height));
+  }
+  // The address of pixel (x, y) in the coordinates of the picture; the others of its row follow.
+  float* At(int x, int y) { return &values_[Index(x, y)]; }
+  const float* At(int x, int y) const { return &values_[Index(x, y)]; }
+
+ private:
+  size_t Index(int x, int y) const {
+    return static_cast<size_t>(y - y0_) * width_ + static_cast<size_t>(x - x0_);
+  }
+
+  int x0_ = 0, y0_ = 0;
+  size_t width_ = 0;
+  std::vector<float> values_;
+};
+
+// The colours are divided by AlbedoFactor of their pixel. Beyond the picture, up to kStripMargin pixels, the
+// values are those of its mirror image.
+struct Strip {
+  std::array<std::array<Plane, kColors>, 2> halves;  // means of the samples of each half
+  std::array<Plane, kColors> variance;               // of the means of one half
+  std::array<Plane, kFeatures> features;
+};
+
+// What colours are divided by: the albedo, but not less than a part of it that is noise.
+inline float AlbedoFactor(float albedo) {
+  constexpr float kOffset = 0.02f;
+  return albedo + kOffset;
+}
+
+// Fills strips of one picture, one after another.
+class StripLoader {
+ public:
+  // `picture` outlives the loader.
+  StripLoader(const LoadedPicture& picture, const InputLayers& layers);
+
+  // Loads the rows from y0 to y1 and kStripMargin rows around them; (0, 0) is the first pixel of the data
+  // window. Errors as those of ForEachItem.
+  Result<void> Load(int y0, int y1, int threads, const std::stop_token& stop, Strip& strip);
+
+ private:
+  void Resize(int y0, int y1, Strip& strip);
+  void LoadRow(int y, Strip& strip) const;
+  void DarkenRow(int y, const Strip& strip);
+  void DivideRow(int y, Strip& strip) const;
+  void SmoothRow(int y, Strip& strip) const;
+
+  const LoadedPicture& picture_;
+  const InputLayers layers_;
+  const int width_, height_;
+  const float depth_max_;
+  std::array<Plane, 2> darkening_;  // factors of the halves
+};
+
+}  // namespace tessera
