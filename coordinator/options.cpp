@@ -129,14 +129,13 @@ void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
   AddText(app, "--https", "HOST:PORT",
           "Serve page and metrics over TLS, to members of the farm and to browsers that log in with a token",
           words.https);
-  AddRepeatedWord(
-      app, "--http-name", "NAME",
-      "Also serve the page under this host name, beside localhost and numeric addresses or "
-      "the names of the certificate; may be repeated",
-      kHttpNamesMax, [&options](const std::string& word) -> Result<void> {
-        options.http_names.push_back(word);
-        return {};
-      });
+  AddRepeatedWord(app, "--http-name", "NAME",
+                  "Also serve the page under this host name, beside localhost and numeric addresses or "
+                  "the names of the certificate; may be repeated",
+                  kHttpNamesMax, [&options](const std::string& word) -> Result<void> {
+                    options.http_names.push_back(word);
+                    return {};
+                  });
   AddSize(app, "--blobs-size,--blob-bytes",
           "Size limit of the scene files kept; least recently used files are evicted first", kBlobBytesMin,
           options.blob_bytes);

@@ -281,8 +281,7 @@ HttpResponse WebApi::ShowPicture(const Request& request) {
         if (action != WebAction::kExr && action != WebAction::kPng) return later->Give(show());
         if (++waiting_ > kDownloadsWaitingMax) {
           --waiting_;
-          return later->Give(
-              HttpResponse::JsonError(503, "too many pictures are waiting to be sent"));
+          return later->Give(HttpResponse::JsonError(503, "too many pictures are waiting to be sent"));
         }
         farm_.run_later([=, this] {
           HttpResponse response = Download(frame, action == WebAction::kPng);
