@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "renderer/math/vec.h"
 #include "tests/renderer/scene/layer_scenes.h"
 
 namespace tessera {
