@@ -220,4 +220,10 @@ void AddMatteNames(const std::set<std::string>& layers, const MatteTable& mattes
   }
 }
 
+std::vector<std::string_view> AovNames() {
+  std::vector<std::string_view> names = Layers().Names();
+  for (const LayerSet& set : LayerSets()) names.push_back(set.name);
+  return names;
+}
+
 }  // namespace tessera

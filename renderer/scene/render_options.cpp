@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "renderer/description/number.h"
-#include "renderer/scene/layers.h"
 #include "renderer/scene/scene.h"
 #include "renderer/util/text.h"
 
@@ -212,12 +211,6 @@ Result<void> DecodeLine(std::string_view text, RenderOptions& options) {
 }
 
 }  // namespace
-
-std::vector<std::string_view> AovNames() {
-  std::vector<std::string_view> names = Layers().Names();
-  for (const LayerSet& set : LayerSets()) names.push_back(set.name);
-  return names;
-}
 
 std::string EncodeRenderOptions(const RenderOptions& options) {
   std::string text;
