@@ -241,15 +241,16 @@ TEST_F(Commands, CompareLooksAtOneLayerAndDrawsTheErrors) {
   EXPECT_GT(json["flip"], 0);
   EXPECT_LT(json["flip"], 1);
   EXPECT_GE(json["flip_exposures"]["count"], 2);
-  const Outcome depth = Tessera({"compare", "a.exr", "a.exr", "--layer", "Z", "--difference", "z.png"});
+  const Outcome depth =
+      Tessera({"compare", "a.exr", "a.exr", "--layer", "depth", "--difference", "depth.png"});
   EXPECT_EQ(depth.code, 0) << depth.errors;
   EXPECT_EQ(depth.output, "mse=0 relmse=0 psnr=inf maxabs=0 identical=yes\n");
-  EXPECT_EQ(Bytes("z.png").substr(1, 3), "PNG");
+  EXPECT_EQ(Bytes("depth.png").substr(1, 3), "PNG");
   EXPECT_EQ(Tessera({"compare", "a.exr", "oracle.exr", "--difference", "rgb.png"}).code, 1);
   EXPECT_EQ(Bytes("rgb.png").substr(1, 3), "PNG");
-  const Outcome missing = Tessera({"compare", "a.exr", "oracle.exr", "--layer", "Z"});
+  const Outcome missing = Tessera({"compare", "a.exr", "oracle.exr", "--layer", "depth"});
   EXPECT_EQ(missing.code, 2);
-  EXPECT_THAT(missing.errors, HasSubstr("oracle.exr: no layer \"Z\"; it has RGB, albedo"));
+  EXPECT_THAT(missing.errors, HasSubstr("oracle.exr: no layer \"depth\"; it has RGB, albedo"));
   std::filesystem::copy(Path("a.exr"), Path("a.png"));
   const Outcome input = Tessera({"compare", "a.png", "oracle.exr", "--difference", "a.png"});
   EXPECT_EQ(input.code, 2);

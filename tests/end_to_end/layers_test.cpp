@@ -79,7 +79,7 @@ TEST_F(LayersOnFarms, AreTheSameForAnyNumberOfWorkersAndTiles) {
   }
   const auto channels = Channels("picture.exr");
   for (const char* name :
-       {"motion.X", "direct_transmission.R", "direct_volume.R", "variance.G", "P.X", "Variance.B",
+       {"motion.X", "indirect_transmission.R", "direct_volume.R", "variance.G", "P.X", "Variance.B",
         "light_key.R", "light_rim.R", "light_sky.R", "light_others.R", "halves.G", "shadow.G"}) {
     ASSERT_TRUE(channels.contains(name)) << name;
     EXPECT_TRUE(std::ranges::any_of(channels.at(name), [](float value) { return value != 0; })) << name;

@@ -166,7 +166,7 @@ TEST_F(MattePictures, AFileOfALayerNeverReplacesAFileOfTheScene) {
   const Outcome outcome = Tessera({"render", scene, "--in-process", "--spp", "1", "--resolution", "8x8", "-o",
                                    "p.exr", "--aov", "samples", "--aov-split"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.errors, HasSubstr("p.samples.exr: the scene reads this file"));
+  EXPECT_THAT(outcome.errors, HasSubstr("p.samples.exr: the command reads this file"));
   EXPECT_TRUE(Bytes("p.samples.exr") == before);
 }
 
