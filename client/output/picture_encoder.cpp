@@ -31,7 +31,7 @@ std::array<size_t, 3> ColorChannels(const std::vector<std::string>& channels) {
 }
 
 // The display window in linear floats, RGB.
-std::vector<float> LinearRgb(const LoadedPicture& picture) {
+std::vector<float> ColorsOf(const LoadedPicture& picture) {
   const std::array<size_t, 3> places = ColorChannels(picture.channels);
   const size_t channels = picture.channels.size();
   const auto width = static_cast<size_t>(picture.width);
@@ -80,7 +80,7 @@ Result<std::string> EncodeWithLibrary(const image_module::RgbPicture& picture, c
 }
 
 Result<std::string> Encode(PictureFormat format, const LoadedPicture& picture, const std::string& path) {
-  std::vector<float> rgb = LinearRgb(picture);
+  std::vector<float> rgb = ColorsOf(picture);
   switch (format) {
     case PictureFormat::kExr: break;
     case PictureFormat::kPng:
