@@ -1,6 +1,7 @@
 // The filters of FLIP and how they are applied (flip.h names the papers). All are sums of separable ones.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace tessera {
