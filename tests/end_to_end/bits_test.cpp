@@ -133,19 +133,7 @@ TEST_F(Bits, OfAnAdaptiveFrameAreTheSameForAnyNumberOfWorkers) {
 }
 
 TEST_F(Bits, OfAnAdaptiveFrameSurviveKilledWorkersAndCoordinator) {
-  const std::string oracle = Oracle(BoxScene(), kAdaptive);
-  StartCoordinator();
-  Process& doomed = StartWorker("doomed");
-  StartWorker("steady");
-  const std::string job = Submit(BoxScene(), kAdaptive);
-  AwaitShare(job, 0.05);
-  doomed.Signal(SIGKILL);
-  coordinator().Signal(SIGKILL);
-  EXPECT_EQ(coordinator().Wait(), -SIGKILL);
-  StartCoordinator();
-  ASSERT_EQ(Ask({"watch", job}).code, 0);
-  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
-  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+  const std::string job = ExpectSurvival(kAdaptive);
   EXPECT_EQ(Figure(job, "samples_done"), Figure(job, "samples_total"));
 }
 

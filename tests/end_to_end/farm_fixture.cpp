@@ -1,5 +1,7 @@
 #include "tests/end_to_end/farm_fixture.h"
 
+#include <signal.h>
+
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -102,6 +104,23 @@ double EndToEnd::Figure(const std::string& job, const std::string& key) const {
 void EndToEnd::AwaitShare(const std::string& job, double share) const {
   const double awaited = share * Figure(job, "samples_total");
   Require(Eventually([&] { return Figure(job, "samples_done") > awaited; }), "the job makes no progress");
+}
+
+std::string EndToEnd::ExpectSurvival(const std::vector<std::string>& options) {
+  const std::string oracle = Oracle(BoxScene(), options);
+  StartCoordinator();
+  Process& doomed = StartWorker("doomed");
+  StartWorker("steady");
+  const std::string job = Submit(BoxScene(), options);
+  AwaitShare(job, 0.05);
+  doomed.Signal(SIGKILL);
+  coordinator().Signal(SIGKILL);
+  EXPECT_EQ(coordinator().Wait(), -SIGKILL);
+  StartCoordinator();
+  EXPECT_EQ(Ask({"watch", job}).code, 0);
+  EXPECT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
+  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+  return job;
 }
 
 }  // namespace tessera

@@ -48,6 +48,9 @@ class EndToEnd : public testing::Test {
   double Figure(const std::string& job, const std::string& key) const;
   // Waits until more than this fraction of the job is done.
   void AwaitShare(const std::string& job, double share) const;
+  // Kills a worker and the coordinator while a farm renders the box with these options, and expects the bytes
+  // of one process in "picture.exr" after a restart. Returns the job.
+  std::string ExpectSurvival(const std::vector<std::string>& options);
 
  private:
   std::string folder_;

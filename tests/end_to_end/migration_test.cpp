@@ -68,7 +68,7 @@ class Migration : public EndToEnd {
   }
 };
 
-TEST_F(Migration, ADirectoryOfFormat4IsContinuedToTheSameBits) {
+TEST_F(Migration, ADirectoryOfFormat4IsContinuedWithoutRenderingAgain) {
   StartCoordinator();
   ASSERT_TRUE(coordinator().AwaitErrors("samples_restored="));
   EXPECT_EQ(Bytes("data/version"), "tessera-data 6\n");
