@@ -38,7 +38,7 @@ std::string RemedyFor(Obstacle obstacle, const Address& address) {
     case Obstacle::kNone:
     case Obstacle::kOther: break;
   }
-  return "see the README, \"A farm of several machines\"";
+  return "see client/guide/farm.md, \"A farm of several machines\"";
 }
 
 Findings CheckFiles(const std::string& where, const Login& login, UnixTime now) {

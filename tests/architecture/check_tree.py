@@ -187,11 +187,36 @@ def check_tests_registered(root, problems):
             problems.append(f"tests/{folder}: a folder with tests that tests/CMakeLists.txt does not build")
 
 
+def anchors(page):
+    """What a link may name after #, as GitHub makes it of headings."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), flags=re.M)
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def check_links(root, page, problems):
+    name = page.relative_to(root).as_posix()
+    for number, line in enumerate(page.read_text(encoding="utf-8").split("\n"), 1):
+        for target, anchor in re.findall(r"\]\(([^():#]*)(?:#([\w-]+))?\)", line):
+            linked = page.parent / target if target else page
+            if not linked.exists():
+                problems.append(f"{name}:{number}: a link to {target}, which does not exist")
+            elif anchor and anchor not in anchors(linked):
+                problems.append(f"{name}:{number}: a link to {target}#{anchor}, but there is no such heading")
+
+
 def check_guide(root, problems):
-    """CONTRIBUTING.md and README.md name only paths that exist."""
+    """The documents name only paths that exist, their links lead somewhere, and README.md links every page of the guide."""
     parts = "|".join(PARTS + ("deploy",))
-    for name in ("CONTRIBUTING.md", "README.md"):
-        for number, line in enumerate((root / name).read_text(encoding="utf-8").split("\n"), 1):
+    pages = sorted((root / "client/guide").glob("*.md"))
+    readme = (root / "README.md").read_text(encoding="utf-8")
+    for page in pages:
+        name = page.relative_to(root).as_posix()
+        if f"]({name})" not in readme:
+            problems.append(f"README.md:1: does not link {name}")
+    for page in [*root.glob("*.md"), *pages]:
+        name = page.relative_to(root).as_posix()
+        check_links(root, page, problems)
+        for number, line in enumerate(page.read_text(encoding="utf-8").split("\n"), 1):
             for path in re.findall(rf"`((?:{parts})/[\w./*]*)`", line):
                 if "NAME" not in path and not list(root.glob(path.rstrip("/"))):
                     problems.append(f"{name}:{number}: {path} does not exist")

@@ -16,12 +16,12 @@ using testing::SizeIs;
 // ---- From nothing to a picture
 // -----------------------------------------------------------------------------
 
-// The lines of the first block of commands after a heading of the README, without their comments.
-std::vector<std::string> LinesOfReadme(const std::string& heading) {
-  std::ifstream readme(SourceDir() + "/README.md");
+// The lines of the first block of commands after a heading of the guide, without their comments.
+std::vector<std::string> LinesOfGuide(const std::string& heading) {
+  std::ifstream page(SourceDir() + "/client/guide/farm.md");
   std::vector<std::string> lines;
   bool is_in_section = false, is_in_block = false;
-  for (std::string line; std::getline(readme, line);) {
+  for (std::string line; std::getline(page, line);) {
     if (line == heading) is_in_section = true;
     if (!is_in_section) continue;
     if (line.starts_with("```")) {
@@ -45,8 +45,8 @@ std::string WithToken(std::string line, const std::string& token) {
   return line.replace(line.find(word), word.size(), token);
 }
 
-TEST_F(FarmOnHosts, TheLinesOfTheReadmeLeadFromNothingToAPictureRenderedByTwoOtherHosts) {
-  const std::vector<std::string> lines = LinesOfReadme("### A farm of several machines");
+TEST_F(FarmOnHosts, TheLinesOfTheGuideLeadFromNothingToAPictureRenderedByTwoOtherHosts) {
+  const std::vector<std::string> lines = LinesOfGuide("## A farm of several machines");
   ASSERT_THAT(lines, SizeIs(3));
   int typed = 1;
   Process& coordinator = Type(kCoordinatorHost, InForeground(lines[0]));

@@ -1,4 +1,4 @@
-// The README's table of kinds is the one that the scene language's own lists give.
+// The guide's table of kinds is the one that the scene language's own lists give.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr size_t kReadmeSizeMax = size_t{1} << 20;
+constexpr size_t kPageSizeMax = size_t{1} << 20;
 
 // The kinds of this support, as a cell of the table: `bvh`, `kdtree` (→ `bvh`).
 std::string Cell(const KindList& list, Support support) {
@@ -34,12 +34,12 @@ std::string ExpectedTable() {
   return table;
 }
 
-TEST(Readme, ItsTableListsEveryKindWithItsSupport) {
-  const Result<std::string> readme = ReadFile(SourceDir() + "/README.md", kReadmeSizeMax);
-  ASSERT_TRUE(readme) << readme.error().message;
+TEST(Guide, ItsTableListsEveryKindWithItsSupport) {
+  const Result<std::string> page = ReadFile(SourceDir() + "/client/guide/scenes.md", kPageSizeMax);
+  ASSERT_TRUE(page) << page.error().message;
   const std::string expected = ExpectedTable();
-  EXPECT_NE(readme->find("\n" + expected + "\n"), std::string::npos)
-      << "Replace the table in the section \"Scenes\" of README.md with this one:\n\n"
+  EXPECT_NE(page->find("\n" + expected + "\n"), std::string::npos)
+      << "Replace the table of client/guide/scenes.md with this one:\n\n"
       << expected;
 }
 
