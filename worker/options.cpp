@@ -30,6 +30,13 @@ Result<void> AddTag(std::set<std::string>& tags, const std::string& word) {
   return {};
 }
 
+Result<void> SetSceneMemory(uint64_t& memory_bytes, const std::string& word) {
+  const auto size = ParseSize("--scene-memory", word, kSceneMemoryMin);
+  if (!size) return size.error();
+  memory_bytes = *size;
+  return {};
+}
+
 Result<void> SetLoadTime(std::chrono::seconds& time, const std::string& word) {
   const auto seconds = ParseInteger("--load-timeout", word, 1, std::chrono::seconds(kLoadTimeMax).count());
   if (!seconds) return seconds.error();
@@ -72,8 +79,11 @@ void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
           options.cache_dir);
   AddSize(app, "--cache-size", "Size limit of the cache; least recently used files are evicted first",
           kCacheBytesMin, options.cache_bytes);
-  AddSize(app, "--scene-memory", "Memory that loading one scene may take; a scene that needs more fails",
-          kSceneMemoryMin, options.load_limits.memory_bytes);
+  AddWord(
+      app, "--scene-memory", "SIZE",
+      WithDefault("Memory that loading one scene may take; a scene that needs more fails",
+                  "half of that of the machine or its control group"),
+      [&options](const std::string& word) { return SetSceneMemory(options.load_limits.memory_bytes, word); });
   AddWord(app, "--load-timeout", "SECONDS",
           WithDefault("Time that loading one scene may take; a scene that needs more fails",
                       std::to_string(kLoadTimeDefault.count())),

@@ -226,7 +226,7 @@ def check_top_level(root, problems):
     allowed = {"proto", "coordinator", "worker", "renderer", "client", "deploy", "tests", "build"}
     for path in root.iterdir():
         if path.is_dir() and not path.name.startswith(".") and path.name not in allowed:
-            problems.append(f"{path.name}/: an unknown top-level folder; the map in README.md lists all")
+            problems.append(f"{path.name}/: an unknown top-level folder; the map in CONTRIBUTING.md lists all")
 
 
 def main():
