@@ -105,6 +105,8 @@ Result<std::vector<SceneFrame>> ListFrames(const SceneOptions& options) {
       frame.options.time = number / options.fps;
       frame.options.time_step = options.frames->step / options.fps;
     }
+    frame.options.frame = number;
+    frame.options.frames_per_second = options.fps;
     frames.push_back(std::move(frame));
   }
   return frames;

@@ -152,6 +152,7 @@ Result<SceneJob> LoadSceneJob(const SceneOptions& options, Scene::Depth depth, s
   }
   for (size_t i = read->size(); i < job.frames.size(); ++i) {
     job.packed.frames.push_back(job.packed.frames[0]);
+    job.scene->SetFrameAttributes(job.frames[i].options, job.packed.frames[i].spec.attributes);
     job.packed.frames[i].options = EncodeRenderOptions(job.frames[i].options);
     job.packed.frames[i].number = job.frames[i].number;
   }

@@ -3,8 +3,25 @@
 #include <fmt/format.h>
 
 #include "proto/package_names.h"
+#include "renderer/scene/version.h"
 
 namespace tessera {
+namespace {
+
+// Whether a frame was ordered by this release, or by an earlier one whose job is continued: that names itself
+// in the header, and lacks attributes that were added later.
+bool IsFrameOf(FrameSpec read, const FrameSpec& ordered) {
+  std::erase_if(read.attributes, [&](const auto& attribute) {
+    return attribute.first != kSceneDigestAttribute && !ordered.attributes.contains(attribute.first);
+  });
+  for (const char* const name : {kSoftwareAttribute, kVersionAttribute}) {
+    if (const auto stated = ordered.attributes.find(name); stated != ordered.attributes.end())
+      read.attributes[name] = stated->second;
+  }
+  return read == ordered;
+}
+
+}  // namespace
 
 const PackageFile* PackageFileSource::Find(const std::string& name) {
   std::string path = PackagePath(name);
@@ -50,7 +67,7 @@ Result<std::shared_ptr<const Scene>> LoadOrderedScene(const SceneRequest& order,
   if (!scene) return scene.error();
   FrameSpec frame = (*scene)->frame();
   frame.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(files.PackageRead())).Hex();
-  if (frame != order.frame) {
+  if (!IsFrameOf(std::move(frame), order.frame)) {
     return Failed(fmt::format(
         "{}: the frame that this worker reads from the scene differs from the one submitted", name));
   }

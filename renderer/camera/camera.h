@@ -6,6 +6,7 @@
 
 #include <concepts>
 #include <memory>
+#include <optional>
 #include <variant>
 
 #include "renderer/camera/camera_directive.h"
@@ -64,6 +65,13 @@ class Camera {
   }
   Transform RenderFromCamera(float time_s) const {
     return motion_ == nullptr ? render_from_camera_ : motion_->At(time_s);
+  }
+  // From camera space to pixels from the upper left corner; nullopt if the kind of camera is no projection.
+  std::optional<Transform> raster_from_camera() const {
+    return Dispatch(kind_, [](const auto& kind) -> std::optional<Transform> {
+      if constexpr (requires { kind.raster_from_camera(); }) return kind.raster_from_camera();
+      return std::nullopt;
+    });
   }
   // Time for which the shutter is open, seconds.
   float exposure_time() const { return shutter_close_ - shutter_open_; }

@@ -13,6 +13,8 @@ class OrthographicCamera {
   // With a lens, rays start on it and meet where the parallel ones cross the plane of focus. The lens is as
   // small as its radius, wherever the ray crosses the film, so the picture is in perspective, as pbrt's is.
   CameraRay GenerateRay(Point2 film, Point2 u_lens) const;
+  // The projection: pixels from the upper left corner.
+  Transform raster_from_camera() const { return camera_from_raster_.Inverse(); }
 
  private:
   Transform camera_from_raster_;

@@ -11,6 +11,8 @@ class PerspectiveCamera {
 
   bool has_lens() const { return !lens_.is_pinhole(); }
   CameraRay GenerateRay(Point2 film, Point2 u_lens) const;
+  // The projection: pixels from the upper left corner.
+  Transform raster_from_camera() const { return camera_from_raster_.Inverse(); }
 
  private:
   Transform camera_from_raster_;

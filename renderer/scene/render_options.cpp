@@ -180,6 +180,8 @@ constexpr Line kLines[] = {
     LineOf<&RenderOptions::displacement_edge_scale>("displacement-edge-scale"),
     LineOf<&RenderOptions::exr_type>("exr-type"),
     LineOf<&RenderOptions::force_diffuse>("force-diffuse"),
+    LineOf<&RenderOptions::frames_per_second>("fps"),
+    LineOf<&RenderOptions::frame>("frame"),
     LineOf<&RenderOptions::height>("height"),
     LineOf<&RenderOptions::integrator>("integrator"),
     LineOf<&RenderOptions::light_groups>("light-group"),

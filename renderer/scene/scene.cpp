@@ -62,7 +62,8 @@ Result<void> CheckOptions(const RenderOptions& options) {
 std::map<std::string, std::string> HeaderAttributes(const Scene::Data& data,
                                                     const IntegratorChoice& integrator) {
   std::map<std::string, std::string> attributes{
-      {"tessera:version", std::string(kVersion)},
+      {kSoftwareAttribute, fmt::format("Tessera {}", kVersion)},
+      {kVersionAttribute, std::string(kVersion)},
       {"tessera:seed", std::to_string(data.sampler.seed)},
       {kSamplesAttribute, std::to_string(data.sampler.samples_per_pixel)},
       {kSamplerAttribute, data.summary.sampler},
@@ -240,6 +241,8 @@ Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const Integra
   data.summary.integrator = integrator.name;
   data.frame.attributes = HeaderAttributes(data, integrator);
   data.buckets.AddAttributes(data.frame.attributes);
+  data.frame_attributes.SetCamera(data.world.camera, film.width, film.height);
+  data.frame_attributes.Set(options_, data.frame.attributes);
   return data.frame.Check();
 }
 
@@ -300,6 +303,7 @@ void SceneBuilder::SurveyAccelerators() {
 
 Result<std::unique_ptr<Scene::Data>> SceneBuilder::Build(const std::string& name, Scene::Depth depth) {
   const auto start = std::chrono::steady_clock::now();
+  data_->frame_attributes = FrameAttributes(scene_);
   if (Result<void> settled = SettleMotion(name); !settled) return settled.error();
   if (Result<void> settings = ReadSettings(name); !settings) return settings.error();
   if (Result<void> lit = CheckLights(name); !lit) return lit.error();
@@ -321,6 +325,10 @@ Scene::Scene(std::unique_ptr<Data> data) : data_(std::move(data)) {}
 Scene::~Scene() = default;
 const FrameSpec& Scene::frame() const {
   return data_->frame;
+}
+void Scene::SetFrameAttributes(const RenderOptions& options,
+                               std::map<std::string, std::string>& attributes) const {
+  data_->frame_attributes.Set(options, attributes);
 }
 const SceneSummary& Scene::summary() const {
   return data_->summary;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -40,6 +41,9 @@ struct RenderOptions {
   std::optional<int> max_depth;
   std::optional<int> tile_size;
   std::optional<ExrType> exr_type;
+  // Of a sequence: the number of the frame and the rate, for the header of its picture.
+  std::optional<int> frame;
+  std::optional<double> frames_per_second;
   double noise_threshold = 0;  // FrameSpec::noise_threshold
   std::set<std::string> aovs;  // of AovNames
   std::vector<LightGroupRule> light_groups;
@@ -118,6 +122,10 @@ class Scene {
   // software version; the caller adds the scene digest.
   const FrameSpec& frame() const;
   const SceneSummary& summary() const;
+  // Makes those attributes of this scene's frame that depend on the frame of a sequence those of the frame
+  // that `options` describe. Nothing else but their number and time may differ from the options of this
+  // scene.
+  void SetFrameAttributes(const RenderOptions& options, std::map<std::string, std::string>& attributes) const;
 
   // Renders samples `range` of `pixels` of `bounds` on the calling thread: a pure function of the scene and
   // the unit. Returns nullopt if `stop`, which may be null, became true first. Adds to `statistics` unless

@@ -10,6 +10,7 @@
 #include "renderer/integrator/world.h"
 #include "renderer/sampler/sampler_settings.h"
 #include "renderer/scene/film_sensor.h"
+#include "renderer/scene/frame_attributes.h"
 #include "renderer/scene/layer_sample.h"
 #include "renderer/scene/light_groups.h"
 #include "renderer/scene/mattes.h"
@@ -26,6 +27,7 @@ struct Scene::Data {
   Estimator estimator;
   FilmSensor sensor = FilmSensor::Observer(ColorSpace::Srgb(), {}, 0);
   FrameSpec frame;
+  FrameAttributes frame_attributes;
   SpectralBuckets buckets;
   LightGroups light_groups;
   GbufferSpace gbuffer = GbufferSpace::kNone;

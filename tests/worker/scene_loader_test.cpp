@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "renderer/scene/version.h"
 #include "renderer/text/unicode.h"
-
 #include "tests/worker/tiny_scene.h"
 
 namespace tessera {
@@ -47,6 +47,28 @@ TEST(SceneLoader, RefusesNamesOfMattesOtherThanThoseOfTheScene) {
   const auto scene = LoadOrderedScene(order, blobs.Fetcher());
   ASSERT_FALSE(scene);
   EXPECT_THAT(scene.error().message, HasSubstr("differs from the one submitted"));
+}
+
+TEST(SceneLoader, LoadsAFrameOfAnEarlierReleaseThatLacksAttributes) {
+  BlobMap blobs;
+  SceneRequest order = MakeOrder(blobs, kTinyScene);
+  EXPECT_EQ(order.frame.attributes.erase(kSoftwareAttribute), 1u);
+  EXPECT_EQ(order.frame.attributes.erase("worldToCamera"), 1u);
+  order.frame.attributes.at(kVersionAttribute) = "0.0.1";
+  EXPECT_TRUE(LoadOrderedScene(order, blobs.Fetcher()));
+  order.frame.attributes.erase(kSceneDigestAttribute);
+  EXPECT_FALSE(LoadOrderedScene(order, blobs.Fetcher())) << "no release omits the digest of the scene";
+}
+
+TEST(SceneLoader, RefusesAttributesOtherThanThoseOfTheScene) {
+  BlobMap blobs;
+  const SceneRequest order = MakeOrder(blobs, kTinyScene);
+  SceneRequest other = order;
+  other.frame.attributes.at("tessera:seed") = "1234";
+  EXPECT_FALSE(LoadOrderedScene(other, blobs.Fetcher()));
+  other = order;
+  other.frame.attributes["more"] = "";
+  EXPECT_FALSE(LoadOrderedScene(other, blobs.Fetcher()));
 }
 
 TEST(SceneLoader, APackageThatLacksAFileFailsByName) {
