@@ -81,9 +81,10 @@ Result<int> RunRelight(const RelightOptions& options, Cancellation& cancellation
   const auto picture = LoadExr(options.picture);
   if (!picture) return picture.error();
   if (auto fits = names.CheckSize(picture->width, picture->height); !fits) return fits.error();
-  const auto mixed = Relight(*picture, options.gains);
+  auto mixed = Relight(*picture, options.gains);
   if (!mixed) return BadInput(options.picture + ": " + mixed.error().message);
-  const auto exr = EncodeLoaded(*mixed, options.exr_type);
+  SetLightTypes(*mixed, options.exr_type);
+  const auto exr = EncodeExr(*mixed, ExrFormat());
   if (!exr) return exr.error();
   if (auto saved = SavePicture(*exr, kOnlyFrame, names, cancellation.token()); !saved) return saved.error();
   return 0;

@@ -15,9 +15,6 @@ namespace {
 constexpr std::string_view kGroupPrefix = "light_";
 constexpr std::array<std::string_view, 3> kColors{"R", "G", "B"};
 
-// Frames have a weight. No picture has a channel of this name.
-constexpr const char* kUnusedWeight = "tessera:weight";
-
 // Layers of light of other kinds, which a gain of a group would leave wrong.
 constexpr std::string_view kStaleLayers[] = {"direct", "indirect", "emission",
                                              "shadow", "variance", "halves"};
@@ -113,6 +110,7 @@ Result<LoadedPicture> Relight(const LoadedPicture& picture, std::span<const Ligh
     outputs.push_back(color == kColors.end() ? ColorSum{{i, factors[i]}}
                                              : colors[static_cast<size_t>(color - kColors.begin())]);
     result.channels.push_back(picture.channels[i]);
+    result.types.push_back(i < picture.types.size() ? picture.types[i] : ExrType::kFloat);
   }
   const auto pixels = static_cast<size_t>(picture.bounds.area());
   result.values.assign(pixels * outputs.size(), 0.0f);
@@ -127,30 +125,13 @@ Result<LoadedPicture> Relight(const LoadedPicture& picture, std::span<const Ligh
   return result;
 }
 
-Result<std::string> EncodeLoaded(const LoadedPicture& picture, ExrType type) {
-  FrameSpec spec;
-  spec.width = picture.width;
-  spec.height = picture.height;
-  spec.crop = picture.bounds;
-  spec.samples_per_pixel = 1;
-  spec.tile_size = kTileSizeMax;
-  spec.exr_type = type;
-  for (const auto& [name, value] : picture.attributes) {
-    FrameSpec with = spec;
-    with.attributes[name] = value;
-    if (with.Check()) spec = std::move(with);  // what describes the file itself is written anew
+void SetLightTypes(LoadedPicture& picture, ExrType type) {
+  picture.types.resize(picture.channels.size(), ExrType::kFloat);
+  for (size_t c = 0; c < picture.channels.size(); ++c) {
+    const std::string& name = picture.channels[c];
+    // Light is what the film or a light has the colours of.
+    if (IsColorChannel(name) || name == "A" || name.starts_with(kGroupPrefix)) picture.types[c] = type;
   }
-  spec.channels = {{kUnusedWeight, ChannelType::kWeight, MergeRule::kSum, false}};
-  // Light is what the film or a light has the colours of.
-  for (const std::string& name : picture.channels) {
-    const bool is_light = IsColorChannel(name) || name == "A" || name.starts_with(kGroupPrefix);
-    if (name == kSamplesChannel) {
-      AddChannel(spec.channels, SamplesChannel(true));
-    } else {
-      AddChannel(spec.channels, {name, is_light ? ChannelType::kColor : ChannelType::kFloat});
-    }
-  }
-  return EncodeExr(spec, {picture.bounds, picture.channels, picture.values, 1});
 }
 
 }  // namespace tessera

@@ -23,8 +23,7 @@ std::vector<std::string> LightGroupsOf(const LoadedPicture& picture);
 // or a group.
 Result<LoadedPicture> Relight(const LoadedPicture& picture, std::span<const LightGain> gains);
 
-// The bytes of an OpenEXR file that holds a picture: colours and light with the precision of `type`,
-// everything else as 32-bit floats.
-Result<std::string> EncodeLoaded(const LoadedPicture& picture, ExrType type);
+// Makes colours, alpha and the light of groups channels of this type; others keep theirs.
+void SetLightTypes(LoadedPicture& picture, ExrType type);
 
 }  // namespace tessera

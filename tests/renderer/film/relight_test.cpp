@@ -55,7 +55,7 @@ TEST(Relight, SumsTheGroupsTimesTheirGains) {
 
 TEST(Relight, IsWrittenAndReadAgain) {
   const auto mixed = Relight(LitPicture(), {});
-  const auto bytes = EncodeLoaded(*mixed, ExrType::kFloat);
+  const auto bytes = EncodeExr(*mixed, ExrFormat());
   ASSERT_TRUE(bytes) << bytes.error().message;
   const auto read = DecodeExr(*bytes, "mixed.exr");
   ASSERT_TRUE(read);
@@ -67,15 +67,22 @@ TEST(Relight, IsWrittenAndReadAgain) {
 TEST(Relight, PicturesOfOtherProgramsKeepWhatCanBeWritten) {
   LoadedPicture picture = LitPicture();
   picture.channels[3] = "W";  // the name of our own weight
-  picture.attributes["view"] = "left";
+  picture.types.assign(picture.channels.size(), ExrType::kFloat);
+  picture.types[3] = ExrType::kHalf;
   picture.attributes["owner"] = "somebody";
-  const auto bytes = EncodeLoaded(*Relight(picture, {}), ExrType::kHalf);
+  auto mixed = Relight(picture, {});
+  ASSERT_TRUE(mixed);
+  SetLightTypes(*mixed, ExrType::kHalf);
+  const auto bytes = EncodeExr(*mixed, ExrFormat());
   ASSERT_TRUE(bytes) << bytes.error().message;
   const auto read = DecodeExr(*bytes, "mixed.exr");
   ASSERT_TRUE(read);
   EXPECT_EQ(ValueOf(*read, 1, "W"), 13);
   EXPECT_EQ(read->attributes.at("owner"), "somebody");
-  EXPECT_FALSE(read->attributes.contains("view"));
+  for (size_t c = 0; c < read->channels.size(); ++c) {
+    const bool is_half = read->channels[c] != "samples";
+    EXPECT_EQ(read->types[c], is_half ? ExrType::kHalf : ExrType::kFloat) << read->channels[c];
+  }
 }
 
 TEST(Relight, NamesGroupsThatThePictureLacks) {
