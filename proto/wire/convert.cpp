@@ -5,6 +5,7 @@
 #include "proto/terms.pb.h"
 #include "proto/wire/fields.h"
 #include "proto/work.pb.h"
+#include "renderer/film/tile_limit.h"
 #include "renderer/text/unicode.h"
 
 namespace tessera {
@@ -115,8 +116,8 @@ Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message) {
   spec.exr_type = message.exr_type() == proto::EXR_TYPE_FLOAT ? ExrType::kFloat : ExrType::kHalf;
   spec.noise_threshold = message.noise_threshold();
   if (const auto checked = spec.Check(); !checked) return checked.error();
-  const auto pixels = static_cast<size_t>(spec.tile_size) * static_cast<size_t>(spec.tile_size);
-  if (pixels * spec.Layout().shape().floats_max() * sizeof(float) > static_cast<size_t>(kResultBytesMax)) {
+  static_assert(kTileBytesMax == kResultBytesMax);
+  if (spec.tile_size > LargestTileSize(spec.Layout().shape())) {
     return BadField("tile_size", "times the number of channels is more than one message may hold");
   }
   const auto values =

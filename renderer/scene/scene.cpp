@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "renderer/description/motion.h"
+#include "renderer/film/tile_limit.h"
 #include "renderer/pbrt/parser.h"
 #include "renderer/scene/film_settings.h"
 #include "renderer/scene/gbuffer.h"
@@ -93,6 +94,7 @@ class SceneBuilder {
   Result<void> DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator);
   Result<std::vector<EmittingShape>> BuildNamedWorld(const IntegratorChoice& integrator,
                                                      const std::string& name);
+  void LimitTileSize();
   void WarnOfEmptyLayers(const std::set<std::string>& layers, const IntegratorChoice& integrator);
   Result<void> BuildAccelerator();
   void SurveyAccelerators();
@@ -210,6 +212,18 @@ void SceneBuilder::WarnOfEmptyLayers(const std::set<std::string>& layers,
   }
 }
 
+// Of all machines alike: the pixels of an adaptive frame depend on its tiles.
+void SceneBuilder::LimitTileSize() {
+  FrameSpec& frame = data_->frame;
+  const int largest = LargestTileSize(frame.Layout().shape());
+  if (frame.tile_size <= largest) return;
+  scene_.diagnostics.Warn(scene_.film.location,
+                          fmt::format("tiles have {} instead of {} pixels on a side: with the layers of this "
+                                      "frame, larger ones would exceed the limit of {} MB",
+                                      largest, frame.tile_size, kTileBytesMax >> 20));
+  frame.tile_size = largest;
+}
+
 Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const IntegratorChoice& integrator) {
   Scene::Data& data = *data_;
   const ColorSpace* color_space = ColorSpace::Named(scene_.film_color_space);
@@ -234,6 +248,7 @@ Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const Integra
   if (film.gbuffer != GbufferSpace::kNone) AddGbufferLayers(data.frame.channels);
   data.buckets = film.buckets;
   data.buckets.AddChannels(data.frame.channels);
+  LimitTileSize();
   data.summary.camera = scene_.camera.kind;
   data.summary.film = scene_.film.kind;
   data.summary.filter = scene_.filter.kind;

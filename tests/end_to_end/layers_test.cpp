@@ -70,6 +70,7 @@ TEST_F(LayersOnFarms, AreTheSameForAnyNumberOfWorkersAndTiles) {
   const std::vector<std::vector<std::string>> ways{
       {"--in-process", "--threads", "3", "--tile-size", "7"},
       {"--workers", "1", "--threads", "1"},
+      {"--workers", "1", "--tile-size", "256"},
       {"--workers", "5", "--threads", "1", "--tile-size", "16"},
   };
   for (const auto& way : ways) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderer/film/tile_limit.h"
 #include "renderer/scene/layers.h"
 #include "tests/renderer/scene/layer_scenes.h"
 
@@ -163,6 +164,27 @@ TEST(Layers, LayersLeaveTheBitsOfForcedDiffuseSurfacesAlone) {
   for (const char* channel : {"R", "G", "B", "W"}) {
     EXPECT_EQ(Held(*plain, plain_tile, channel), Held(*layered, layered_tile, channel)) << channel;
   }
+}
+
+// Whether a farm renders them or one process: adaptive frames depend on their tiles.
+TEST(Layers, TilesAreAsLargeAsTheirLayersAllow) {
+  const auto load = [](const std::set<std::string>& layers) {
+    MemoryFiles files({{"scene.pbrt", std::string(kBall)}});
+    RenderOptions options;
+    options.aovs = layers;
+    options.tile_size = kTileSizeMax;
+    return *Scene::Load(files, "scene.pbrt", options, Scene::Depth::kCheck);
+  };
+  const auto all = load({"all"});
+  const FrameSpec& frame = all->frame();
+  const auto bytes_of = [&](int size) {
+    return static_cast<int64_t>(frame.Layout().shape().floats_max() * sizeof(float)) * size * size;
+  };
+  EXPECT_LT(frame.tile_size, kTileSizeMax);
+  EXPECT_LE(bytes_of(frame.tile_size), kTileBytesMax);
+  EXPECT_GT(bytes_of(frame.tile_size + 1), kTileBytesMax);
+  EXPECT_THAT(all->summary().warnings, testing::Contains(testing::HasSubstr("instead of 256 pixels")));
+  EXPECT_EQ(load({"albedo"})->frame().tile_size, kTileSizeMax);
 }
 
 TEST(Layers, WhatCannotBeFilledIsAWarning) {
