@@ -24,7 +24,7 @@ class Accelerator {
   virtual ~Accelerator() = default;
   // Finds the nearest hit in (0, ray.t_max]; false if there is none. Takes alpha into account.
   virtual bool Intersect(const Ray& ray, Hit* hit) const = 0;
-  // Whether any surface other than an interface lies in (0, ray.t_max).
+  // Whether any surface that stops shadow rays lies in (0, ray.t_max).
   virtual bool Occluded(const Ray& ray) const = 0;
   virtual AcceleratorStatistics statistics() const = 0;
 };

@@ -106,7 +106,7 @@ void EmbreeScene::Attach(RTCGeometry geometry, EmbreeGeometryRecord record) {
   const SurfaceProperties& surface = record.shape->surface;
   records_.push_back(std::move(record));
   rtcSetGeometryUserData(geometry, &records_.back());
-  rtcSetGeometryMask(geometry, surface.is_interface ? kInterfaceMask : kSolidMask);
+  rtcSetGeometryMask(geometry, surface.StopsShadowRays() ? kSolidMask : kPassedMask);
   // Embree calls filters for triangles and quads only; our own primitives need none.
   if (surface.HasAlpha()) {
     SetAlphaFilter(geometry);

@@ -11,8 +11,8 @@
 
 namespace tessera {
 
-// The geometries that a ray can hit: all, or all except interfaces between media.
-enum EmbreeRayMask : unsigned { kSolidMask = 1, kInterfaceMask = 2, kAllMask = 3 };
+// The geometries that a ray can hit: all, or all except those that shadow rays pass.
+enum EmbreeRayMask : unsigned { kSolidMask = 1, kPassedMask = 2, kAllMask = 3 };
 
 // The source of one Embree geometry: a shape, or those of its patches that are (not) parallelograms.
 struct EmbreeGeometryRecord {

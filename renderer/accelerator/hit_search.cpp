@@ -72,7 +72,7 @@ void HitSearch<kAny>::TestLane(const TriangleBlock& block, int lane, const Trace
 
 template <bool kAny>
 void HitSearch<kAny>::TestOther(const OtherPrimitive& other, const TracedRay& ray, float entry) {
-  if (kAny && other.name.is_interface) return;
+  if (kAny && !other.name.stops_shadow_rays) return;
   Hit hit;
   hit.shape = other.name.shape;
   hit.primitive = other.name.primitive;

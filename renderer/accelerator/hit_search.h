@@ -64,7 +64,7 @@ template <bool kAny>
 inline void HitSearch<kAny>::TestBlock(const TriangleBlock& block, const TracedRay& ray) {
   alignas(32) float nearest[TriangleBlock::kLanes];
   unsigned lanes = CrossedLanes(block, ray, limit_, nearest);
-  if (kAny) lanes &= ~unsigned{block.interfaces};
+  if (kAny) lanes &= ~unsigned{block.passed_by_shadow_rays};
   for (; lanes != 0; lanes &= lanes - 1) {
     const int lane = std::countr_zero(lanes);
     TestLane(block, lane, ray, nearest[lane]);

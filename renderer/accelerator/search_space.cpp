@@ -41,7 +41,7 @@ class Collector {
   explicit Collector(std::vector<BoxedPrimitive>* primitives) : primitives_(*primitives) {}
 
   void Add(const Shape& shape, uint32_t index) {
-    name_ = {index, 0, {}, shape.surface.HasAlpha(), shape.surface.is_interface};
+    name_ = {index, 0, {}, shape.surface.HasAlpha(), shape.surface.StopsShadowRays()};
     Dispatch(shape.form, [this](const auto& form) { AddForm(form); });
   }
 
@@ -105,7 +105,7 @@ TriangleBlock MakeBlock(std::span<const Shape> shapes, std::span<const BoxedPrim
     const auto bit = static_cast<uint8_t>(1u << lane);
     block.used |= bit;
     if (name.has_alpha) block.with_alpha |= bit;
-    if (name.is_interface) block.interfaces |= bit;
+    if (!name.stops_shadow_rays) block.passed_by_shadow_rays |= bit;
     if (name.kind != PrimitiveKind::kTriangle) block.of_patches |= bit;
   }
   return block;

@@ -21,7 +21,7 @@ struct PrimitiveName {
   uint32_t primitive = 0;
   PrimitiveKind kind = PrimitiveKind::kTriangle;
   bool has_alpha = false;
-  bool is_interface = false;
+  bool stops_shadow_rays = true;
 };
 
 // A primitive that is not made of triangles.

@@ -28,7 +28,7 @@ struct alignas(32) TriangleBlock {
   // One bit for each lane.
   uint8_t used = 0;
   uint8_t with_alpha = 0;
-  uint8_t interfaces = 0;
+  uint8_t passed_by_shadow_rays = 0;
   uint8_t of_patches = 0;  // half of a patch that is a parallelogram
 
   TrianglePoints Triangle(int lane) const { return {Vertex(0, lane), Vertex(1, lane), Vertex(2, lane)}; }

@@ -36,6 +36,11 @@ typename LightWalk<Sink>::Event LightWalk<Sink>::Advance() {
       return Event::kEscaped;
     }
     interaction = MakeInteraction(world.geometry, hit, ray);
+    if (IsHidden(interaction, depth_)) {
+      is_shadowed_ |= depth_ > 0 && (interaction.hidden_from & kHiddenFromShadowRays) == 0;
+      ray = interaction.SpawnRay(ray.d);
+      continue;
+    }
     if (!world.materials.IsInterface(interaction.material)) {
       in_medium_ = false;
       if constexpr (Sink::kRecords) {
@@ -108,8 +113,12 @@ bool LightWalk<Sink>::Collides(const Coefficients& medium, float t_max) {
 }
 
 template <typename Sink>
-void LightWalk<Sink>::Leave(const Ray& next, SampledSpectrum weight, const FirstVertex& vertex) {
+void LightWalk<Sink>::Leave(const Ray& next, SampledSpectrum weight, const FirstVertex& vertex,
+                            bool is_specular) {
   throughput_ *= weight;
+  was_specular_ = is_specular;
+  is_shadowed_ = false;
+  light_links_ = in_medium_ ? context_.world.links.media() : interaction.light_links;
   if (depth_ == 0) first_ = vertex;
   ++depth_;
   ray = next;
@@ -125,14 +134,23 @@ Bsdf LightWalk<Sink>::Scatterer() {
 
 template <typename Sink>
 void LightWalk<Sink>::AddSurfaceEmission() {
-  if (interaction.area_light < 0) return;
+  if (interaction.area_light < 0 || !CountsHit(interaction.area_light)) return;
   Add(context_.world.lights.EmittedRadiance(interaction.area_light, interaction, interaction.wo,
                                             context_.wavelengths),
       interaction.area_light);
 }
 
 template <typename Sink>
+bool LightWalk<Sink>::CountsHit(int light) const {
+  // Lights that cast no shadows do so where rays alone find them.
+  const LightLinks& links = context_.world.links;
+  if (depth_ == 0) return links.IsSeenByCamera(light);
+  return links.Illuminates(light, light_links_) && (was_specular_ || !is_shadowed_);
+}
+
+template <typename Sink>
 void LightWalk<Sink>::AddInfiniteEmission(int light) {
+  if (!CountsHit(light)) return;
   Add(context_.world.lights.InfiniteRadiance(light, origin_, ray.d, ray.time, context_.wavelengths), light);
 }
 

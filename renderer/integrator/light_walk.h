@@ -29,7 +29,7 @@ class LightWalk {
   bool EndsAt(Event event) const { return event == Event::kEscaped || depth_ == context_.settings.max_depth; }
   // Leaves the surface or the point in a medium where the last event was, along next.d; `weight` is that of
   // the radiance that will arrive.
-  void Leave(const Ray& next, SampledSpectrum weight, const FirstVertex& vertex);
+  void Leave(const Ray& next, SampledSpectrum weight, const FirstVertex& vertex, bool is_specular);
 
   // Adds what the surface of the last event emits.
   void AddSurfaceEmission();
@@ -72,6 +72,7 @@ class LightWalk {
   void Add(SampledSpectrum radiance, int light) {
     sink_.Add(throughput_ * radiance, {light, depth_, first_});
   }
+  bool CountsHit(int light) const;
 
   const PathContext& context_;
   Sink& sink_;
@@ -81,7 +82,11 @@ class LightWalk {
   int medium_ = -1;
   int depth_ = 0;  // scattering events left behind
   FirstVertex first_;
-  bool in_medium_ = false;  // the last event
+  bool in_medium_ = false;     // the last event
+  bool was_specular_ = false;  // the last scattering event
+  // Whether the ray has passed hidden surfaces that cast shadows since then.
+  bool is_shadowed_ = false;
+  uint64_t light_links_ = kAllLightLinks;  // of where it was
 };
 
 }  // namespace tessera

@@ -27,11 +27,13 @@ bool MediumTracker::Reaches(Ray shadow, int medium, const LightSample& light, Pa
     Hit hit;
     ++context_.counts.shadow;
     const bool found = world.accelerator->Intersect(shadow, &hit);
-    if (found && !ShapeOf(world.geometry, hit.instance, hit.shape).surface.is_interface) return false;
+    const bool is_stopped =
+        found && ShapeOf(world.geometry, hit.instance, hit.shape).surface.StopsShadowRays();
+    if (is_stopped) return false;
     Attenuate(shadow, medium, found ? hit.t : shadow.t_max, weights);
     if (!found) return true;
     const SurfaceInteraction interaction = MakeInteraction(world.geometry, hit, shadow);
-    medium = Beyond(interaction, shadow.d, medium);
+    if (world.materials.IsInterface(interaction.material)) medium = Beyond(interaction, shadow.d, medium);
     shadow = SpawnRayTo(interaction.p, interaction.p_error, interaction.n, light.p, light.p_error, light.n,
                         shadow.time);
   }

@@ -86,7 +86,8 @@ class MediumTransport {
   std::optional<SampledSpectrum> LightThrough(int medium, const SampledLight& sampled, const Ray& shadow,
                                               SampledSpectrum f_cosine, float pdf) {
     PathWeights passage;
-    if (!tracker_.Reaches(shadow, medium, sampled.light, &passage)) return std::nullopt;
+    if (sampled.casts_shadows && !tracker_.Reaches(shadow, medium, sampled.light, &passage))
+      return std::nullopt;
     const float light_pdf = Average(weights_.r_u * passage.r_l) * sampled.pdf;
     const float path_pdf = Average(weights_.r_u * passage.r_u) * pdf;
     const float weight = sampled.light.is_delta ? 1 : PowerHeuristic(light_pdf, path_pdf);

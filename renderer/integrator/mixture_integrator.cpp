@@ -124,7 +124,7 @@ void TraceMixture(const PathContext& context, const LightDirections& lights, con
       if (sample) vertex = walk.VertexOf(bsdf, sample->ray.d, sample->is_specular);
     }
     if (!sample) return;
-    walk.Leave(sample->ray, sample->weight, vertex);
+    walk.Leave(sample->ray, sample->weight, vertex, sample->is_specular);
   }
 }
 

@@ -29,6 +29,7 @@ class PathTracer {
   // Each returns false if the path ends.
   bool Extend();
   bool CrossInterface(const SurfaceInteraction& interaction);
+  bool PassHidden(const SurfaceInteraction& interaction);
   bool ScatterInMedium(float t);
   bool ScatterOnSurface(SurfaceInteraction& interaction);
   bool SampleDirection(const SurfaceInteraction& interaction, const Bsdf& bsdf);
@@ -37,6 +38,11 @@ class PathTracer {
   bool SurvivesRoulette();
 
   FlightEvent Fly(Hit* hit, float* t_event);
+  bool HeedsLinks() const { return context_.world.links.any() || is_shadowed_; }
+  // Whether light of a light that the ray hits counts.
+  bool CountsHit(int light) const {
+    return HitCounts(context_.world.links, light, {depth_, !weigh_, is_shadowed_, previous_.light_links});
+  }
   void AddInfiniteLights();
   void AddEmission(const SurfaceInteraction& interaction);
   void AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf);
@@ -70,7 +76,9 @@ class PathTracer {
   int interfaces_ = 0;  // crossed since the last of them
   FirstVertex first_;
   bool was_spread_ = false;  // whether any event was not specular
-  bool weigh_ = false;       // whether light sampling could have found what the current ray hits
+  // Whether the ray has passed hidden surfaces that cast shadows since the path last scattered.
+  bool is_shadowed_ = false;
+  bool weigh_ = false;  // whether light sampling could have found what the current ray hits
   // Radiance is compressed inside denser media; roulette looks at what will leave them.
   float eta_scale_ = 1;
   ReferencePoint previous_;  // where the path last scattered: at the camera or a vertex
@@ -92,6 +100,7 @@ bool PathTracer<Transport, Sink>::Extend() {
     case FlightEvent::kAbsorbed: return false;
   }
   SurfaceInteraction interaction = MakeInteraction(context_.world.geometry, hit, ray_);
+  if (IsHidden(interaction, depth_)) return PassHidden(interaction);
   if (interaction.area_light >= 0) AddEmission(interaction);
   if (context_.world.materials.IsInterface(interaction.material)) return CrossInterface(interaction);
   if constexpr (Sink::kRecords) {
@@ -121,15 +130,24 @@ bool PathTracer<Transport, Sink>::CrossInterface(const SurfaceInteraction& inter
   return ++interfaces_ <= kInterfacesMax;
 }
 
+// The surface is not there for this ray, nor is the medium inside it.
+template <typename Transport, typename Sink>
+bool PathTracer<Transport, Sink>::PassHidden(const SurfaceInteraction& interaction) {
+  is_shadowed_ |= depth_ > 0 && (interaction.hidden_from & kHiddenFromShadowRays) == 0;
+  ray_ = interaction.SpawnRay(ray_.d);
+  return ++interfaces_ <= kInterfacesMax;
+}
+
 template <typename Transport, typename Sink>
 bool PathTracer<Transport, Sink>::ScatterInMedium(float t) {
   if constexpr (Transport::kHasMedia) {
     if (depth_++ == context_.settings.max_depth) return false;
     NoteMedium();
     interfaces_ = 0;
+    is_shadowed_ = false;
     const PhaseFunction& phase = transport_.phase();
     const Vec3 wo = -ray_.d;
-    previous_ = {ray_.At(t), {}, {}, {}, ray_.time};
+    previous_ = {ray_.At(t), {}, {}, {}, ray_.time, context_.world.links.media()};
     AddMediumLight(wo, phase);
     const PhaseSample sample = phase.Sample(wo, context_.sampler.Get2D());
     transport_.ScatterInMedium(sample.pdf);
@@ -144,6 +162,7 @@ template <typename Transport, typename Sink>
 bool PathTracer<Transport, Sink>::ScatterOnSurface(SurfaceInteraction& interaction) {
   if (depth_++ == context_.settings.max_depth) return false;
   interfaces_ = 0;
+  is_shadowed_ = false;
   const bool had_all_wavelengths = !context_.wavelengths.SecondaryTerminated();
   const Bsdf bsdf = BsdfAt(context_, interaction, context_.settings.regularize && was_spread_);
   if (had_all_wavelengths && context_.wavelengths.SecondaryTerminated()) transport_.FollowFirstWavelength();
@@ -216,6 +235,7 @@ template <typename Transport, typename Sink>
 void PathTracer<Transport, Sink>::AddInfiniteLights() {
   const World& world = context_.world;
   for (const int light : world.lights.infinite_lights()) {
+    if (HeedsLinks() && !CountsHit(light)) continue;
     const SampledSpectrum emitted =
         world.lights.InfiniteRadiance(light, previous_.p, ray_.d, ray_.time, context_.wavelengths);
     std::optional<float> light_pdf;
@@ -227,6 +247,7 @@ void PathTracer<Transport, Sink>::AddInfiniteLights() {
 template <typename Transport, typename Sink>
 void PathTracer<Transport, Sink>::AddEmission(const SurfaceInteraction& interaction) {
   const World& world = context_.world;
+  if (HeedsLinks() && !CountsHit(interaction.area_light)) return;
   const SampledSpectrum emitted =
       world.lights.EmittedRadiance(interaction.area_light, interaction, -ray_.d, context_.wavelengths);
   if (!AnyNonZero(emitted)) return;

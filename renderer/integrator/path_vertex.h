@@ -14,7 +14,8 @@ namespace tessera {
 constexpr int kInterfacesMax = 1000;
 
 inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
-  return {interaction.p, interaction.p_error, interaction.n, interaction.shading.n, interaction.time};
+  return {interaction.p,         interaction.p_error, interaction.n,
+          interaction.shading.n, interaction.time,    interaction.light_links};
 }
 
 // A Lambertian surface with the albedo of another, estimated from one sample. Takes three dimensions of the
@@ -57,7 +58,12 @@ struct SampledLight {
   int index = 0;  // into World::lights
   LightSample light;
   float pdf = 0;  // per solid angle, with the probability of choosing this light
+  bool casts_shadows = true;
 };
+
+// Heeds LightLinks. Returns false if the light does not illuminate the point. Sets is_delta if light sampling
+// alone finds the light there, whatever scattered rays hit.
+bool FollowLink(const PathContext& context, const ReferencePoint& reference, SampledLight& sampled);
 
 // Samples one light from a point. Takes three dimensions of the sampler. Returns nullopt if no light arrives.
 inline std::optional<SampledLight> SampleOneLight(const PathContext& context,
@@ -70,7 +76,30 @@ inline std::optional<SampledLight> SampleOneLight(const PathContext& context,
   const std::optional<LightSample> light =
       lights.Sample(chosen->light, reference, u_light, context.wavelengths);
   if (!light || light->pdf <= 0 || !AnyNonZero(light->L)) return std::nullopt;
-  return SampledLight{chosen->light, *light, chosen->pmf * light->pdf};
+  SampledLight sampled{chosen->light, *light, chosen->pmf * light->pdf};
+  if (context.world.links.any() && !FollowLink(context, reference, sampled)) return std::nullopt;
+  return sampled;
+}
+
+// Whether a ray passes the surface, after `depth` scattering events.
+inline bool IsHidden(const SurfaceInteraction& interaction, int depth) {
+  return (interaction.hidden_from & (depth == 0 ? kHiddenFromCamera : kHiddenFromIndirect)) != 0;
+}
+
+// The ray that hits a light.
+struct LightHit {
+  int depth = 0;                          // scattering events before
+  bool is_specular = false;               // the last of them
+  bool is_shadowed = false;               // it has passed hidden surfaces that cast shadows since then
+  uint64_t light_links = kAllLightLinks;  // of where it was
+};
+
+// Whether the light that a ray hits is part of the path's radiance. Light sampling has all light of lights
+// that cast no shadows, and none of what hidden surfaces keep from a point; specular surfaces mirror both.
+inline bool HitCounts(const LightLinks& links, int light, const LightHit& hit) {
+  if (hit.depth == 0) return links.IsSeenByCamera(light);
+  if (!links.Illuminates(light, hit.light_links)) return false;
+  return hit.is_specular || (!hit.is_shadowed && links.CastsShadows(light));
 }
 
 // A ray from a surface point to a sampled light.

@@ -20,7 +20,7 @@ void TraceRandomWalk(const PathContext& context, const Ray& camera_ray, Sink& si
     if (!AnyNonZero(f)) return;
     const float cosine = AbsDot(wi, walk.interaction.shading.n);
     walk.Leave(walk.interaction.SpawnRay(wi), f * (cosine / UniformSpherePdf()),
-               walk.VertexOf(bsdf, wi, false));
+               walk.VertexOf(bsdf, wi, false), false);
   }
 }
 

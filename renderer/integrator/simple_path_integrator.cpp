@@ -52,7 +52,7 @@ bool SimplePath<Sink>::ScatterInMedium() {
   const PhaseSample sample = walk_.phase().Sample(-walk_.ray.d, context_.sampler.Get2D());
   light_was_sampled_ = false;
   walk_.Leave({walk_.ray.o, sample.wi, std::numeric_limits<float>::infinity(), walk_.ray.time},
-              SampledSpectrum(1.0f), {FirstScatter::kMedium});
+              SampledSpectrum(1.0f), {FirstScatter::kMedium}, false);
   return true;
 }
 
@@ -70,7 +70,9 @@ template <typename Sink>
 void SimplePath<Sink>::AddInfiniteEmission() {
   const Vec3 d = walk_.ray.d;
   for (const int light : context_.world.lights.infinite_lights()) {
-    if (light_was_sampled_ && InfiniteLightPdf(context_.world, previous_, d, light) > 0) continue;
+    if (light_was_sampled_ && (InfiniteLightPdf(context_.world, previous_, d, light) > 0 ||
+                               !context_.world.links.CastsShadows(light)))
+      continue;
     walk_.AddInfiniteEmission(light);
   }
 }
@@ -78,7 +80,9 @@ void SimplePath<Sink>::AddInfiniteEmission() {
 template <typename Sink>
 void SimplePath<Sink>::AddSurfaceEmission() {
   if (walk_.interaction.area_light < 0) return;
-  if (light_was_sampled_ && EmitterPdf(context_.world, previous_, walk_.ray.d, walk_.interaction) > 0) return;
+  if (light_was_sampled_ && (EmitterPdf(context_.world, previous_, walk_.ray.d, walk_.interaction) > 0 ||
+                             !context_.world.links.CastsShadows(walk_.interaction.area_light)))
+    return;
   walk_.AddSurfaceEmission();
 }
 
@@ -92,7 +96,8 @@ void SimplePath<Sink>::AddDirectLight(const Bsdf& bsdf) {
   if (!AnyNonZero(f)) return;
   ++context_.counts.shadow;
   const SampledSpectrum scattered = f * light.L * (AbsDot(light.wi, here.shading.n) / sampled->pdf);
-  if (context_.world.accelerator->Occluded(ShadowRay(here, light))) return walk_.AddShadow(scattered);
+  if (sampled->casts_shadows && context_.world.accelerator->Occluded(ShadowRay(here, light)))
+    return walk_.AddShadow(scattered);
   walk_.AddLight(scattered, sampled->index, walk_.VertexOf(bsdf, light.wi, false));
 }
 
@@ -106,7 +111,7 @@ bool SimplePath<Sink>::ScatterByBsdf(const Bsdf& bsdf) {
   if (sample->IsSpecular()) light_was_sampled_ = false;
   const float cosine = AbsDot(sample->wi, interaction.shading.n);
   walk_.Leave(interaction.SpawnRay(sample->wi), sample->f * (cosine / sample->pdf),
-              walk_.VertexOf(bsdf, sample->wi, sample->IsSpecular()));
+              walk_.VertexOf(bsdf, sample->wi, sample->IsSpecular()), sample->IsSpecular());
   return true;
 }
 
@@ -128,7 +133,7 @@ bool SimplePath<Sink>::ScatterUniformly(const Bsdf& bsdf) {
   const SampledSpectrum f = bsdf.Evaluate(interaction.wo, wi).f;
   if (!AnyNonZero(f)) return false;
   walk_.Leave(interaction.SpawnRay(wi), f * (AbsDot(wi, interaction.shading.n) / pdf),
-              walk_.VertexOf(bsdf, wi, false));
+              walk_.VertexOf(bsdf, wi, false), false);
   return true;
 }
 

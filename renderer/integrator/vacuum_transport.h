@@ -40,7 +40,7 @@ class VacuumTransport {
                                                    const SurfaceInteraction&, SampledSpectrum f, float cosine,
                                                    float pdf) {
     ++context_.counts.shadow;
-    if (context_.world.accelerator->Occluded(shadow)) return std::nullopt;
+    if (sampled.casts_shadows && context_.world.accelerator->Occluded(shadow)) return std::nullopt;
     const float weight = sampled.light.is_delta ? 1 : PowerHeuristic(sampled.pdf, pdf);
     return throughput_ * (f * sampled.light.L * (cosine * weight / sampled.pdf));
   }

@@ -1,6 +1,7 @@
 #include "renderer/light/area_lights.h"
 
 #include "renderer/light/emission.h"
+#include "renderer/light/light_links.h"
 #include "renderer/shape/moved_sampling.h"
 
 namespace tessera {
@@ -89,7 +90,7 @@ Result<void> AreaLights::Add(const EmittingShape& emitting, const Geometry& geom
   const Kind<EmitterReader>* kind = kAreaLightTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kAreaLightTable.Refusal(entity.kind));
   ParameterReader reader(entity);
-  reader.FindString("group");  // for renderer/scene/light_groups.h
+  SkipLinkParameters(reader);
   emitters_.push_back(kind->reader(reader, shape, files, images, diagnostics));
   AreaEmitter& emitter = emitters_.back();
   if (emitting.instance != Hit::kNoInstance) {

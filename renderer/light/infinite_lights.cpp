@@ -7,8 +7,8 @@
 namespace tessera {
 namespace {
 
-// By how much the mean of R, G and B of each texel exceeds that of the picture; 0 where it does not.
-std::vector<float> ExcessOverMean(const RgbImage& image, float* mean) {
+// The mean of R, G and B of each texel.
+std::vector<float> TexelMeans(const RgbImage& image, float* mean) {
   std::vector<float> values;
   values.reserve(static_cast<size_t>(image.width()) * static_cast<size_t>(image.height()));
   double sum = 0;
@@ -20,25 +20,32 @@ std::vector<float> ExcessOverMean(const RgbImage& image, float* mean) {
     }
   }
   *mean = static_cast<float>(sum / static_cast<double>(values.size()));
-  for (float& value : values) value = std::max(value - *mean, 0.0f);
   return values;
 }
 
 }  // namespace
 
 ConstantInfiniteLight ConstantInfiniteLight::Read(ParameterReader& reader, const LightContext& context) {
-  ConstantInfiniteLight light{ReadEmission(reader, "L", context.files)};
+  ConstantInfiniteLight light{ReadEmission(reader, "L", context.files), context.samples_all};
   if (const auto illuminance = ReadTotal(reader, "illuminance"))
     light.L = light.L.Scaled(*illuminance * kInvPi);
   return light;
 }
 
-std::optional<LightSample> ConstantInfiniteLight::Sample(const LightQuery&) const {
-  return std::nullopt;
+std::optional<LightSample> ConstantInfiniteLight::Sample(const LightQuery& query) const {
+  if (!is_sampled) return std::nullopt;
+  LightSample sample;
+  sample.L = L.Sample(query.wavelengths);
+  sample.wi = SampleUniformSphere(query.u);
+  sample.pdf = kInv4Pi;
+  sample.p = query.reference.p + sample.wi * (2 * query.scene_radius);
+  return sample;
 }
 
-LightProfile ConstantInfiniteLight::Profile(float) const {
-  return {false, 0, std::nullopt, 0};
+LightProfile ConstantInfiniteLight::Profile(float scene_radius) const {
+  if (!is_sampled) return {false, 0, std::nullopt, 0};
+  const float strength = Strength(L);
+  return {true, 4 * kPi * kPi * Sqr(scene_radius) * strength, std::nullopt, kPi * strength};
 }
 
 ImageInfiniteLight ImageInfiniteLight::Read(ParameterReader& reader, const LightContext& context) {
@@ -51,9 +58,12 @@ ImageInfiniteLight ImageInfiniteLight::Read(ParameterReader& reader, const Light
   scale *= IlluminanceFactor(reader, image);
   light.map = EmissionMap(image, scale);
   float mean = 0;
-  const std::vector<float> excess = ExcessOverMean(image, &mean);
+  std::vector<float> sampled = TexelMeans(image, &mean);
+  if (!context.samples_all) {
+    for (float& value : sampled) value = std::max(value - mean, 0.0f);
+  }
   light.brighter =
-      Distribution2D(excess, static_cast<uint32_t>(image.width()), static_cast<uint32_t>(image.height()));
+      Distribution2D(sampled, static_cast<uint32_t>(image.width()), static_cast<uint32_t>(image.height()));
   const float white = Strength(Spectrum::Table(image.color_space().illuminant(), scale));
   light.mean_strength = mean * white;
   light.sampled_strength = light.brighter.mean() * white;

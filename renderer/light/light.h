@@ -49,16 +49,17 @@ struct LightInputs {
   ImageCache& images;
   // For the alpha of emitters. Complete; must outlive the table at this address.
   const TextureTable& textures;
+  bool samples_all = false;  // LightContext::samples_all
 };
 
 struct BuiltLights;
 
 // All lights of a scene with the structure that chooses among them. Immutable.
 //
-// Some light is never chosen or sampled, as directions sampled from surfaces find it with less noise:
-// constant lights at infinity, and the part of an environment map that is darker than its mean (Karlik et al.
-// 2019, "MIS Compensation"). So an integrator must also count what rays find that hit emitters or leave the
-// scene.
+// Unless samples_all, some light is never chosen or sampled, as directions sampled from surfaces find it with
+// less noise: constant lights at infinity, and the part of an environment map that is darker than its mean
+// (Karlik et al. 2019, "MIS Compensation"). So an integrator must also count what rays find that hit emitters
+// or leave the scene.
 class LightTable {
  public:
   struct Data;  // light_data.h

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "renderer/light/light_data.h"
+#include "renderer/light/light_links.h"
 #include "renderer/util/dispatch.h"
 
 namespace tessera {
@@ -78,10 +79,12 @@ Result<SourceLight> LightBuilder::ReadSource(const LightDescription& description
   const Kind<SourceReader>* kind = kSourceTable.Find(entity.kind);
   if (kind == nullptr) return ErrorAt(entity.location, kSourceTable.Refusal(entity.kind));
   ParameterReader reader(entity);
-  reader.FindString("group");  // for renderer/scene/light_groups.h
-  SourceLight light =
-      kind->reader(reader, {inputs_.render_from_world * description.world_from_light.First(),
-                            inputs_.render_from_world, inputs_.files, inputs_.images, diagnostics_});
+  SkipLinkParameters(reader);
+  if (entity.kind == "infinite") reader.Bool("visible_camera", true);
+  const bool samples_all = inputs_.samples_all || !reader.Bool("cast_shadows", true);
+  SourceLight light = kind->reader(
+      reader, {inputs_.render_from_world * description.world_from_light.First(), inputs_.render_from_world,
+               inputs_.files, inputs_.images, diagnostics_, samples_all});
   if (const Result<void> finished = reader.Finish(); !finished) return finished.error();
   return light;
 }

@@ -28,6 +28,8 @@ struct LightContext {
   FileSource& files;
   ImageCache& images;
   Diagnostics& diagnostics;
+  // Whether light sampling must find all of the light: the surfaces that shadow rays pass stop other rays.
+  bool samples_all = false;
 };
 
 // The point that a light is sampled from.

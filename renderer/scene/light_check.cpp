@@ -34,6 +34,11 @@ Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& 
                             const std::vector<EmittingShape>& emitters, const World& world,
                             Diagnostics& diagnostics) {
   if (HasShadowRays(estimator)) return {};
+  if (world.links.any_passed() || world.links.any_without_shadows()) {
+    diagnostics.Warn(scene.integrator.location,
+                     "\"visible_shadow\" and \"cast_shadows\" have no effect: this integrator traces no "
+                     "shadow rays");
+  }
   for (const UnseenLight& light : UnseenLights(scene, emitters, world)) {
     const std::string what = "no ray can hit " + light.name + ", and this integrator traces no shadow rays";
     if (estimator.integrator.kind == IntegratorKind::kMixture) {

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "renderer/math/flat_transform.h"
+#include "renderer/scene/scene_links.h"
 #include "renderer/shape/reach.h"
 #include "renderer/shape/shape_builder.h"
 #include "renderer/texture/texture_builder.h"
@@ -28,7 +29,9 @@ class WorldBuilder {
   Result<void> AddMedia();
   int MediumIndex(const std::string& name) const;
   // The shapes of one directive, complete but for SurfaceProperties::area_light.
-  Result<std::vector<Shape>> MakeShapes(const ShapeDescription& description, const Transform& transform);
+  // `object`: the object definition; empty for shapes of the world.
+  Result<std::vector<Shape>> MakeShapes(const ShapeDescription& description, const Transform& transform,
+                                        const std::string& object);
   // Shapes of an object definition, or of the world, that stand still or move in the same way.
   struct Part {
     int group = 0;
@@ -37,11 +40,12 @@ class WorldBuilder {
     size_t emitters_begin = 0, emitters_end = 0;  // its own, of emitters_
   };
   int AddGroup();
-  Result<void> AddToGroup(const ShapeDescription& description, int group);
+  Result<void> AddToGroup(const ShapeDescription& description, int group, const std::string& object);
   // Adds what a directive made to `present`, the shapes of a space.
   void Append(std::vector<Shape>&& shapes, const ShapeDescription& description, std::vector<Shape>& present);
   // Adds a shape that moves to the last of `parts`, or to a new part if that moves in another way.
-  Result<void> AddMovingShape(const ShapeDescription& description, std::vector<Part>& parts);
+  Result<void> AddMovingShape(const ShapeDescription& description, std::vector<Part>& parts,
+                              const std::string& object);
   Result<void> AddShapes();
   Result<void> AddGroups();
   Result<void> AddInstances();
@@ -63,6 +67,7 @@ class WorldBuilder {
   std::vector<Part> moving_shapes_;                   // of the world
   std::map<int, Bounds3> group_bounds_;               // of those that move
   std::vector<EmittingShape> emitters_;
+  SceneLinks links_;
   bool has_media_ = false;  // whether any ray can be in a medium
 };
 
@@ -89,7 +94,7 @@ int WorldBuilder::MediumIndex(const std::string& name) const {
 }
 
 Result<std::vector<Shape>> WorldBuilder::MakeShapes(const ShapeDescription& description,
-                                                    const Transform& transform) {
+                                                    const Transform& transform, const std::string& object) {
   SurfaceProperties surface;
   surface.material = description.material.index;
   if (request_.names != nullptr) surface.name = request_.names->IndexOf(description);
@@ -98,7 +103,11 @@ Result<std::vector<Shape>> WorldBuilder::MakeShapes(const ShapeDescription& desc
   surface.outside_medium = MediumIndex(description.outside_medium);
   has_media_ |= surface.inside_medium != surface.outside_medium;
   world_.has_interfaces |= surface.is_interface;
-  return BuildShape(description, surface, transform, request_.files, textures_, diagnostics_);
+  surface.light_links = links_.LinksOf(description, object);
+  auto shapes = BuildShape(description, surface, transform, request_.files, textures_, diagnostics_);
+  if (shapes && !shapes->empty())
+    world_.passes_shadow_rays |= !surface.is_interface && !shapes->front().surface.StopsShadowRays();
+  return shapes;
 }
 
 int WorldBuilder::AddGroup() {
@@ -106,9 +115,10 @@ int WorldBuilder::AddGroup() {
   return static_cast<int>(world_.geometry.groups.size()) - 1;
 }
 
-Result<void> WorldBuilder::AddToGroup(const ShapeDescription& description, int group) {
+Result<void> WorldBuilder::AddToGroup(const ShapeDescription& description, int group,
+                                      const std::string& object) {
   CheckLoadBudget();
-  Result<std::vector<Shape>> shapes = MakeShapes(description, Transform());
+  Result<std::vector<Shape>> shapes = MakeShapes(description, Transform(), object);
   if (!shapes) return shapes.error();
   Append(*std::move(shapes), description, world_.geometry.groups[group].shapes);
   return {};
@@ -126,11 +136,12 @@ void WorldBuilder::Append(std::vector<Shape>&& shapes, const ShapeDescription& d
   }
 }
 
-Result<void> WorldBuilder::AddMovingShape(const ShapeDescription& description, std::vector<Part>& parts) {
+Result<void> WorldBuilder::AddMovingShape(const ShapeDescription& description, std::vector<Part>& parts,
+                                          const std::string& object) {
   if (parts.empty() || !(parts.back().object_from_part == description.world_from_object))
     parts.push_back({AddGroup(), description.world_from_object, description.entity.location, emitters_.size(),
                      emitters_.size()});
-  Result<void> added = AddToGroup(description, parts.back().group);
+  Result<void> added = AddToGroup(description, parts.back().group, object);
   parts.back().emitters_end = emitters_.size();
   return added;
 }
@@ -139,7 +150,7 @@ Result<void> WorldBuilder::AddShapes() {
   for (const ShapeDescription& description : scene_.shapes) {
     CheckLoadBudget();
     if (description.world_from_object.IsAnimated()) continue;
-    Result<std::vector<Shape>> shapes = MakeShapes(description, render_from_world_);
+    Result<std::vector<Shape>> shapes = MakeShapes(description, render_from_world_, "");
     if (!shapes) return shapes.error();
     Append(*std::move(shapes), description, world_.geometry.shapes);
   }
@@ -153,13 +164,14 @@ Result<void> WorldBuilder::AddGroups() {
     parts.push_back({still, AnimatedTransform(), object.location});
     for (const ShapeDescription& shape : object.shapes) {
       const bool moves = shape.world_from_object.IsAnimated();
-      Result<void> added = moves ? AddMovingShape(shape, parts) : AddToGroup(shape, still);
+      Result<void> added =
+          moves ? AddMovingShape(shape, parts, object.name) : AddToGroup(shape, still, object.name);
       if (!added) return added;
     }
   }
   for (const ShapeDescription& shape : scene_.shapes) {
     if (!shape.world_from_object.IsAnimated()) continue;
-    if (Result<void> added = AddMovingShape(shape, moving_shapes_); !added) return added;
+    if (Result<void> added = AddMovingShape(shape, moving_shapes_, ""); !added) return added;
   }
   return {};
 }
@@ -232,7 +244,7 @@ const Bounds3& WorldBuilder::BoundsOfGroup(int group) {
 
 Result<void> WorldBuilder::AddLights() {
   const LightInputs inputs{scene_,         emitters_,       render_from_world_, request_.light_sampler,
-                           request_.files, request_.images, world_.textures};
+                           request_.files, request_.images, world_.textures,    world_.passes_shadow_rays};
   Result<BuiltLights> lights = LightTable::Build(inputs, world_.geometry, diagnostics_);
   if (!lights) return lights.error();
   for (size_t i = 0; i < emitters_.size(); ++i) {
@@ -240,11 +252,15 @@ Result<void> WorldBuilder::AddLights() {
         lights->area_lights[i];
   }
   world_.lights = std::move(lights->table);
+  world_.links = links_.Assign(world_, emitters_, diagnostics_);
   return {};
 }
 
 Result<std::vector<EmittingShape>> WorldBuilder::Build() {
   world_.geometry.times = {world_.camera.shutter_open(), world_.camera.shutter_close()};
+  Result<SceneLinks> links = SceneLinks::Read(scene_);
+  if (!links) return links.error();
+  links_ = *std::move(links);
   if (Result<void> added = AddMedia(); !added) return added.error();
   if (Result<void> added = textures_.Add(scene_); !added) return added.error();
   Result<MaterialTable> materials = MaterialTable::Build(scene_, textures_);

@@ -27,10 +27,14 @@ struct SurfaceProperties {
   int name = 0;  // in mattes: an index that its user knows
   // Only a change of medium, no surface: rays pass.
   bool is_interface = false;
+  uint8_t hidden_from = 0;  // HiddenFrom
+  uint64_t light_links = kAllLightLinks;
   // Opacity. Below 1 a ray passes with probability 1 - alpha, decided by a hash of its origin and direction.
   FloatInput alpha{1.0f, -1};
   bool operator==(const SurfaceProperties&) const = default;
   bool HasAlpha() const { return !alpha.IsConstant() || alpha.constant < 1; }
+  // Whether Accelerator::Occluded heeds it.
+  bool StopsShadowRays() const { return !is_interface && (hidden_from & kHiddenFromShadowRays) == 0; }
 };
 
 struct Shape {

@@ -8,6 +8,16 @@
 
 namespace tessera {
 
+// Rays that do not meet a shape: bits of SurfaceProperties::hidden_from.
+enum HiddenFrom : uint8_t {
+  kHiddenFromCamera = 1,
+  kHiddenFromShadowRays = 2,
+  kHiddenFromIndirect = 4,  // from rays that were scattered before
+};
+
+// Which lights illuminate a point: bit i is set if those of link i do (LightLinks).
+constexpr uint64_t kAllLightLinks = ~uint64_t{0};
+
 // What an accelerator finds: a primitive and a place on it.
 struct Hit {
   static constexpr uint32_t kNoInstance = 0xffffffffu;
@@ -37,6 +47,8 @@ struct SurfaceInteraction {
   int material = 0;                             // index into the scene's materials
   int area_light = -1;                          // index into the scene's lights, or -1
   int inside_medium = -1, outside_medium = -1;  // -1: vacuum
+  uint8_t hidden_from = 0;                      // HiddenFrom
+  uint64_t light_links = kAllLightLinks;
 
   // A ray that leaves this point along d without hitting the surface here again.
   Ray SpawnRay(Vec3 d) const { return {OffsetRayOrigin(p, p_error, n, d), d, INFINITY, time}; }

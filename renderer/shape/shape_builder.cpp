@@ -25,6 +25,14 @@ bool RemoveFormsInOwnSpace(std::vector<Form>& forms) {
          }) > 0;
 }
 
+uint8_t ReadHiddenFrom(ParameterReader& reader) {
+  uint8_t hidden = 0;
+  if (!reader.Bool("visible_camera", true)) hidden |= kHiddenFromCamera;
+  if (!reader.Bool("visible_shadow", true)) hidden |= kHiddenFromShadowRays;
+  if (!reader.Bool("visible_indirect", true)) hidden |= kHiddenFromIndirect;
+  return hidden;
+}
+
 }  // namespace
 
 Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, SurfaceProperties surface,
@@ -41,7 +49,9 @@ Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, Surfa
   const Transform render_from_object =
       world_from_object.IsAnimated() ? Transform() : render_from_world * world_from_object.Fixed();
   surface.alpha = textures.Float(reader, "alpha", 1);
-  // The names of mattes, which are not of the shape itself.
+  const uint8_t hidden_from = ReadHiddenFrom(reader);
+  surface.hidden_from = surface.is_interface ? 0 : hidden_from;
+  // The names of mattes and light links, which are not of the shape itself.
   for (const char* name : {"name", "asset"}) reader.FindString(name);
   std::vector<Form> forms = kind->reader({reader,
                                           {render_from_object, description.reverse_orientation},

@@ -40,6 +40,8 @@ SurfaceInteraction MakeInteraction(const Geometry& geometry, const Hit& hit, con
   interaction.area_light = surface.area_light < 0 ? -1 : surface.area_light + static_cast<int>(hit.primitive);
   interaction.inside_medium = surface.inside_medium;
   interaction.outside_medium = surface.outside_medium;
+  interaction.hidden_from = surface.hidden_from;
+  interaction.light_links = surface.light_links;
   return interaction;
 }
 

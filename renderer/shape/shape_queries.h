@@ -38,6 +38,7 @@ struct ReferencePoint {
   Normal3 n;  // geometric
   Normal3 shading_n;
   float time = 0;  // seconds
+  uint64_t light_links = kAllLightLinks;
 };
 
 // A point on an emitting primitive.

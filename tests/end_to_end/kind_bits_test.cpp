@@ -49,6 +49,14 @@ constexpr KindScene kScenes[] = {
     {"instances", "",
      "ObjectBegin \"o\" Shape \"sphere\" \"float radius\" 0.5 Shape \"disk\" ObjectEnd ObjectInstance \"o\" "
      "Translate 1 0.5 0 Rotate 30 1 2 3 Scale 1 -0.5 1 ObjectInstance \"o\""},
+    // Visibility and light links
+    {"hidden shapes and linked lights", "",
+     "Shape \"sphere\" \"float radius\" 0.7 \"bool visible_camera\" false Translate 1 0 -0.5 "
+     "Shape \"cylinder\" \"float radius\" 0.3 \"bool visible_shadow\" false Translate -2 0 0 "
+     "Shape \"bilinearmesh\" \"string name\" \"card\" \"bool visible_indirect\" false "
+     "\"point3 P\" [ -1 -1 0  1 -1 0.7  -1 1 0.5  1 1 -0.6 ] "
+     "LightSource \"point\" \"point3 from\" [ 0 2 -2 ] \"string link_exclude\" \"card\" "
+     "LightSource \"point\" \"point3 from\" [ 1 2 -2 ] \"bool cast_shadows\" false"},
     // Motion
     {"moving shape", "",
      "ActiveTransform EndTime Translate 1 0 0 Rotate 80 1 1 0 ActiveTransform All Shape \"cylinder\""},

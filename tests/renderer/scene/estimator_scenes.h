@@ -182,4 +182,97 @@ AttributeBegin
 AttributeEnd
 )";
 
+// Lights that illuminate some objects only, on surfaces that scatter in all ways.
+constexpr const char* kLinkedLights = R"(
+Material "coateddiffuse" "rgb reflectance" [ 0.6 0.5 0.3 ] "float roughness" 0.1
+Shape "bilinearmesh" "string name" "floor" "point3 P" [ -4 -1 0  4 -1 0  -4 -1 8  4 -1 8 ]
+LightSource "infinite" "rgb L" [ 0.3 0.4 0.5 ] "string link_exclude" [ "floor" ]
+LightSource "infinite" "string filename" "sky.pfm" "string link_include" [ "fl*" "mirror" ]
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 9 3 1 ] "string link_exclude" [ "ball" ]
+  Translate -1.5 1.5 3
+  Shape "sphere" "float radius" 0.3
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 1 4 9 ] "string link_include" [ "ball" ]
+  Translate 1.5 1.5 3
+  Shape "sphere" "float radius" 0.4
+AttributeEnd
+AttributeBegin
+  Material "diffuse" "rgb reflectance" [ 0.7 0.7 0.7 ]
+  ObjectBegin "ball" Shape "sphere" "float radius" 0.6 ObjectEnd
+  Translate -0.7 -0.4 4
+  ObjectInstance "ball"
+AttributeEnd
+AttributeBegin
+  Material "conductor" "float roughness" 0
+  Translate 0.9 -0.4 4
+  Shape "sphere" "float radius" 0.6 "string asset" "mirror"
+AttributeEnd
+)";
+
+// Objects that rays of one kind pass, an emitter among them.
+constexpr const char* kHiddenObjects = R"(
+Material "coateddiffuse" "rgb reflectance" [ 0.6 0.5 0.3 ] "float roughness" 0.1
+Shape "bilinearmesh" "point3 P" [ -4 -1 0  4 -1 0  -4 -1 8  4 -1 8 ]
+LightSource "infinite" "rgb L" [ 0.3 0.4 0.5 ] "bool visible_camera" false
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 9 3 1 ]
+  Translate -0.8 1 4
+  Shape "sphere" "float radius" 0.3 "bool visible_camera" false
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 4 8 9 ]
+  Translate 1.5 1.5 3
+  Shape "sphere" "float radius" 0.4
+AttributeEnd
+AttributeBegin
+  Material "diffuse" "rgb reflectance" [ 0.7 0.7 0.7 ]
+  Translate -0.7 -0.4 4
+  Shape "sphere" "float radius" 0.6 "bool visible_camera" false
+  Translate 0.7 0.1 -1
+  Shape "sphere" "float radius" 0.4 "bool visible_indirect" false "float alpha" 0.7
+AttributeEnd
+AttributeBegin
+  Material "dielectric"
+  Translate 1 -0.4 4
+  Shape "sphere" "float radius" 0.6
+AttributeEnd
+AttributeBegin
+  Material "diffuse" "rgb reflectance" [ 0.2 0.7 0.2 ]
+  Translate 1 0.6 3.6
+  Shape "sphere" "float radius" 0.3 "bool visible_indirect" false "bool visible_shadow" false
+AttributeEnd
+)";
+
+// Objects and lights that cast no shadows. Light sampling alone finds what they let through.
+constexpr const char* kNoShadows = R"(
+Material "coateddiffuse" "rgb reflectance" [ 0.6 0.5 0.3 ] "float roughness" 0.1
+Shape "bilinearmesh" "point3 P" [ -4 -1 0  4 -1 0  -4 -1 8  4 -1 8 ]
+LightSource "infinite" "rgb L" [ 0.3 0.4 0.5 ]
+LightSource "infinite" "string filename" "sky.pfm"
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 9 3 1 ] "bool cast_shadows" false
+  Translate -0.8 1.5 4
+  Shape "sphere" "float radius" 0.3
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 4 8 9 ]
+  Translate 1.5 1.5 3
+  Shape "sphere" "float radius" 0.6
+AttributeEnd
+AttributeBegin
+  Material "diffuse" "rgb reflectance" [ 0.7 0.7 0.7 ]
+  Translate -0.7 -0.2 4
+  Shape "sphere" "float radius" 0.5
+AttributeEnd
+AttributeBegin
+  Material "diffuse" "rgb reflectance" [ 0.2 0.7 0.2 ]
+  Translate 0.8 0 3.6
+  Shape "sphere" "float radius" 0.5 "bool visible_shadow" false
+  Translate -1.4 0.3 -1
+  Shape "sphere" "float radius" 0.3 "bool visible_shadow" false "float alpha" 0.5
+AttributeEnd
+)";
+
 }  // namespace tessera

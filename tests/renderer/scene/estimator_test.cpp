@@ -126,6 +126,20 @@ TEST(Estimators, AgreeOnGlossyAndSpecularSurfaces) {
   ExpectAgreement(kGlossyThings, {"\"mixture\"", "\"simplepath\"", kBsdfOnly}, 5, 0.02);
 }
 
+TEST(Estimators, AgreeOnLightsThatIlluminateSomeObjects) {
+  ExpectAgreement(kLinkedLights,
+                  {"\"mixture\"", "\"simplepath\"", kBsdfOnly, "\"simplevolpath\"", "\"volpath\""}, 4, 0.02);
+}
+
+TEST(Estimators, AgreeOnObjectsThatAreHiddenFromSomeRays) {
+  ExpectAgreement(kHiddenObjects,
+                  {"\"mixture\"", "\"simplepath\"", kBsdfOnly, "\"simplevolpath\"", "\"volpath\""}, 4, 0.02);
+}
+
+TEST(Estimators, AgreeOnWhatCastsNoShadows) {
+  ExpectAgreement(kNoShadows, {"\"simplepath\"", kLightsOnly, "\"volpath\""}, 4, 0.02);
+}
+
 TEST(Estimators, AgreeUnderSkies) {
   ExpectAgreement(kSkies, {"\"mixture\"", "\"simplepath\"", kBsdfOnly}, 3, 0.01);
 }
