@@ -115,8 +115,8 @@ void LayerRecorder::Finish(const End& end, TileBuilder& tile) {
     parts_.direct = parts_.indirect = ScatteredLight();
     std::ranges::fill(parts_.groups, SampledSpectrum(0.0f));
   }
-  const LayerSample sample{scene_,    parts_,  first_wavelengths_, end.exposure, end.rgb.value_or(Rgb{}),
-                           end.index, end.film};
+  const LayerSample sample{scene_,    parts_,   first_wavelengths_, end.exposure, end.rgb.value_or(Rgb{}),
+                           end.index, end.film, end.time_s};
   float* const values = tile.Values();
   WriteGroups(sample, end.filter_weight, values);
   for (const Output& output : outputs_) {

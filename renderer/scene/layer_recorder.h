@@ -26,6 +26,7 @@ class LayerRecorder : public SampleRecorder {
   struct End {
     uint32_t index = 0;
     Point2 film;
+    float time_s = 0;
     float filter_weight = 1;
     std::optional<Rgb> rgb;
     SampleExposure exposure;

@@ -70,7 +70,8 @@ struct LayerSample {
   const SampleExposure& exposure;
   Rgb rgb;  // of the whole
   uint32_t index = 0;
-  Point2 film;  // where the camera ray leaves the film, in pixels
+  Point2 film;       // where the camera ray leaves the film, in pixels
+  float time_s = 0;  // of the camera ray
 
   // So that the colours of parts sum to that of the whole.
   Rgb ColorOf(SampledSpectrum part) const {

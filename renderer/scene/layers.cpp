@@ -43,9 +43,16 @@ void FillUv(const SeenSurface& seen, const LayerSample&, float* values) {
   values[0] = seen.interaction.uv.x;
   values[1] = seen.interaction.uv.y;
 }
-void FillMotion(const SeenSurface& seen, const LayerSample& sample, float* values) {
-  const Vec2 motion =
-      ScreenMotion(sample.scene.world, seen.hit, seen.interaction, sample.film, sample.scene.motion_times);
+// Samples that see the sky keep its motion as long as none sees a surface: of those the first.
+void FillMotion(const LayerSample& sample, float* values) {
+  const World& world = sample.scene.world;
+  const TimeRange& times = sample.scene.motion_times;
+  Vec2 motion{0, 0};
+  if (const auto& seen = sample.parts.surface) {
+    motion = ScreenMotion(world, seen->hit, seen->interaction, sample.film, times);
+  } else if (AnyNonZero(sample.parts.transmittance)) {
+    motion = ScreenMotionOfSky(world.camera, sample.film, sample.time_s, times);
+  }
   values[0] = motion.x;
   values[1] = motion.y;
 }
@@ -136,7 +143,7 @@ constexpr Kind<Layer> kLayers[] = {
     {"position", Support::kSupported, Nearest("XYZ", OfSurface<FillPosition>)},
     {"normal_geometric", Support::kSupported, Mean("XYZ", kSurface, OfSurface<FillGeometricNormal>)},
     {"uv", Support::kSupported, Nearest("UV", OfSurface<FillUv>)},
-    {kMotionLayer, Support::kSupported, Nearest("XY", OfSurface<FillMotion>)},
+    {kMotionLayer, Support::kSupported, Nearest("XY", FillMotion)},
     {"emission", Support::kSupported, Light(FillPart<&SampleParts::emission>)},
     {"direct", Support::kSupported, Light(FillLight<kDirect>)},
     {"direct_diffuse", Support::kSupported, Light(FillLobe<kDirect, kDiffuseLobe>, kLobes)},

@@ -29,6 +29,7 @@ class ProbeFiles : public FileSource {
 std::string SceneText(const ProbeVariant& variant) {
   std::string text = std::string(kProbeHead) + variant.settings + kProbeWorld;
   if (variant.has_lights_of_no_size) text += kProbeLightsOfNoSize;
+  if (variant.has_layers) text += kProbeVisibility;
   return text;
 }
 
@@ -40,6 +41,7 @@ Result<Digest> RenderProbe() {
     ProbeFiles files(SceneText(variant));
     RenderOptions options;
     options.accelerator = variant.accelerator;
+    if (variant.has_layers) options.aovs = {"all"};
     const auto scene = Scene::Load(files, "probe.pbrt", options, Scene::Depth::kRender);
     if (!scene) return scene.error();
     const FrameSpec& frame = (*scene)->frame();

@@ -8,27 +8,28 @@ std::span<const ProbeVariant> ProbeVariants() {
   static constexpr ProbeVariant kVariants[] = {
       {R"(Sampler "independent" "integer pixelsamples" 3 PixelFilter "box"
           Integrator "path" "string lightsampler" "bvh")",
-       "embree", true},
+       "embree", true, true},
       {R"(Sampler "stratified" "integer xsamples" 2 "integer ysamples" 2 PixelFilter "gaussian"
           Integrator "volpath" "string lightsampler" "power")",
-       "bvh", true},
+       "bvh", true, true},
       {R"(Sampler "sobol" "integer pixelsamples" 4 "string randomization" "permutedigits" PixelFilter "mitchell"
+          Film "gbuffer" "integer xresolution" 24 "integer yresolution" 16 "float iso" 120
           Integrator "volpath" "integer maxdepth" 12 "string lightsampler" "uniform")",
-       "embree", true},
+       "embree", true, false},
       {R"(Sampler "paddedsobol" "integer pixelsamples" 4 "string randomization" "owen" PixelFilter "sinc"
           Integrator "simplevolpath")",
-       "list", true},
+       "list", true, true},
       {R"(Sampler "zsobol" "integer pixelsamples" 4 PixelFilter "triangle" Integrator "simplepath"
           Camera "orthographic" "float screenwindow" [ -4 4 -2.2 3.2 ])",
-       "embree", true},
+       "embree", true, false},
       {R"(Sampler "halton" "integer pixelsamples" 4 PixelFilter "gaussian" Integrator "randomwalk"
           Film "rgb" "integer xresolution" 24 "integer yresolution" 16 "string sensor" "nikon_d850"
           Camera "spherical")",
-       "embree", true},
+       "embree", true, false},
       {R"(Sampler "pmj02bn" "integer pixelsamples" 4 PixelFilter "gaussian" Integrator "mixture"
           Camera "realistic" "string lensfile" "probe.lens" "float aperturediameter" 15 "float focusdistance" 9
           "string aperture" "gaussian")",
-       "embree", false},
+       "embree", false, false},
   };
   return kVariants;
 }
@@ -196,6 +197,19 @@ AttributeBegin
   Rotate 50 1 0 0
   LightSource "projection" "string filename" "probe.pfm" "float fov" 60 "float power" 30
 AttributeEnd
+)";
+
+const char* const kProbeVisibility = R"(
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 3 2 1 ] "string group" "key" "string link_exclude" "wall*" "bool cast_shadows" false
+  Translate -1.5 3.4 -2
+  Shape "sphere" "float radius" 0.3 "bool visible_camera" false
+AttributeEnd
+LightSource "spot" "point3 from" [ 1 4 -4 ] "point3 to" [ 0 0 -2 ] "rgb I" [ 30 30 30 ] "string link_include" "card"
+Material "diffuse" "rgb reflectance" [ 0.4 0.5 0.6 ]
+Shape "bilinearmesh" "string name" "card" "bool visible_shadow" false "point3 P" [ -3 3 -3  -1 3 -3  -3 3 -1  -1 3 -1 ]
+Shape "trianglemesh" "string name" "wall" "bool visible_indirect" false
+  "point3 P" [ 1 3 -3  3 3 -3  1 3 -1 ] "integer indices" [ 0 1 2 ]
 )";
 
 const char* const kProbeMesh =

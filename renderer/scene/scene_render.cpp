@@ -66,7 +66,7 @@ class PixelRenderer {
     if (!layers_.empty()) {
       const SampleExposure exposure{wavelengths, seen.weight, data_.sensor.Limit(radiance, wavelengths)};
       const auto finite = IsFinite(rgb) ? std::optional<Rgb>(rgb) : std::nullopt;
-      layers_.Finish({index, film, filter.weight, finite, exposure}, tile);
+      layers_.Finish({index, film, seen.ray.time, filter.weight, finite, exposure}, tile);
     }
     if (!IsFinite(rgb)) {
       ++statistics_.discarded_samples;

@@ -11,19 +11,28 @@ constexpr float kStepEnd_px = 1e-3f;    // below which the place is found
 constexpr float kErrorMax_px = 0.05f;   // of a place that counts as found
 constexpr float kDifference_px = 0.5f;  // of the derivative
 
-// By how much the ray through a place of the film misses a point: seen from the ray's origin, in units of the
-// distance, along two axes across a fixed direction. Returns nullopt if no ray leaves there or the point is
-// not in front of it.
+// What a ray is to lead to.
+struct Aim {
+  Point3 p;
+  std::optional<Vec3> sky;  // a direction instead of the point
+
+  Vec3 From(Point3 origin) const { return sky ? *sky : p - origin; }
+};
+
+// By how much the ray through a place of the film misses an aim: seen from the ray's origin, in units of the
+// distance, along two axes across a fixed direction. Returns nullopt if no ray leaves there or the aim is not
+// in front of it.
 class Miss {
  public:
-  Miss(const Camera& camera, Point3 p, float time_s, Point2 film) : camera_(camera), p_(p), time_s_(time_s) {
+  Miss(const Camera& camera, const Aim& aim, float time_s, Point2 film)
+      : camera_(camera), aim_(aim), time_s_(time_s) {
     frame_ = Frame::FromZ(RayAt(film).ray.d);
   }
 
   std::optional<Vec2> At(Point2 film) const {
     const CameraSample seen = RayAt(film);
     if (!(seen.weight > 0)) return std::nullopt;
-    const Vec3 wanted = frame_.ToLocal(p_ - seen.ray.o), found = frame_.ToLocal(seen.ray.d);
+    const Vec3 wanted = frame_.ToLocal(aim_.From(seen.ray.o)), found = frame_.ToLocal(seen.ray.d);
     if (!(wanted.z > 0) || !(found.z > 0)) return std::nullopt;
     return Vec2{wanted.x / wanted.z - found.x / found.z, wanted.y / wanted.z - found.y / found.z};
   }
@@ -32,16 +41,16 @@ class Miss {
   CameraSample RayAt(Point2 film) const { return camera_.GenerateRayAt(film, {0.5f, 0.5f}, time_s_); }
 
   const Camera& camera_;
-  Point3 p_;
+  const Aim& aim_;
   float time_s_;
   Frame frame_;
 };
 
-// The place of the film whose ray through the centre of the lens meets p, by Newton's method from `film`: it
-// asks nothing of a camera but its rays. Returns nullopt if none is found.
-std::optional<Point2> FindOnFilm(const Camera& camera, Point3 p, float time_s, Point2 film) {
+// The place of the film whose ray through the centre of the lens leads to the aim, by Newton's method from
+// `film`: it asks nothing of a camera but its rays. Returns nullopt if none is found.
+std::optional<Point2> FindOnFilm(const Camera& camera, const Aim& aim, float time_s, Point2 film) {
   for (int step = 0; step < kStepsMax; ++step) {
-    const Miss miss(camera, p, time_s, film);
+    const Miss miss(camera, aim, time_s, film);
     const std::optional<Vec2> here = miss.At(film);
     const std::optional<Vec2> right = miss.At({film.x + kDifference_px, film.y});
     const std::optional<Vec2> below = miss.At({film.x, film.y + kDifference_px});
@@ -79,9 +88,18 @@ Vec2 ScreenMotion(const World& world, const Hit& hit, const SurfaceInteraction& 
   const bool rests = hit.instance == Hit::kNoInstance || world.geometry.instances[hit.instance].motion < 0;
   if (rests && !camera.moves()) return {0, 0};
   const auto place_at = [&](float time_s) {
-    return FindOnFilm(camera, PointAt(world, hit, interaction, time_s), time_s, film).value_or(film);
+    const Aim aim{PointAt(world, hit, interaction, time_s), std::nullopt};
+    return FindOnFilm(camera, aim, time_s, film).value_or(film);
   };
   const Point2 from = place_at(times.start), to = place_at(times.end);
+  return {to.x - from.x, to.y - from.y};
+}
+
+Vec2 ScreenMotionOfSky(const Camera& camera, Point2 film, float time_s, const TimeRange& times) {
+  if (!camera.moves()) return {0, 0};
+  const Aim aim{{}, camera.GenerateRayAt(film, {0.5f, 0.5f}, time_s).ray.d};
+  const Point2 from = FindOnFilm(camera, aim, times.start, film).value_or(film);
+  const Point2 to = FindOnFilm(camera, aim, times.end, film).value_or(film);
   return {to.x - from.x, to.y - from.y};
 }
 

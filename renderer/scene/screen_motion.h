@@ -10,5 +10,7 @@ namespace tessera {
 // camera cannot see the point at one of the two times, that end is where the ray left the film.
 Vec2 ScreenMotion(const World& world, const Hit& hit, const SurfaceInteraction& interaction, Point2 film,
                   const TimeRange& times);
+// The same of what is infinitely far away and rests, where the ray that left `film` at `time_s` leads.
+Vec2 ScreenMotionOfSky(const Camera& camera, Point2 film, float time_s, const TimeRange& times);
 
 }  // namespace tessera

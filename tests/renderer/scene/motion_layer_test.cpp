@@ -61,6 +61,33 @@ Shape "bilinearmesh" "point3 P" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]
   EXPECT_NEAR(there.x, here.x, 0.01f) << "a plane across the view moves as a whole";
 }
 
+// A point of the sky at the angle a from the middle is 20 tan(a) pixels to the side.
+TEST(MotionLayer, TheSkyMovesIfTheCameraTurns) {
+  const std::string text = std::string(kMotionFilm) + R"(
+ActiveTransform EndTime
+Rotate 10 0 1 0
+ActiveTransform All
+Camera "perspective" "float fov" 90
+WorldBegin
+LightSource "infinite"
+)";
+  constexpr float kTurn = 10 * kPi / 180;
+  for (const int x : {20, 5, 33}) {
+    // The shutter is in its middle when the ray is traced.
+    const float middle = std::atan((static_cast<float>(x) + 0.5f - 20) / 20);
+    const float way = 20 * (std::tan(middle + kTurn / 2) - std::tan(middle - kTurn / 2));
+    const Vec2 motion = MotionAt(text, x, 20);
+    EXPECT_NEAR(std::abs(motion.x), way, 0.01f) << x;
+    EXPECT_NEAR(motion.y, 0, 0.2f) << x;
+  }
+  const std::string shifted = [&] {
+    std::string still = text;
+    still.replace(still.find("Rotate 10 0 1 0"), 15, "Translate 3 1 2");
+    return still;
+  }();
+  EXPECT_NEAR(MotionAt(shifted, 5, 5).x, 0, 0.01f) << "the sky is infinitely far away";
+}
+
 TEST(MotionLayer, MotionTowardsACameraSpreadsFromTheMiddle) {
   for (const char* camera : {"\"perspective\" \"float fov\" 90", "\"orthographic\"", "\"spherical\""}) {
     const std::string text = std::string(kMotionFilm) + "Camera " + camera + R"(
