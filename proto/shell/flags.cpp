@@ -44,6 +44,14 @@ std::string Complaint(const std::string& what, const std::string& word,
   return fmt::format("{} \"{}\"{}", what, stem, DidYouMean(stem, candidates));
 }
 
+// Whether a command has the flag that this word gives.
+bool IsFlagOfACommand(const CLI::App& app, const std::string& word) {
+  const std::string stem = word.substr(0, word.find('='));
+  return std::ranges::any_of(app.get_subcommands(nullptr), [&](const CLI::App* command) {
+    return std::ranges::count(FlagsOf(*command), stem) > 0;
+  });
+}
+
 // Describes the first word that neither the program nor its command knows; empty if there is none.
 std::string UnknownWord(const CLI::App& app) {
   for (const CLI::App* command : app.get_subcommands()) {
@@ -55,6 +63,9 @@ std::string UnknownWord(const CLI::App& app) {
   }
   if (app.remaining().empty()) return {};
   const std::string word = app.remaining().front();
+  if (word.starts_with("-") && IsFlagOfACommand(app, word))
+    return fmt::format("{}: write this flag after the command: {} COMMAND {} ...", word, app.get_name(),
+                       word);
   if (word.starts_with("-")) return Complaint("unknown flag", word, FlagsOf(app));
   const std::vector<std::string> commands = CommandsOf(app);
   return Complaint(commands.empty() ? "unexpected word" : "unknown command", word, commands);

@@ -22,6 +22,7 @@ import sys
 import tempfile
 
 SECONDS_MAX = 280
+NOT_RUN_MAX = 1  # blocks of a page that are skipped
 SKIPPED = 77
 
 # The network and the name of a machine that nobody else uses.
@@ -215,8 +216,8 @@ def environment(home, guide, bin_dir):
         "HOME": str(home), "GUIDE": str(guide), "XDG_RUNTIME_DIR": str(home / "run"), "TMPDIR": str(guide),
         "PATH": f"{guide / 'path'}:{bin_dir}:/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin",
         "LANG": "C.UTF-8", "USER": "reader", "TERM": "dumb",
-        # Small pictures, unless a command names the size.
-        "TESSERA_RESOLUTION": "96x54",
+        # Small pictures, unless a command names the size, and time for programs to start on a busy machine.
+        "TESSERA_RESOLUTION": "96x54", "TESSERA_PATIENCE": "60",
     }
 
 
@@ -251,6 +252,9 @@ def main():
     for line, reason in script.not_run:
         print(f"{page.name}:{line}: not run: {reason}")
     print(f"{page.name}: {script.count} blocks run")
+    if len(script.not_run) > NOT_RUN_MAX:
+        print(f"{page.name}: {len(script.not_run)} blocks are not run, more than {NOT_RUN_MAX}")
+        return 1
     with tempfile.TemporaryDirectory(prefix="guide-") as scratch:
         code, log = run(script, pathlib.Path(scratch), bin_dir, source_dir)
         missing = script.missing_output(pathlib.Path(scratch) / "guide") if code == 0 else []

@@ -85,6 +85,8 @@ TEST(Flags, AnUnknownCommandOrFlagOfACommandIsRefusedWithASuggestion) {
   EXPECT_EQ(parse({"rendr"}).error().message, "unknown command \"rendr\" (did you mean \"render\"?)");
   EXPECT_EQ(parse({"render", "--thread=2"}).error().message,
             "render: unknown flag \"--thread\" (did you mean \"--threads\"?)");
+  EXPECT_EQ(parse({"--threads", "2", "render"}).error().message,
+            "--threads: write this flag after the command: program COMMAND --threads ...");
   EXPECT_EQ(parse({"render", "scene"}).error().message, "render: unexpected word \"scene\"");
   EXPECT_THAT(*parse({"render", "--help"}), HasSubstr("--threads"));
 }
