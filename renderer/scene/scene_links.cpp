@@ -11,8 +11,16 @@
 namespace tessera {
 namespace {
 
+// Of one parameter: every shape is compared with all of them.
+constexpr size_t kLinkPatternsMax = 1000;
+
 std::vector<std::string> ReadPatterns(ParameterReader& reader, std::string_view name) {
   std::vector<std::string> patterns = reader.Strings(name);
+  if (patterns.size() > kLinkPatternsMax) {
+    reader.FailAt(name, fmt::format("\"{}\" has {} names, expected at most {}; \"*\" stands for any text",
+                                    name, patterns.size(), kLinkPatternsMax));
+    return {};
+  }
   for (std::string& pattern : patterns) pattern = MatteName(pattern);
   return patterns;
 }

@@ -200,6 +200,11 @@ TEST(LightLinks, TooManyAreAnErrorWithItsPlace) {
   const auto refused = LoadWall(world + kLinkLamp + "\"string link_exclude\" \"wall\"");
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("scene.pbrt:73:1: the scene has more than 63 different"));
+  std::string names;
+  for (int i = 0; i <= 1000; ++i) names += " \"a" + std::to_string(i) + "\"";
+  const auto many = LoadWall(std::string(kLinkWall) + kLinkLamp + "\"string link_exclude\" [" + names + " ]");
+  ASSERT_FALSE(many);
+  EXPECT_THAT(many.error().message, HasSubstr("has 1001 names, expected at most 1000"));
   const auto mistyped = LoadWall(std::string(kLinkWall) + kLinkLamp + "\"bool link_include\" true");
   ASSERT_FALSE(mistyped);
   EXPECT_THAT(mistyped.error().message, HasSubstr("link_include"));
