@@ -120,6 +120,24 @@ TEST(Visibility, ALightThatCastsNoShadowsIlluminatesWhatIsBehindSomething) {
   ExpectBrightness(behind + kLinkLamp + "\"bool cast_shadows\" false " + kLinkLamp, kLit);
 }
 
+// On a glossy wall most of the light is found by scattered rays, which end at the card.
+TEST(Visibility, GlossySurfacesHaveAllTheLightThatShadowRaysFind) {
+  const std::string lit =
+      "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [ 3 3 3 ] \"bool twosided\" true "
+      "Shape \"bilinearmesh\" \"point3 P\" [ -3 -3 -1  3 -3 -1  -3 3 -1  3 3 -1 ] AttributeEnd "
+      "LightSource \"infinite\" \"rgb L\" [ 0.5 0.5 0.5 ] "
+      "Material \"conductor\" \"float roughness\" 0.3 " +
+      std::string(kLinkWall);
+  const std::string card =
+      "Material \"diffuse\" \"rgb reflectance\" [ 0 0 0 ] Shape \"bilinearmesh\" "
+      "\"point3 P\" [ -3 -3 -0.5  3 -3 -0.5  -3 3 -0.5  3 3 -0.5 ] ";
+  for (const char* integrator : {"path", "volpath", "simplepath"}) {
+    const float open = BrightnessOf(lit, integrator);
+    EXPECT_NEAR(BrightnessOf(lit + card + "\"bool visible_shadow\" false", integrator), open, 0.02f * open);
+    EXPECT_LT(BrightnessOf(lit + card, integrator), 0.5f * open) << integrator;
+  }
+}
+
 // A mirror in place of the wall shows what is behind the camera.
 TEST(Visibility, AMirrorDoesNotShowWhatIsHiddenFromIndirectRays) {
   const std::string mirror =
