@@ -14,6 +14,7 @@ free and nothing survives. A command that fails fails the page. What readers do 
 A block of the language `text` right below one that runs shows lines that it must print, in this order; `...` stands for any text.
 The word TOKEN stands for the token that was printed last. Exit code 77: this machine has no namespaces.
 """
+import os
 import pathlib
 import re
 import signal
@@ -21,7 +22,7 @@ import subprocess
 import sys
 import tempfile
 
-SECONDS_MAX = 280
+SECONDS_MAX = 800
 NOT_RUN_MAX = 1  # blocks of a page that are skipped
 SKIPPED = 77
 
@@ -212,7 +213,8 @@ def make_home(home, guide, bin_dir, source_dir):
 
 
 def environment(home, guide, bin_dir):
-    return {
+    of_sanitizers = {name: value for name, value in os.environ.items() if name.endswith("SAN_OPTIONS")}
+    return of_sanitizers | {
         "HOME": str(home), "GUIDE": str(guide), "XDG_RUNTIME_DIR": str(home / "run"), "TMPDIR": str(guide),
         "PATH": f"{guide / 'path'}:{bin_dir}:/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin",
         "LANG": "C.UTF-8", "USER": "reader", "TERM": "dumb",
