@@ -45,13 +45,7 @@ std::optional<LightDirections::Drawn> LightDirections::Sample(const ReferencePoi
     return Drawn{sample->wi, chosen->pmf * sample->pdf};
   }
   const Emitter& emitter = emitters_[static_cast<size_t>(chosen->light - emitters_.front().light)];
-  const Shape& shape = ShapeOf(world_.geometry, emitter.instance, emitter.shape);
-  const InstancePlace place(world_.geometry, emitter.instance, reference.time);
-  if (place.is_flat()) return std::nullopt;
-  const Transform* const moved = place.render_from_group();
-  const std::optional<ShapeSample> on_shape =
-      moved == nullptr ? SampleShape(shape, emitter.primitive, reference, u)
-                       : SampleMovedShape(shape, emitter.primitive, *moved, reference, u);
+  const std::optional<ShapeSample> on_shape = world_.lights.SamplePoint(emitter.light, reference, u);
   if (!on_shape || !(on_shape->pdf > 0)) return std::nullopt;
   const Vec3 to_light = on_shape->p - reference.p;
   if (!(LengthSquared(to_light) > 0)) return std::nullopt;

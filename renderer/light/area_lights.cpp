@@ -45,6 +45,13 @@ NormalCone NormalsOf(const AreaEmitter& emitter, uint32_t primitive) {
   return emitter.render_from_shape == nullptr ? ShapeNormals(*emitter.shape, primitive) : NormalCone();
 }
 
+// Whether sampling may go over the borders of triangles: nothing depends on their texture coordinates or
+// moves.
+bool CanJoin(const AreaEmitter& emitter) {
+  return std::holds_alternative<TriangleMesh>(emitter.shape->form) && emitter.image.empty() &&
+         !emitter.has_alpha && emitter.render_from_shape == nullptr;
+}
+
 AreaEmitter ReadEmitter(ParameterReader& reader, const Shape& shape, FileSource& files, ImageCache& images,
                         Diagnostics& diagnostics) {
   AreaEmitter emitter;
@@ -116,21 +123,40 @@ Result<void> AreaLights::Add(const EmittingShape& emitting, const Geometry& geom
     }
     lights_.push_back(light);
   }
+  if (CanJoin(emitter)) JoinRectangles(lights_.size() - count);
   return {};
 }
 
-std::optional<ShapeSample> AreaLights::SampleEmitter(const AreaEmitter& emitter, uint32_t primitive,
-                                                     const ReferencePoint& reference, Point2 u) {
-  if (emitter.render_from_shape == nullptr) return SampleShape(*emitter.shape, primitive, reference, u);
+// Among the lights from `first` on, which are the triangles of the last emitter.
+void AreaLights::JoinRectangles(size_t first) {
+  const auto& mesh = std::get<TriangleMesh>(emitters_.back().shape->form);
+  for (size_t i = first; i + 1 < lights_.size(); ++i) {
+    if (lights_[i].scale != lights_[i + 1].scale) continue;
+    const std::optional<RectangleEmitter> rectangle = RectangleEmitter::Find(mesh, lights_[i].primitive);
+    if (!rectangle) continue;
+    lights_[i].rectangle = lights_[i + 1].rectangle = static_cast<uint32_t>(rectangles_.size());
+    lights_[i + 1].is_second_half = true;
+    rectangles_.push_back(*rectangle);
+    ++i;
+  }
+}
+
+std::optional<ShapeSample> AreaLights::SamplePoint(size_t light, const ReferencePoint& reference,
+                                                   Point2 u) const {
+  const AreaLight& area = lights_[light];
+  const AreaEmitter& emitter = emitters_[area.emitter];
+  if (area.IsInRectangle()) return rectangles_[area.rectangle].Sample(reference, u, emitter.two_sided);
+  if (emitter.render_from_shape == nullptr) return SampleShape(*emitter.shape, area.primitive, reference, u);
   const Transform render_from_shape = emitter.render_from_shape->At(reference.time);
   if (IsFlat(render_from_shape)) return std::nullopt;
-  return SampleMovedShape(*emitter.shape, primitive, render_from_shape, reference, u);
+  return SampleMovedShape(*emitter.shape, area.primitive, render_from_shape, reference, u);
 }
 
 float AreaLights::Pdf(size_t light, const ReferencePoint& reference, Vec3 wi,
                       const SurfaceInteraction& on_light) const {
   const AreaLight& area = lights_[light];
   const AreaEmitter& emitter = emitters_[area.emitter];
+  if (area.IsInRectangle()) return rectangles_[area.rectangle].Pdf(reference, on_light.p);
   if (emitter.render_from_shape == nullptr)
     return ShapePdf(*emitter.shape, area.primitive, reference, wi, on_light);
   const Transform render_from_shape = emitter.render_from_shape->At(reference.time);
@@ -143,7 +169,7 @@ std::optional<LightSample> AreaLights::Sample(size_t light, const ReferencePoint
                                               const TextureTable& textures) const {
   const AreaLight& area = lights_[light];
   const AreaEmitter& emitter = emitters_[area.emitter];
-  const std::optional<ShapeSample> on_shape = SampleEmitter(emitter, area.primitive, reference, u);
+  const std::optional<ShapeSample> on_shape = SamplePoint(light, reference, u);
   if (!on_shape || !(on_shape->pdf > 0)) return std::nullopt;
   const Vec3 to_light = on_shape->p - reference.p;
   const float distance_squared = LengthSquared(to_light);
@@ -175,25 +201,36 @@ SampledSpectrum AreaLights::ImageEmission(const AreaEmitter& emitter, Point2 uv,
   return color * emitter.image_scale;
 }
 
+// `strength`: that of its emitter.
+LightProfile AreaLights::ProfileOf(const AreaLight& light, float strength) const {
+  if (light.is_second_half) return {false, 0, std::nullopt, 0};
+  const AreaEmitter& emitter = emitters_[light.emitter];
+  LightBounds bounds;
+  bounds.box = BoundsOf(emitter, light.primitive);
+  float area = StrengthArea(emitter, light.primitive);
+  if (light.IsInRectangle()) {
+    bounds.box = Union(bounds.box, BoundsOf(emitter, light.primitive + 1));
+    area += StrengthArea(emitter, light.primitive + 1);
+  }
+  const NormalCone cone = NormalsOf(emitter, light.primitive);
+  bounds.axis = cone.axis;
+  bounds.cos_theta_o = cone.cos_angle;
+  bounds.cos_theta_e = 0;
+  bounds.strength = strength * std::abs(light.scale) * area;
+  bounds.two_sided = emitter.two_sided;
+  if (cone.cos_angle >= 1 && !emitter.two_sided) bounds.plane_min = SupportMin(bounds.box, cone.axis);
+  return {true, bounds.strength * kPi * (emitter.two_sided ? 2.0f : 1.0f), bounds, 0};
+}
+
 void AreaLights::AddProfiles(std::vector<LightProfile>* profiles) const {
   uint32_t measured = UINT32_MAX;
   float strength = 0;  // of emitter `measured`
   for (const AreaLight& light : lights_) {
-    const AreaEmitter& emitter = emitters_[light.emitter];
     if (light.emitter != measured) {
-      strength = MeanStrength(emitter);
+      strength = MeanStrength(emitters_[light.emitter]);
       measured = light.emitter;
     }
-    LightBounds bounds;
-    bounds.box = BoundsOf(emitter, light.primitive);
-    const NormalCone cone = NormalsOf(emitter, light.primitive);
-    bounds.axis = cone.axis;
-    bounds.cos_theta_o = cone.cos_angle;
-    bounds.cos_theta_e = 0;
-    bounds.strength = strength * std::abs(light.scale) * StrengthArea(emitter, light.primitive);
-    bounds.two_sided = emitter.two_sided;
-    if (cone.cos_angle >= 1 && !emitter.two_sided) bounds.plane_min = SupportMin(bounds.box, cone.axis);
-    profiles->push_back({true, bounds.strength * kPi * (emitter.two_sided ? 2.0f : 1.0f), bounds, 0});
+    profiles->push_back(ProfileOf(light, strength));
   }
 }
 

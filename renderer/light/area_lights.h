@@ -1,4 +1,5 @@
-// Surfaces that emit: one emitter per shape, one light per primitive of it.
+// Surfaces that emit: one emitter per shape, one light per primitive of it. Two triangles that form a
+// rectangle are two lights, of which the first is sampled for both.
 #pragma once
 
 #include <optional>
@@ -8,6 +9,7 @@
 #include "renderer/light/emission_image.h"
 #include "renderer/light/light.h"
 #include "renderer/light/light_chooser.h"
+#include "renderer/light/rectangle_emitter.h"
 
 namespace tessera {
 
@@ -27,9 +29,15 @@ struct AreaEmitter {
 
 // One primitive of an emitting shape.
 struct AreaLight {
+  static constexpr uint32_t kNoRectangle = 0xffffffffu;
+
   uint32_t emitter = 0;
   uint32_t primitive = 0;
-  float scale = 1;  // of L: `power` is per primitive, and their areas differ
+  float scale = 1;                    // of L: `power` is per primitive, and their areas differ
+  uint32_t rectangle = kNoRectangle;  // that it is a half of
+  bool is_second_half = false;
+
+  bool IsInRectangle() const { return rectangle != kNoRectangle; }
 };
 
 class AreaLights {
@@ -39,9 +47,14 @@ class AreaLights {
                    ImageCache& images, Diagnostics& diagnostics);
 
   size_t size() const { return lights_.size(); }
+  // The light that is chosen and sampled for `light`: itself, or the other half of its rectangle.
+  size_t SampledFor(size_t light) const { return lights_[light].is_second_half ? light - 1 : light; }
+  // A point on the light, or on the rectangle that it is the first half of, as Sample takes it.
+  std::optional<ShapeSample> SamplePoint(size_t light, const ReferencePoint& reference, Point2 u) const;
   std::optional<LightSample> Sample(size_t light, const ReferencePoint& reference, Point2 u,
                                     const SampledWavelengths& wavelengths,
                                     const TextureTable& textures) const;
+  // With which SamplePoint of SampledFor(light) finds a point on the light.
   float Pdf(size_t light, const ReferencePoint& reference, Vec3 wi, const SurfaceInteraction& on_light) const;
   // Radiance along wo from a point that a ray hit.
   SampledSpectrum Radiance(size_t light, const SurfaceInteraction& on_light, Vec3 wo,
@@ -65,11 +78,12 @@ class AreaLights {
   static SampledSpectrum ImageEmission(const AreaEmitter& emitter, Point2 uv,
                                        const SampledWavelengths& wavelengths);
 
-  static std::optional<ShapeSample> SampleEmitter(const AreaEmitter& emitter, uint32_t primitive,
-                                                  const ReferencePoint& reference, Point2 u);
+  void JoinRectangles(size_t first);
+  LightProfile ProfileOf(const AreaLight& light, float strength) const;
 
   std::vector<AreaEmitter> emitters_;
   std::vector<AreaLight> lights_;
+  std::vector<RectangleEmitter> rectangles_;
 };
 
 }  // namespace tessera

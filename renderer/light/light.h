@@ -76,13 +76,17 @@ class LightTable {
 
   // Chooses a light for a reference point. Returns nullopt if none can contribute. u in [0, 1).
   std::optional<ChosenLight> Choose(const ReferencePoint& reference, float u) const;
-  // The probability with which Choose takes `light`.
+  // The probability with which Choose takes `light`, or the light that is sampled for it: that of the first
+  // half of a rectangle stands for both triangles.
   float ChoosePmf(const ReferencePoint& reference, int light) const;
 
   // Samples the light of index `light` from `reference`. Returns nullopt if no light arrives.
   std::optional<LightSample> Sample(int light, const ReferencePoint& reference, Point2 u,
                                     const SampledWavelengths& wavelengths) const;
-  // The density per solid angle with which Sample would find the hit emitter along wi.
+  // The point on the surface of area light `light` that Sample takes. Returns nullopt if it cannot be seen.
+  std::optional<ShapeSample> SamplePoint(int light, const ReferencePoint& reference, Point2 u) const;
+  // The density per solid angle with which Sample, of `light` or of the light that is sampled for it, would
+  // find the hit emitter along wi.
   float AreaLightPdf(int light, const ReferencePoint& reference, Vec3 wi,
                      const SurfaceInteraction& on_light) const;
   float InfiniteLightPdf(int light, Point3 from, Vec3 wi, float time_s) const;

@@ -35,6 +35,7 @@ struct LightTable::Data {
   }
   bool IsSource(int light) const { return static_cast<size_t>(light) < sources.size(); }
   size_t AreaIndex(int light) const { return static_cast<size_t>(light) - sources.size(); }
+  int AreaLight(size_t area) const { return static_cast<int>(sources.size() + area); }
 };
 
 }  // namespace tessera

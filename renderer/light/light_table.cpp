@@ -32,7 +32,14 @@ std::optional<ChosenLight> LightTable::Choose(const ReferencePoint& reference, f
 }
 
 float LightTable::ChoosePmf(const ReferencePoint& reference, int light) const {
-  return data_->chooser.Pmf(reference, light);
+  const Data& data = *data_;
+  if (data.IsSource(light)) return data.chooser.Pmf(reference, light);
+  return data.chooser.Pmf(reference, data.AreaLight(data.areas.SampledFor(data.AreaIndex(light))));
+}
+
+std::optional<ShapeSample> LightTable::SamplePoint(int light, const ReferencePoint& reference,
+                                                   Point2 u) const {
+  return data_->areas.SamplePoint(data_->AreaIndex(light), reference, u);
 }
 
 std::optional<LightSample> LightTable::Sample(int light, const ReferencePoint& reference, Point2 u,

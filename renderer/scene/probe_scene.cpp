@@ -89,6 +89,11 @@ AttributeBegin
   AreaLightSource "diffuse" "string filename" "probe.pfm" "float scale" 5
   Translate 3 3.6 0 Shape "trianglemesh" "point3 P" [ -0.4 -0.4 0  0.4 -0.4 0  0 0.4 0 ] "point2 uv" [ 0 0 1 0 0 1 ]
 AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 1 2 2 ] "bool twosided" true
+  Translate 0 4.2 -1 Rotate 20 1 1 0 Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ]
+    "point3 P" [ -0.6 -0.3 0  0.6 -0.3 0  0.6 0.3 0  -0.6 0.3 0 ]
+AttributeEnd
 
 Texture "image" "spectrum" "imagemap" "string filename" "probe.pfm" "string filter" "ewa"
 Texture "image3" "spectrum" "imagemap" "string filename" "probe.pfm" "string filter" "trilinear" "float uscale" 3

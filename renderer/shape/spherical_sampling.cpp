@@ -24,11 +24,6 @@ double OneMinusCosine(Double3 a, Double3 b) {
   return Dot(a - b, a - b) / 2;
 }
 
-// The arc cosine; accurate near -1 and 1 as well.
-float AngleOfCosine(double c) {
-  return std::atan2(static_cast<float>(std::sqrt(std::max(0.0, (1 - c) * (1 + c)))), static_cast<float>(c));
-}
-
 float ClampToUnit(double v) {
   return std::clamp(static_cast<float>(v), 0.0f, 1.0f);
 }
@@ -89,22 +84,34 @@ Point2 SphericalTriangle::Invert(Vec3 direction) const {
   return {ClampToUnit(part / area_), ClampToUnit(from_b / OneMinusCosine(c_part, b_))};
 }
 
+SphericalRectangle::SphericalRectangle(double x, double y, double width, double height, double z)
+    : x0_(x), y0_(y), x1_(x + width), y1_(y + height), z_(z), area_(z > 0 ? AreaUpTo(x1_) : 0) {}
+
 SphericalRectangle::SphericalRectangle(Point3 p, Point3 corner, Vec3 ex, Vec3 ey) {
   const Double3 x_axis(ex), y_axis(ey);
   const double x_length = Length(x_axis), y_length = Length(y_axis);
   const Double3 to_corner = Difference(corner, p);
-  x0_ = Dot(to_corner, x_axis) / x_length;
-  y0_ = Dot(to_corner, y_axis) / y_length;
-  x1_ = x0_ + x_length;
-  y1_ = y0_ + y_length;
-  z_ = std::abs(Dot(to_corner, Unit(Cross(x_axis, y_axis))));
-  area_ = z_ > 0 ? AreaUpTo(x1_) : 0;
+  const double z = std::abs(Dot(to_corner, Unit(Cross(x_axis, y_axis))));
+  *this = SphericalRectangle(Dot(to_corner, x_axis) / x_length, Dot(to_corner, y_axis) / y_length, x_length,
+                             y_length, z);
 }
 
-// Solid angle of the part left of x: of two triangles.
+// Solid angle of the part left of x. It is that of two triangles with a common diagonal; each has half the
+// angle of a complex number (Van Oosterom and Strackee 1983), and their product has the sum of both.
 float SphericalRectangle::AreaUpTo(double x) const {
-  const Double3 v00(x0_, y0_, z_), v10(x, y0_, z_), v01(x0_, y1_, z_), v11(x, y1_, z_);
-  return SolidAngle(v00, v10, v11) + SolidAngle(v00, v11, v01);
+  const double zz = z_ * z_;
+  const double l00 = std::sqrt(x0_ * x0_ + y0_ * y0_ + zz), l10 = std::sqrt(x * x + y0_ * y0_ + zz);
+  const double l01 = std::sqrt(x0_ * x0_ + y1_ * y1_ + zz), l11 = std::sqrt(x * x + y1_ * y1_ + zz);
+  const double bottom = x0_ * x + y0_ * y0_ + zz, top = x0_ * x + y1_ * y1_ + zz;
+  const double left = x0_ * x0_ + y0_ * y1_ + zz, right = x * x + y0_ * y1_ + zz;
+  const double diagonal = x0_ * x + y0_ * y1_ + zz;
+  // Scaled, so that neither is lost in the range of float.
+  const double below = 1 / (l00 * l10 * l11), above = 1 / (l00 * l11 * l01);
+  const double triple = z_ * (x - x0_) * (y1_ - y0_);
+  const double im0 = triple * below, im1 = triple * above;
+  const double re0 = 1 + (bottom * l11 + diagonal * l10 + right * l00) * below;
+  const double re1 = 1 + (diagonal * l01 + left * l11 + top * l00) * above;
+  return 2 * std::atan2(static_cast<float>(im0 * re1 + re0 * im1), static_cast<float>(re0 * re1 - im0 * im1));
 }
 
 Point2 SphericalRectangle::Sample(Point2 u) const {
@@ -112,12 +119,18 @@ Point2 SphericalRectangle::Sample(Point2 u) const {
   // x's.
   const double b0 = -y0_ / std::sqrt(y0_ * y0_ + z_ * z_);
   const double b1 = y1_ / std::sqrt(y1_ * y1_ + z_ * z_);
-  // Interior angles at the two corners of x0, as 2 pi - k of the paper.
+  // Interior angles at the two corners of x0, as 2 pi - k of the paper, and their sum.
   const double left = x0_ / std::sqrt(x0_ * x0_ + z_ * z_);
-  const float g2 = AngleOfCosine(left * b1);
-  const float g3 = AngleOfCosine(left * b0);
-  const float au = u.x * area_ - g2 - g3;
-  const double fu = (std::cos(au) * b0 - b1) / static_cast<double>(std::sin(au));
+  const double cos2 = left * b1, sin2 = std::sqrt((1 - cos2) * (1 + cos2));
+  const double cos3 = left * b0, sin3 = std::sqrt((1 - cos3) * (1 + cos3));
+  const double cos_sum = cos2 * cos3 - sin2 * sin3, sin_sum = sin2 * cos3 + cos2 * sin3;
+  // The part of the area to cover, by half its angle, so that 1 - cos keeps its precision.
+  const float half = u.x * area_ / 2;
+  const double sin_half = std::sin(half), cos_half = std::cos(half);
+  const double sin_part = 2 * sin_half * cos_half, cos_part = 1 - 2 * sin_half * sin_half;
+  const double cos_au = cos_part * cos_sum + sin_part * sin_sum;
+  const double sin_au = sin_part * cos_sum - cos_part * sin_sum;
+  const double fu = (cos_au * b0 - b1) / sin_au;
   const double cu = std::copysign(1 / std::sqrt(fu * fu + b0 * b0), fu);
   const double one_minus_square = std::max((1 - cu) * (1 + cu), 1e-12);
   const double x = std::clamp(cu * z_ / std::sqrt(one_minus_square), x0_, x1_);

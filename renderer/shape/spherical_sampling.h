@@ -32,6 +32,9 @@ class SphericalTriangle {
 class SphericalRectangle {
  public:
   SphericalRectangle(Point3 p, Point3 corner, Vec3 ex, Vec3 ey);
+  // The same in a frame at `p` whose axes are along ex and ey: the corner lies at (x, y, z), and ex and ey
+  // have the lengths `width` and `height`. z >= 0.
+  SphericalRectangle(double x, double y, double width, double height, double z);
 
   // Solid angle in steradians; 0 if p is in the rectangle's plane.
   float area() const { return area_; }

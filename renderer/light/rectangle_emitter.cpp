@@ -1,0 +1,127 @@
+#include "renderer/light/rectangle_emitter.h"
+
+#include <array>
+
+#include "renderer/shape/solid_angle_density.h"
+
+namespace tessera {
+namespace {
+
+// Below this solid angle, in steradians, the rectangle is sampled by area: the spherical map loses its
+// precision.
+constexpr float kSolidAngleMin = 1e-3f;
+// Of the cosine between the edges. The solid angle has an error of this size.
+constexpr float kRightAngleTolerance = 1e-5f;
+
+// The corners of two triangles with a common edge, which is the diagonal from (1, 0) to (0, 1).
+std::optional<PatchPoints> CommonPatch(const TrianglePoints& a, const TrianglePoints& b) {
+  const std::array<Point3, 3> of_a = {a.p0, a.p1, a.p2}, of_b = {b.p0, b.p1, b.p2};
+  const auto alone = [](const std::array<Point3, 3>& points, const std::array<Point3, 3>& others) {
+    int index = -1;
+    for (int i = 0; i < 3; ++i) {
+      if (points[i] == others[0] || points[i] == others[1] || points[i] == others[2]) continue;
+      if (index >= 0) return -1;
+      index = i;
+    }
+    return index;
+  };
+  const int a_alone = alone(of_a, of_b), b_alone = alone(of_b, of_a);
+  if (a_alone < 0 || b_alone < 0) return std::nullopt;
+  return PatchPoints{of_a[a_alone], of_a[(a_alone + 1) % 3], of_a[(a_alone + 2) % 3], of_b[b_alone]};
+}
+
+bool IsExactRectangle(const PatchPoints& patch) {
+  if (!IsRectangle(patch) || !IsParallelogram(patch)) return false;
+  const Vec3 ex = patch.p10 - patch.p00, ey = patch.p01 - patch.p00;
+  return AbsDot(Normalize(ex), Normalize(ey)) <= kRightAngleTolerance;
+}
+
+// Whether every normal of the triangle that sampling may take is `n`.
+bool FacesAlong(const TriangleMesh& mesh, uint32_t primitive, Normal3 n) {
+  constexpr float kSame = 0.9999f;
+  const TrianglePoints triangle = mesh.At(primitive);
+  for (const Point2 corner : {Point2{0, 0}, Point2{1, 0}, Point2{0, 1}}) {
+    if (!(Dot(mesh.Normal(primitive, triangle, corner.x, corner.y), n) > kSame)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<RectangleEmitter> RectangleEmitter::Find(const TriangleMesh& mesh, uint32_t primitive) {
+  const TrianglePoints first = mesh.At(primitive);
+  const std::optional<PatchPoints> patch = CommonPatch(first, mesh.At(primitive + 1));
+  if (!patch || !IsExactRectangle(*patch)) return std::nullopt;
+  const Normal3 n = mesh.Normal(primitive, first, 0, 0);
+  if (!FacesAlong(mesh, primitive, n) || !FacesAlong(mesh, primitive + 1, n)) return std::nullopt;
+  const RectangleEmitter rectangle(*patch, n);
+  if (!(rectangle.width_ * rectangle.height_ > 0)) return std::nullopt;
+  return rectangle;
+}
+
+RectangleEmitter::RectangleEmitter(const PatchPoints& corners, Normal3 n)
+    : corner_(corners.p00),
+      ex_(corners.p10 - corners.p00),
+      ey_(corners.p01 - corners.p00),
+      unit_x_(Normalize(ex_)),
+      unit_y_(Normalize(ey_)),
+      width_(Length(ex_)),
+      height_(Length(ey_)),
+      n_(n),
+      p_error_(PatchPointError(corners)),
+      plane_error_(Dot(Abs(n), p_error_)) {}
+
+float RectangleEmitter::Height(const ReferencePoint& reference) const {
+  const float height = Dot(n_, reference.p - corner_);
+  return std::abs(height) <= Dot(Abs(n_), reference.p_error) + plane_error_ ? 0 : height;
+}
+
+RectangleEmitter::View RectangleEmitter::SeenFrom(const ReferencePoint& reference, float height) const {
+  const Vec3 to_corner = corner_ - reference.p;
+  View view{
+      SphericalRectangle(Dot(to_corner, unit_x_), Dot(to_corner, unit_y_), width_, height_, std::abs(height)),
+      {}};
+  if (!IsOnSurface(reference)) return view;
+  const Point3 across = corner_ + ex_;
+  view.weights = {CornerWeight(reference, corner_), CornerWeight(reference, across),
+                  CornerWeight(reference, corner_ + ey_), CornerWeight(reference, across + ey_)};
+  return view;
+}
+
+float RectangleEmitter::AreaPdf(const ReferencePoint& reference, Point3 p) const {
+  return PerSolidAngle(1 / (width_ * height_), reference.p, p, n_);
+}
+
+std::optional<ShapeSample> RectangleEmitter::Sample(const ReferencePoint& reference, Point2 u,
+                                                    bool two_sided) const {
+  const float height = Height(reference);
+  if (height == 0 || (height < 0 && !two_sided)) return std::nullopt;
+  const View view = SeenFrom(reference, height);
+  const bool is_spherical = view.sphere.area() >= kSolidAngleMin;
+  ShapeSample sample;
+  if (is_spherical) {
+    u = SampleBilinear(u, view.weights);
+    sample.pdf = BilinearPdf(u, view.weights) / view.sphere.area();
+    u = view.sphere.Sample(u);
+  }
+  sample.p = (Double3(corner_) + Double3(ex_) * u.x + Double3(ey_) * u.y).ToFloat();
+  sample.p_error = p_error_;
+  sample.n = n_;
+  if (!is_spherical) sample.pdf = AreaPdf(reference, sample.p);
+  if (!(sample.pdf > 0)) return std::nullopt;
+  return sample;
+}
+
+float RectangleEmitter::Pdf(const ReferencePoint& reference, Point3 p) const {
+  const float height = Height(reference);
+  if (height == 0) return 0;
+  const View view = SeenFrom(reference, height);
+  if (view.sphere.area() < kSolidAngleMin) return AreaPdf(reference, p);
+  if (!IsOnSurface(reference)) return 1 / view.sphere.area();
+  const Vec3 offset = p - corner_;
+  const Point2 place{std::clamp(Dot(offset, unit_x_) / width_, 0.0f, 1.0f),
+                     std::clamp(Dot(offset, unit_y_) / height_, 0.0f, 1.0f)};
+  return BilinearPdf(view.sphere.Invert(place), view.weights) / view.sphere.area();
+}
+
+}  // namespace tessera

@@ -1,0 +1,50 @@
+// Rectangles among emitting triangles.
+#pragma once
+
+#include <optional>
+
+#include "renderer/shape/patch.h"
+#include "renderer/shape/shape_queries.h"
+#include "renderer/shape/spherical_sampling.h"
+#include "renderer/shape/triangle_mesh.h"
+
+namespace tessera {
+
+// Two triangles of a mesh that together are a rectangle, which is sampled as a whole: the choice between its
+// halves is no source of noise, and its points are stratified over both. Immutable.
+class RectangleEmitter {
+ public:
+  // Of triangles `primitive` and `primitive` + 1, which the mesh has. Returns nullopt if they form no
+  // rectangle or if their normals are on different sides.
+  static std::optional<RectangleEmitter> Find(const TriangleMesh& mesh, uint32_t primitive);
+
+  // A point by solid angle, weighted by the cosine at the reference point's surface; by area where the
+  // rectangle covers too little of the sphere. Returns nullopt if `reference` lies in its plane, or if it is
+  // behind a rectangle that emits to one side. The point has no texture coordinates. u in [0, 1)^2.
+  std::optional<ShapeSample> Sample(const ReferencePoint& reference, Point2 u, bool two_sided) const;
+  // The density per solid angle with which Sample finds point `p` of the rectangle.
+  float Pdf(const ReferencePoint& reference, Point3 p) const;
+
+ private:
+  // The rectangle as a reference point sees it.
+  struct View {
+    SphericalRectangle sphere;
+    BilinearWeights weights;  // equal for points in space
+  };
+
+  explicit RectangleEmitter(const PatchPoints& corners, Normal3 n);
+  // The signed distance of the point from the plane, positive in front; 0 if rounding leaves it in the plane.
+  float Height(const ReferencePoint& reference) const;
+  View SeenFrom(const ReferencePoint& reference, float height) const;
+  float AreaPdf(const ReferencePoint& reference, Point3 p) const;
+
+  Point3 corner_;
+  Vec3 ex_, ey_;          // edges from the corner
+  Vec3 unit_x_, unit_y_;  // their directions
+  float width_, height_;  // their lengths
+  Normal3 n_;             // unit
+  Vec3 p_error_;          // of a sampled point
+  float plane_error_;     // of the distance of points from the plane
+};
+
+}  // namespace tessera

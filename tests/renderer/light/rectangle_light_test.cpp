@@ -1,0 +1,160 @@
+#include "renderer/shape/spherical_sampling.h"
+#include "tests/renderer/light/light_scene.h"
+
+namespace tessera {
+namespace {
+
+constexpr char kEmitter[] = "AreaLightSource \"diffuse\" \"rgb L\" [ 2 2 2 ] \"bool twosided\" ";
+const std::vector<uint32_t> kHalves = {0, 1, 2, 0, 2, 3};
+
+// Tilted, 3 by 2, its plane 2 from the origin.
+std::vector<Point3> Corners() {
+  const Vec3 ex = Normalize(Vec3{1, 0.5f, 0.25f}) * 3, across = Normalize(Cross(ex, {0, 0, 1})) * 2;
+  const Point3 corner{-1.25f, 0.5f, 2.5f};
+  return {corner, corner + ex, corner + ex + across, corner + across};
+}
+
+void BuildMesh(LightScene& lights, std::vector<Point3> corners, std::vector<uint32_t> indices = kHalves,
+               const std::string& two_sided = "true") {
+  lights.Build(kEmitter + two_sided + " Shape \"trianglemesh\"",
+               {MeshShape(std::move(corners), std::move(indices))});
+  ASSERT_EQ(lights.error, "");
+  ASSERT_EQ(lights.table.size(), 2u);
+}
+
+// Whether light 0 stands for both triangles.
+bool IsOneLight(const LightTable& table, const ReferencePoint& reference) {
+  const float first = table.ChoosePmf(reference, 0), second = table.ChoosePmf(reference, 1);
+  return first == 1 && second == 1;
+}
+
+TEST(RectangleLight, TwoTrianglesAreChosenAsOneLight) {
+  const std::vector<Point3> corners = Corners();
+  const std::vector<std::vector<uint32_t>> orders = {
+      {0, 1, 2, 0, 2, 3}, {1, 2, 0, 3, 0, 2}, {2, 0, 1, 2, 3, 0}, {1, 2, 3, 3, 0, 1}};
+  for (const auto& order : orders) {
+    LightScene lights;
+    BuildMesh(lights, corners, order);
+    EXPECT_TRUE(IsOneLight(lights.table, At({0, 0, 0}, {0, 0, 1})));
+    const auto chosen = lights.table.Choose(At({0, 0, 0}, {0, 0, 1}), 0.9f);
+    ASSERT_TRUE(chosen);
+    EXPECT_EQ(chosen->light, 0);
+    EXPECT_EQ(chosen->pmf, 1);
+  }
+}
+
+TEST(RectangleLight, VerticesThatAreNotSharedButEqualAreOneEdge) {
+  const std::vector<Point3> c = Corners();
+  LightScene lights;
+  BuildMesh(lights, {c[0], c[1], c[2], c[0], c[2], c[3]}, {0, 1, 2, 3, 4, 5});
+  EXPECT_TRUE(IsOneLight(lights.table, At({0, 0, 0}, {0, 0, 1})));
+}
+
+TEST(RectangleLight, OtherPairsOfTrianglesStayTwoLights) {
+  const std::vector<Point3> c = Corners();
+  const Vec3 bend = (c[1] - c[0]) * 0.01f, fold{0, 0, 0.02f};
+  const std::vector<std::vector<Point3>> others = {
+      {c[0], c[1], c[2] + bend, c[3]},         // no parallelogram
+      {c[0], c[1], c[2] + bend, c[3] + bend},  // no right angles
+      {c[0], c[1], c[2], c[3] + fold},         // not plane
+  };
+  for (const auto& corners : others) {
+    LightScene lights;
+    BuildMesh(lights, corners);
+    EXPECT_FALSE(IsOneLight(lights.table, At({0, 0, 0}, {0, 0, 1})));
+  }
+  LightScene turned, apart;
+  BuildMesh(turned, c, {0, 1, 2, 0, 3, 2});  // normals on different sides
+  EXPECT_FALSE(IsOneLight(turned.table, At({0, 0, 0}, {0, 0, 1})));
+  BuildMesh(apart, {c[0], c[1], c[2], c[0] + fold, c[2] + fold, c[3] + fold}, {0, 1, 2, 3, 4, 5});
+  EXPECT_FALSE(IsOneLight(apart.table, At({0, 0, 0}, {0, 0, 1})));
+}
+
+TEST(RectangleLight, TrianglesWithAPictureStayTwoLights) {
+  LightScene lights;
+  lights.files.files["screen.pfm"] = Pfm({{0, 0, 0}, {1, 1, 1}}, 2);
+  lights.Build(R"(AreaLightSource "diffuse" "string filename" "screen.pfm" Shape "trianglemesh")",
+               {MeshShape(Corners(), kHalves)});
+  ASSERT_EQ(lights.error, "");
+  EXPECT_FALSE(IsOneLight(lights.table, At({0, 0, 0}, {0, 0, 1})));
+}
+
+// Irradiance from a polygon of radiance 1 above the horizon (Lambert's formula).
+float Lambert(const std::vector<Point3>& corners, Point3 from, Normal3 n) {
+  double sum = 0;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const Vec3 a = Normalize(corners[i] - from), b = Normalize(corners[(i + 1) % corners.size()] - from);
+    sum += std::acos(Dot(a, b)) * Dot(n, Normalize(Cross(a, b)));
+  }
+  return static_cast<float>(std::abs(sum)) / 2;
+}
+
+TEST(RectangleLight, GivesTheIrradianceOfLambertsFormula) {
+  const std::vector<Point3> corners = Corners();
+  LightScene lights;
+  BuildMesh(lights, corners);
+  const Point3 center = (corners[0] + corners[2]) * 0.5f;
+  const Normal3 n = Normalize(Cross(corners[1] - corners[0], corners[3] - corners[0]));
+  // Near, far enough to be sampled by area, and on the other side.
+  for (const float distance : {0.05f, 1.0f, 5.0f, 150.0f, -2.0f}) {
+    const ReferencePoint reference = At(center - n * distance, distance > 0 ? n : -n);
+    const float expected = 2 * Lambert(corners, reference.p, reference.n);
+    EXPECT_NEAR(Irradiance(lights.table, 0, reference, 64) / expected, 1, 2e-3f) << distance;
+  }
+}
+
+TEST(RectangleLight, PdfOfAHitOnEitherTriangleIsThatOfTheSample) {
+  LightScene lights;
+  BuildMesh(lights, Corners());
+  TestRandom random(1);
+  for (const ReferencePoint& reference :
+       {At({0, 0, 0}, {0, 0, 1}), At({0, 0, 0}), At({0.5f, 1, 2}, {0, 1, 0}), At({0, 0, -200}, {0, 0, 1})}) {
+    for (int i = 0; i < 500; ++i) {
+      const auto sample = lights.table.Sample(0, reference, random.Next2<Point2>(), FourWavelengths(0));
+      ASSERT_TRUE(sample);
+      SurfaceInteraction hit;
+      hit.p = sample->p;
+      hit.n = sample->n;
+      for (const int light : {0, 1})
+        EXPECT_NEAR(lights.table.AreaLightPdf(light, reference, sample->wi, hit) / sample->pdf, 1, 2e-3f);
+    }
+  }
+}
+
+// Directions by their density: the solid angle is the mean of 1 / pdf over the samples.
+TEST(RectangleLight, DensityIntegratesToOneOverItsSolidAngle) {
+  const std::vector<Point3> c = Corners();
+  LightScene lights;
+  BuildMesh(lights, c);
+  for (const ReferencePoint& reference :
+       {At({0, 0, 0}, {0, 0, 1}), At({0, 0, 0}), At({1, 1, 1}, {1, 0, 0})}) {
+    double sum = 0;
+    constexpr int kSide = 200;
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const Point2 u{(static_cast<float>(i % kSide) + 0.5f) / kSide,
+                     (static_cast<float>(i / kSide) + 0.5f) / kSide};
+      const auto sample = lights.table.Sample(0, reference, u, FourWavelengths(0));
+      ASSERT_TRUE(sample);
+      sum += 1 / static_cast<double>(sample->pdf);
+    }
+    const auto corner = [&](int index) { return Double3(c[index] - reference.p); };
+    const float solid_angle =
+        SolidAngle(corner(0), corner(1), corner(2)) + SolidAngle(corner(0), corner(2), corner(3));
+    EXPECT_NEAR(sum / (kSide * kSide) / solid_angle, 1, 2e-3);
+  }
+}
+
+TEST(RectangleLight, IsNotSampledFromItsPlaneNorFromBehind) {
+  const std::vector<Point3> corners = Corners();
+  LightScene lights;
+  BuildMesh(lights, corners, kHalves, "false");
+  const Normal3 n = Normalize(Cross(corners[1] - corners[0], corners[3] - corners[0]));
+  const Point2 u{0.3f, 0.6f};
+  const Point3 beside = corners[0] - (corners[1] - corners[0]);
+  EXPECT_FALSE(lights.table.Sample(0, At(beside, n), u, FourWavelengths(0)));
+  EXPECT_TRUE(lights.table.Sample(0, At(beside + n * 0.1f, n), u, FourWavelengths(0)));
+  EXPECT_FALSE(lights.table.Sample(0, At(beside - n * 0.1f, n), u, FourWavelengths(0)));
+}
+
+}  // namespace
+}  // namespace tessera
