@@ -1,6 +1,7 @@
 #include "renderer/bssrdf/diffusion_profile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "renderer/bssrdf/catmull_rom.h"
@@ -24,8 +25,14 @@ float FresnelMoment(float eta, int power) {
 }
 
 // Depths at which a beam is attenuated by equal parts, in mean free paths.
-float BeamDepth(int sample) {
-  return -std::log(1 - (static_cast<float>(sample) + 0.5f) / kBeamSamples);
+const std::array<float, kBeamSamples>& BeamDepths() {
+  static const std::array<float, kBeamSamples> depths = [] {
+    std::array<float, kBeamSamples> values{};
+    for (size_t i = 0; i < values.size(); ++i)
+      values[i] = -std::log(1 - (static_cast<float>(i) + 0.5f) / kBeamSamples);
+    return values;
+  }();
+  return depths;
 }
 
 struct Beam {
@@ -43,8 +50,8 @@ float MultipleScattering(const Beam& b, float radius) {
   const float extrapolation = -2 * diffusion * (1 + 3 * b.moment2) / (1 - 2 * b.moment1);
   const float c_phi = 0.25f * (1 - 2 * b.moment1), c_e = 0.5f * (1 - 3 * b.moment2);
   float sum = 0;
-  for (int i = 0; i < kBeamSamples; ++i) {
-    const float real = BeamDepth(i) / reduced_t, mirrored = -real + 2 * extrapolation;
+  for (const float beam_depth : BeamDepths()) {
+    const float real = beam_depth / reduced_t, mirrored = -real + 2 * extrapolation;
     const float d_real = std::sqrt(radius * radius + real * real);
     const float d_mirrored = std::sqrt(radius * radius + mirrored * mirrored);
     const float e_real = std::exp(-transport * d_real), e_mirrored = std::exp(-transport * d_mirrored);
@@ -65,8 +72,8 @@ float SingleScattering(const Beam& b, float radius) {
   const float critical =
       radius * SafeSqrt(b.eta * b.eta - 1);  // depth above which light is reflected totally
   float sum = 0;
-  for (int i = 0; i < kBeamSamples; ++i) {
-    const float depth = critical + BeamDepth(i) / sigma_t;
+  for (const float beam_depth : BeamDepths()) {
+    const float depth = critical + beam_depth / sigma_t;
     const float distance = std::sqrt(radius * radius + depth * depth);
     const float cosine = depth / distance;
     sum += b.sigma_s / sigma_t * std::exp(-sigma_t * (distance + critical)) / (distance * distance) *

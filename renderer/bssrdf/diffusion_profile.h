@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -18,6 +19,8 @@ class DiffusionProfile {
 
   // g: asymmetry of the phase function; eta: index of refraction below over above.
   DiffusionProfile(float g, float eta);
+
+  uint64_t bytes() const { return sizeof(*this) + (profile_.size() + before_.size()) * sizeof(float); }
 
   // Where an albedo lies in the table; found once for all radii.
   using AlbedoPlace = SplineWeights;

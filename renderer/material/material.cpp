@@ -10,7 +10,7 @@ Result<MaterialTable> MaterialTable::Build(const SceneDescription& scene, Textur
   MaterialTable table;
   CoatTableCache coats;
   MeasuredBrdfCache measured;
-  ProfileCache profiles;
+  ProfileCache profiles(textures.files().cache());
   for (size_t i = 0; i < scene.materials.size(); ++i) {
     const Entity& entity = scene.materials[i].entity;
     const std::string name = entity.kind.empty() ? "interface" : entity.kind;

@@ -1,6 +1,7 @@
 #include "renderer/scene/probe.h"
 
 #include <map>
+#include <memory>
 #include <string>
 
 #include "renderer/film/radiance_tile.h"
@@ -10,9 +11,13 @@
 namespace tessera {
 namespace {
 
+// For what takes longest to compute and is the same in all scenes of the probe.
+constexpr uint64_t kCacheBytesMax = uint64_t{1} << 20;
+
 class ProbeFiles : public FileSource {
  public:
-  explicit ProbeFiles(std::string scene) : scene_(std::move(scene)) {}
+  ProbeFiles(std::string scene, std::shared_ptr<SharedCache> cache)
+      : FileSource(std::move(cache)), scene_(std::move(scene)) {}
   Result<std::string> Read(const std::string& name) override {
     if (name == "probe.pbrt") return scene_;
     if (name == "probe.ply") return std::string(kProbeMesh);
@@ -37,8 +42,9 @@ std::string SceneText(const ProbeVariant& variant) {
 
 Result<Digest> RenderProbe() {
   std::string sums;
+  const auto cache = std::make_shared<SharedCache>(kCacheBytesMax);
   for (const ProbeVariant& variant : ProbeVariants()) {
-    ProbeFiles files(SceneText(variant));
+    ProbeFiles files(SceneText(variant), cache);
     RenderOptions options;
     options.accelerator = variant.accelerator;
     if (variant.has_layers) options.aovs = {"all"};
