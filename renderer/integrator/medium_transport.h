@@ -44,7 +44,7 @@ class MediumTransport {
 
   // As if media on the way were clear, too.
   SampledSpectrum LightUnlessBlocked(const SampledLight& sampled, SampledSpectrum f_cosine) const {
-    return counted_ * Throughput() * f_cosine * sampled.light.L / sampled.pdf;
+    return counted_ * Throughput() * f_cosine * sampled.light.Radiance(context_.wavelengths) / sampled.pdf;
   }
 
   void PassInterface(const SurfaceInteraction& interaction, Vec3 d) {
@@ -91,7 +91,8 @@ class MediumTransport {
     const float light_pdf = Average(weights_.r_u * passage.r_l) * sampled.pdf;
     const float path_pdf = Average(weights_.r_u * passage.r_u) * pdf;
     const float weight = sampled.light.is_delta ? 1 : PowerHeuristic(light_pdf, path_pdf);
-    return counted_ * weights_.beta * f_cosine * passage.beta * sampled.light.L * (weight / light_pdf);
+    return counted_ * weights_.beta * f_cosine * passage.beta * sampled.light.Radiance(context_.wavelengths) *
+           (weight / light_pdf);
   }
 
   const PathContext& context_;

@@ -75,7 +75,7 @@ inline std::optional<SampledLight> SampleOneLight(const PathContext& context,
   if (!chosen) return std::nullopt;
   const std::optional<LightSample> light =
       lights.Sample(chosen->light, reference, u_light, context.wavelengths);
-  if (!light || light->pdf <= 0 || !AnyNonZero(light->L)) return std::nullopt;
+  if (!light || light->pdf <= 0 || light->IsDark()) return std::nullopt;
   SampledLight sampled{chosen->light, *light, chosen->pmf * light->pdf};
   if (context.world.links.any() && !FollowLink(context, reference, sampled)) return std::nullopt;
   return sampled;

@@ -95,7 +95,8 @@ void SimplePath<Sink>::AddDirectLight(const Bsdf& bsdf) {
   const SampledSpectrum f = bsdf.Evaluate(here.wo, light.wi).f;
   if (!AnyNonZero(f)) return;
   ++context_.counts.shadow;
-  const SampledSpectrum scattered = f * light.L * (AbsDot(light.wi, here.shading.n) / sampled->pdf);
+  const SampledSpectrum scattered =
+      f * light.Radiance(context_.wavelengths) * (AbsDot(light.wi, here.shading.n) / sampled->pdf);
   if (sampled->casts_shadows && context_.world.accelerator->Occluded(ShadowRay(here, light)))
     return walk_.AddShadow(scattered);
   walk_.AddLight(scattered, sampled->index, walk_.VertexOf(bsdf, light.wi, false));

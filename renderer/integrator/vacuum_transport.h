@@ -42,12 +42,12 @@ class VacuumTransport {
     ++context_.counts.shadow;
     if (sampled.casts_shadows && context_.world.accelerator->Occluded(shadow)) return std::nullopt;
     const float weight = sampled.light.is_delta ? 1 : PowerHeuristic(sampled.pdf, pdf);
-    return throughput_ * (f * sampled.light.L * (cosine * weight / sampled.pdf));
+    return throughput_ * (f * sampled.light.Radiance(context_.wavelengths) * (cosine * weight / sampled.pdf));
   }
 
   // What the light would contribute if nothing were in the way and light sampling were the only technique.
   SampledSpectrum LightUnlessBlocked(const SampledLight& sampled, SampledSpectrum f_cosine) const {
-    return throughput_ * f_cosine * sampled.light.L / sampled.pdf;
+    return throughput_ * f_cosine * sampled.light.Radiance(context_.wavelengths) / sampled.pdf;
   }
 
   // The path goes on through an `interface` surface.

@@ -82,7 +82,9 @@ std::optional<LightSample> ImageInfiniteLight::Sample(const LightQuery& query) c
   const Distribution2D::Drawn drawn = brighter.Sample(query.u);
   if (!(drawn.pdf > 0)) return std::nullopt;
   LightSample sample;
-  sample.L = map.Sample(drawn.x, drawn.y, query.wavelengths);
+  sample.map = &map;
+  sample.texel_x = drawn.x;
+  sample.texel_y = drawn.y;
   sample.wi = Normalize(render_from_light.ToVector(EqualAreaSquareToSphere(drawn.p)));
   sample.pdf = drawn.pdf * kInv4Pi;
   sample.p = query.reference.p + sample.wi * (2 * query.scene_radius);

@@ -11,6 +11,7 @@
 #include "renderer/description/kind_table.h"
 #include "renderer/description/scene_description.h"
 #include "renderer/image/image.h"
+#include "renderer/light/emission_image.h"
 #include "renderer/light/light_choice.h"
 #include "renderer/shape/geometry.h"
 #include "renderer/shape/interaction.h"
@@ -21,8 +22,18 @@ namespace tessera {
 
 // Light that arrives at a point from a sampled place.
 struct LightSample {
-  SampledSpectrum L;  // radiance (delta lights: radiance times the density they lack), unoccluded
-  Vec3 wi;            // unit, towards the light
+  // Radiance (of delta lights: radiance times the density they lack), unoccluded. To be asked for as late as
+  // possible: a texel is far away in memory, and most samples of the sky are occluded.
+  SampledSpectrum Radiance(const SampledWavelengths& wavelengths) const {
+    return map == nullptr ? L : map->Sample(texel_x, texel_y, wavelengths);
+  }
+  // Whether Radiance is known to be zero without a lookup.
+  bool IsDark() const { return map == nullptr && !AnyNonZero(L); }
+
+  SampledSpectrum L;                 // without a map
+  const EmissionMap* map = nullptr;  // of a light at infinity that is a picture
+  uint32_t texel_x = 0, texel_y = 0;
+  Vec3 wi;  // unit, towards the light
   // Per solid angle, without the probability of choosing this light; 1 for points and directions.
   float pdf = 0;
   Point3 p;  // on the light; for lights at infinity a point outside the scene's sphere

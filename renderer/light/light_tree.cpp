@@ -5,8 +5,6 @@
 #include "renderer/light/light_tree_builder.h"
 #include "renderer/util/hash.h"
 
-#include "renderer/util/hash.h"
-
 namespace tessera {
 namespace {
 

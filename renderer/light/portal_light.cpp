@@ -182,7 +182,9 @@ std::optional<LightSample> PortalInfiniteLight::Sample(const LightQuery& query) 
   sample.wi = DirectionAt(drawn->p, &solid_angle);
   sample.pdf = drawn->pdf / solid_angle;
   if (!(solid_angle > 0 && std::isfinite(sample.pdf))) return std::nullopt;
-  sample.L = map.Sample(drawn->x, drawn->y, query.wavelengths);
+  sample.map = &map;
+  sample.texel_x = drawn->x;
+  sample.texel_y = drawn->y;
   sample.p = query.reference.p + sample.wi * (2 * query.scene_radius);
   return sample;
 }

@@ -19,12 +19,15 @@ struct Ray {
   Point3 At(float t) const { return o + d * t; }
 };
 
-// The next float after v in the direction of +infinity or -infinity.
+// The next float after v in the direction of +infinity or -infinity, as std::nextafterf finds it.
 inline float NextFloatUp(float v) {
-  return std::nextafterf(v, std::numeric_limits<float>::infinity());
+  if (!(v < std::numeric_limits<float>::infinity())) return v;  // or NaN
+  if (v == 0) return std::numeric_limits<float>::denorm_min();
+  const uint32_t bits = std::bit_cast<uint32_t>(v);
+  return std::bit_cast<float>(v > 0 ? bits + 1 : bits - 1);
 }
 inline float NextFloatDown(float v) {
-  return std::nextafterf(v, -std::numeric_limits<float>::infinity());
+  return -NextFloatUp(-v);
 }
 
 // Bound of the relative error of n float operations in a row (Higham 2002).

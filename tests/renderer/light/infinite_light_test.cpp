@@ -101,7 +101,8 @@ TEST(ImageInfiniteLight, SamplesCarryTheRadianceAndDensityOfTheirDirection) {
     const SampledSpectrum radiance = lights.table.InfiniteRadiance(0, {}, s->wi, 0, wavelengths);
     const float pdf = lights.table.InfiniteLightPdf(0, {}, s->wi, 0);
     // Rounding moves a few directions across the edge of a texel.
-    if (std::abs(radiance[0] / s->L[0] - 1) > 1e-4f || std::abs(pdf / s->pdf - 1) > 1e-4f) ++different;
+    if (std::abs(radiance[0] / s->Radiance(wavelengths)[0] - 1) > 1e-4f || std::abs(pdf / s->pdf - 1) > 1e-4f)
+      ++different;
   }
   EXPECT_LE(different, 5);
 }
@@ -122,7 +123,7 @@ TEST(ImageInfiniteLight, LightAndDirectionSamplingTogetherFindTheWholeRadiance) 
         static_cast<double>(radiance) / (UniformSpherePdf() + lights.table.InfiniteLightPdf(0, {}, w, 0));
     const auto s = lights.table.Sample(0, At({0, 0, 0}), u, wavelengths);
     ASSERT_TRUE(s);
-    estimate += static_cast<double>(s->L[0]) / (s->pdf + UniformSpherePdf());
+    estimate += static_cast<double>(s->Radiance(wavelengths)[0]) / (s->pdf + UniformSpherePdf());
   }
   EXPECT_NEAR(estimate / truth, 1, 2e-3);
 }

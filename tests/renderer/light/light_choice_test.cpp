@@ -94,8 +94,8 @@ TEST_P(LightChoice, EstimateFromChosenLightsIsUnbiased) {
     ASSERT_TRUE(chosen);
     const auto sample = lights.table.Sample(chosen->light, reference, random.Next2<Point2>(), wavelengths);
     if (!sample) continue;
-    estimate +=
-        static_cast<double>(sample->L[0]) * std::max(0.0f, sample->wi.z) / (sample->pdf * chosen->pmf);
+    estimate += static_cast<double>(sample->Radiance(wavelengths)[0]) * std::max(0.0f, sample->wi.z) /
+                (sample->pdf * chosen->pmf);
   }
   // All lights have the same white, so one wavelength determines the luminance.
   const auto point = lights.table.Sample(0, reference, {}, wavelengths);

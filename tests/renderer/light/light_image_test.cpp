@@ -34,7 +34,7 @@ std::vector<float> SpectrumOf(const LightScene& lights, int light) {
     const auto sample = lights.table.Sample(light, reference, kMiddle, wavelengths);
     const SampledSpectrum L = is_infinite
                                   ? lights.table.InfiniteRadiance(light, {}, {0, 0, 1}, 0, wavelengths)
-                              : sample ? sample->L
+                              : sample ? sample->Radiance(wavelengths)
                                        : SampledSpectrum();
     for (int i = 0; i < 4 && first + i < kLambdaCount; ++i) spectrum.push_back(L[i]);
   }

@@ -136,7 +136,7 @@ float Luminance(const F& spectrum) {
 inline float SampleLuminance(const LightTable& table, int light, const ReferencePoint& reference, Point2 u) {
   return Luminance([&](const SampledWavelengths& wavelengths) {
     const std::optional<LightSample> sample = table.Sample(light, reference, u, wavelengths);
-    return sample ? sample->L : SampledSpectrum();
+    return sample ? sample->Radiance(wavelengths) : SampledSpectrum();
   });
 }
 
@@ -156,10 +156,11 @@ inline float Irradiance(const LightTable& table, int light, const ReferencePoint
       const std::optional<LightSample> sample = table.Sample(light, reference, u, green);
       if (!sample) continue;
       if (at_green == 0) {
-        at_green = sample->L[0];
+        at_green = sample->Radiance(green)[0];
         luminance = SampleLuminance(table, light, reference, u);
       }
-      sum += static_cast<double>(sample->L[0]) * std::max(0.0f, Dot(sample->wi, reference.n)) / sample->pdf;
+      sum += static_cast<double>(sample->Radiance(green)[0]) * std::max(0.0f, Dot(sample->wi, reference.n)) /
+             sample->pdf;
     }
   }
   if (at_green == 0) return 0;

@@ -112,7 +112,8 @@ TEST(PortalInfiniteLight, SamplesCarryTheRadianceAndDensityOfTheirDirection) {
     const float pdf = lights.table.InfiniteLightPdf(0, from, s->wi, 0);
     const SampledSpectrum radiance = lights.table.InfiniteRadiance(0, from, s->wi, 0, wavelengths);
     // Rounding moves a few directions across the edge of a texel.
-    if (std::abs(radiance[0] / s->L[0] - 1) > 1e-4f || std::abs(pdf / s->pdf - 1) > 1e-4f) ++different;
+    if (std::abs(radiance[0] / s->Radiance(wavelengths)[0] - 1) > 1e-4f || std::abs(pdf / s->pdf - 1) > 1e-4f)
+      ++different;
   }
   EXPECT_LE(different, 5);
 }
@@ -128,7 +129,7 @@ TEST(PortalInfiniteLight, BringsTheIrradianceOfTheDirectionsThroughIt) {
   for (int i = 0; i < kCount; ++i) {
     const auto s = lights.table.Sample(0, reference, random.Next2<Point2>(), green);
     ASSERT_TRUE(s);
-    sampled += static_cast<double>(s->L[0]) * s->wi.z / s->pdf;
+    sampled += static_cast<double>(s->Radiance(green)[0]) * s->wi.z / s->pdf;
     const Vec3 d = SampleCosineHemisphere(random.Next2<Point2>());
     truth += static_cast<double>(lights.table.InfiniteRadiance(0, reference.p, d, 0, green)[0]) * kPi;
   }
@@ -208,12 +209,13 @@ TEST(LightImages, OfExtremeAndNegativePixelsGiveFiniteSamples) {
     const auto chosen = lights.table.Choose(reference, random.Next());
     ASSERT_TRUE(chosen);
     EXPECT_TRUE(chosen->pmf > 0 && chosen->pmf <= 1);
-    const auto s =
-        lights.table.Sample(chosen->light, reference, random.Next2<Point2>(), FourWavelengths(200));
+    const SampledWavelengths wavelengths = FourWavelengths(200);
+    const auto s = lights.table.Sample(chosen->light, reference, random.Next2<Point2>(), wavelengths);
     if (!s) continue;
     ++found;
     EXPECT_TRUE(s->pdf > 0 && std::isfinite(s->pdf)) << chosen->light;
-    EXPECT_TRUE(s->L[0] >= 0 && !std::isnan(s->L[0])) << chosen->light;
+    const float radiance = s->Radiance(wavelengths)[0];
+    EXPECT_TRUE(radiance >= 0 && !std::isnan(radiance)) << chosen->light;
   }
   EXPECT_GT(found, 100);
 }
