@@ -4,11 +4,16 @@
 #include <array>
 #include <memory>
 #include <new>
+#include <optional>
+#include <utility>
 
+#include "renderer/denoise/denoised_picture.h"
 #include "renderer/denoise/input_layers.h"
 #include "renderer/denoise/local_regression.h"
+#include "renderer/denoise/oidn_denoiser.h"
 #include "renderer/denoise/patch_weights.h"
 #include "renderer/denoise/strip.h"
+#include "renderer/denoise/temporal.h"
 #include "renderer/util/parallel.h"
 
 namespace tessera {
@@ -21,7 +26,7 @@ static_assert(2 * kTile >= TileContributions::kSide, "every other tile writes to
 // The sums that pixels of a strip and of kWindowRadius rows around it have received.
 class StripSums {
  public:
-  explicit StripSums(int width) : width_(width) {
+  StripSums(int width, size_t groups) : width_(width), sums_(TileContributions::SumCount(groups)) {
     for (Plane& plane : sums_) plane.Resize(0, width, -kWindowRadius, kRows);
     Clear(-kWindowRadius, kRows);
   }
@@ -38,7 +43,7 @@ class StripSums {
     constexpr int kSide = TileContributions::kSide;
     const int first = std::max(0, kWindowRadius - x0);
     const int last = std::min(kSide, width_ - x0 + kWindowRadius);
-    for (size_t c = 0; c <= kColors; ++c) {
+    for (size_t c = 0; c < sums_.size(); ++c) {
       for (int y = 0; y < kSide; ++y) {
         float* const to = sums_[c].At(x0 - kWindowRadius + first, y0 + y - kWindowRadius);
         const float* const from = &tile.sums[c][static_cast<size_t>(y)][static_cast<size_t>(first)];
@@ -57,7 +62,7 @@ class StripSums {
   }
 
   const int width_;
-  std::array<Plane, kColors + 1> sums_;
+  std::vector<Plane> sums_;
 };
 
 class PictureDenoiser {
@@ -69,12 +74,13 @@ class PictureDenoiser {
         threads_(threads),
         stop_(stop),
         loader_(picture, layers),
-        sums_(picture.bounds.width()) {}
+        sums_(picture.bounds.width(), layers.groups.size()),
+        signals_(kColors + layers.groups.size() * kColors) {}
 
-  // Three values for each pixel.
+  // DenoisedColors (denoised_picture.h).
   Result<std::vector<float>> Run() {
     const int height = picture_.bounds.height();
-    colors_.resize(static_cast<size_t>(picture_.bounds.area()) * kColors);
+    colors_.resize(static_cast<size_t>(picture_.bounds.area()) * signals_);
     for (int y = 0; y < height; y += kStripHeight) {
       // Strips are of equal height, so that a picture that grows at the bottom keeps its values.
       if (auto ok = loader_.Load(y, y + kStripHeight, threads_, stop_, strip_); !ok) return ok.error();
@@ -108,30 +114,30 @@ class PictureDenoiser {
   void DenoiseTile(int strip_y0, int x, int y) {
     const TilePlace tile{x, strip_y0 + y, picture_.bounds.width(), picture_.bounds.height()};
     PatchWeights weights;
-    LocalRegression regression;
-    const auto contributions = std::make_unique<TileContributions>();
+    LocalRegression regression(layers_.groups.size());
+    TileContributions contributions(layers_.groups.size());
     for (size_t half = 0; half < 2; ++half) {
       weights.Compute(strip_, 1 - half, tile);
-      regression.Fit(strip_, half, tile, weights, *contributions);
+      regression.Fit(strip_, half, tile, weights, contributions);
     }
-    sums_.Add(*contributions, x, y);
+    sums_.Add(contributions, x, y);
   }
 
   // Stores the colours of rows y0 to y1 from the sums of the strip that starts at strip_y0.
   void Finish(int y0, int y1, int strip_y0) {
-    const size_t channels = picture_.channels.size();
+    const auto width = static_cast<size_t>(picture_.bounds.width());
     for (int y = std::max(y0, 0); y < y1; ++y) {
-      const size_t row = static_cast<size_t>(y) * static_cast<size_t>(picture_.bounds.width());
-      const float* const weight = sums_[kColors].At(0, y - strip_y0);
-      for (size_t c = 0; c < kColors; ++c) {
-        const float* const sum = sums_[c].At(0, y - strip_y0);
-        const float* const albedo = strip_.features[kAlbedoFeature + c].At(0, y);
-        for (size_t x = 0; x < static_cast<size_t>(picture_.bounds.width()); ++x) {
-          const float noisy = picture_.values[(row + x) * channels + layers_.color[c]];
-          const float color = sum[x] / std::max(weight[x], kWeightMin) * AlbedoFactor(albedo[x]);
-          // A fit may be negative where the colour is not.
-          colors_[(row + x) * kColors + c] = std::max(color, noisy < 0 ? noisy : 0.0f);
-        }
+      float* const row = &colors_[static_cast<size_t>(y) * width * signals_];
+      const float* const weight = sums_[TileContributions::kWeight].At(0, y - strip_y0);
+      for (size_t s = 0; s < signals_; ++s) {
+        const float* const sum = sums_[s < kColors ? s : s + 1].At(0, y - strip_y0);
+        const float* const albedo = strip_.features[kAlbedoFeature + s % kColors].At(0, y);
+        for (size_t x = 0; x < width; ++x)
+          row[x * signals_ + s] = sum[x] / std::max(weight[x], kWeightMin) * AlbedoFactor(albedo[x]);
+      }
+      for (size_t x = 0; x < width; ++x) {
+        const size_t pixel = static_cast<size_t>(y) * width + x;
+        SettleColors(&picture_.values[pixel * picture_.channels.size()], layers_, row + x * signals_);
       }
     }
   }
@@ -145,54 +151,67 @@ class PictureDenoiser {
   StripLoader loader_;
   Strip strip_;
   StripSums sums_;
+  const size_t signals_;  // values of a pixel: colours, then those of each group
   std::vector<float> colors_;
 };
 
-// The picture with the denoised colours as R, G and B and the others kept in the layer "noisy".
-LoadedPicture WithColors(const LoadedPicture& picture, const InputLayers& layers,
-                         const std::vector<float>& colors) {
-  LoadedPicture result;
-  result.width = picture.width;
-  result.height = picture.height;
-  result.bounds = picture.bounds;
-  result.attributes = picture.attributes;
-  constexpr const char* kNames[] = {"R", "G", "B"};
-  std::vector<size_t> kept;  // channels
-  for (size_t c = 0; c < picture.channels.size(); ++c) {
-    const bool is_color = std::ranges::find(layers.color, c) != layers.color.end();
-    if (!is_color && !IsColorChannel(picture.channels[c])) kept.push_back(c);
-  }
-  for (const size_t c : kept) result.channels.push_back(picture.channels[c]);
-  for (const char* name : kNames) result.channels.emplace_back(name);
-  for (const char* name : kNames) result.channels.push_back(std::string(kNoisyLayer) + "." + name);
-  const size_t pixels = static_cast<size_t>(picture.bounds.area());
-  result.values.reserve(pixels * result.channels.size());
-  for (size_t i = 0; i < pixels; ++i) {
-    const float* const pixel = &picture.values[i * picture.channels.size()];
-    for (const size_t c : kept) result.values.push_back(pixel[c]);
-    for (size_t c = 0; c < kColors; ++c) result.values.push_back(colors[i * kColors + c]);
-    for (const size_t c : layers.color) result.values.push_back(pixel[c]);
-  }
-  return result;
+}  // namespace
+
+Result<void> CheckDenoisable(const LoadedPicture& picture, const std::string& name, Denoiser denoiser) {
+  const auto layers = FindInputLayers(picture, name, denoiser);
+  return layers ? Result<void>() : layers.error();
+}
+
+namespace {
+
+// May throw std::bad_alloc.
+Result<DenoisedColors> ColorsOf(const LoadedPicture& picture, const InputLayers& layers,
+                                const std::string& name, int threads, const std::stop_token& stop,
+                                Denoiser denoiser) {
+  if (denoiser == Denoiser::kOidn) return DenoiseWithOidn(picture, layers, name, threads, stop);
+  auto values = PictureDenoiser(picture, layers, threads, stop).Run();
+  if (!values) return values.error();
+  return DenoisedColors{std::move(values).value(), "regression"};
+}
+
+Error LacksMemory(const std::string& name) {
+  return Failed(name + ": not enough memory to denoise the picture");
+}
+
+std::optional<std::array<size_t, 2>> FindMotion(const LoadedPicture& picture) {
+  const auto x = std::ranges::find(picture.channels, "motion.X"),
+             y = std::ranges::find(picture.channels, "motion.Y");
+  if (x == picture.channels.end() || y == picture.channels.end()) return std::nullopt;
+  return std::array{static_cast<size_t>(x - picture.channels.begin()),
+                    static_cast<size_t>(y - picture.channels.begin())};
 }
 
 }  // namespace
 
-Result<void> CheckDenoisable(const LoadedPicture& picture, const std::string& name) {
-  const auto layers = FindInputLayers(picture, name);
-  return layers ? Result<void>() : layers.error();
-}
-
 Result<LoadedPicture> Denoise(const LoadedPicture& picture, const std::string& name, int threads,
-                              const std::stop_token& stop) {
-  const auto layers = FindInputLayers(picture, name);
+                              const std::stop_token& stop, Denoiser denoiser) {
+  const auto layers = FindInputLayers(picture, name, denoiser);
   if (!layers) return layers.error();
   try {
-    auto colors = PictureDenoiser(picture, *layers, threads, stop).Run();
+    const auto colors = ColorsOf(picture, *layers, name, threads, stop, denoiser);
     if (!colors) return colors.error();
     return WithColors(picture, *layers, *colors);
   } catch (const std::bad_alloc&) {
-    return Failed(name + ": not enough memory to denoise the picture");
+    return LacksMemory(name);
+  }
+}
+
+Result<DenoisedFrame> DenoiseAlone(LoadedPicture picture, const std::string& name, int threads,
+                                   const std::stop_token& stop, Denoiser denoiser) {
+  auto layers = FindInputLayers(picture, name, denoiser);
+  if (!layers) return layers.error();
+  try {
+    auto colors = ColorsOf(picture, *layers, name, threads, stop, denoiser);
+    if (!colors) return colors.error();
+    const auto motion = FindMotion(picture);
+    return DenoisedFrame{std::move(picture), std::move(layers).value(), motion, std::move(colors).value()};
+  } catch (const std::bad_alloc&) {
+    return LacksMemory(name);
   }
 }
 

@@ -11,8 +11,16 @@
 //     the other, so that weights and noise are not correlated; the result is their mean. The difference of
 //     the halves also estimates the variance that the weights need.
 //   - Colours are divided by the albedo before and multiplied by it after, which keeps textures.
+//   - The light of each group of lights is fitted with the weights of the colours. What the fits of the
+//   groups of
+//     a pixel lack to its colour, or exceed it, is shared among them in proportion, so that their sum is the
+//     denoised picture and tessera relight can mix them.
 //   - Single pixels that are far brighter than all around (fireflies) are darkened before, since no filter
 //     of this size can spread their light far enough.
+//
+// With Denoiser::kOidn, Open Image Denoise does this instead, if it is installed (oidn_library.h). Its neural
+// network needs the layers albedo and normal, and all of the picture in memory once more. Values then depend
+// on its version and on the processor.
 //
 // The picture is processed in strips of rows, so the memory beside the picture and its result grows with its
 // width, not its height: some 19 KB per pixel of width. Values are the same for any number of threads.
@@ -21,21 +29,28 @@
 #include <stop_token>
 #include <string>
 
+#include "renderer/denoise/denoiser.h"
 #include "renderer/film/picture_file.h"
 
 namespace tessera {
 
 // The layer of the result that keeps the colours as they were.
 constexpr const char* kNoisyLayer = "noisy";
+// The same for a layer that is denoised beside them: "noisy_light_key" for "light_key".
+std::string NoisyLayerOf(const std::string& layer);
+
+// Attribute of the header: what the colours were denoised with.
+constexpr const char* kDenoiserAttribute = "tessera:denoiser";
 
 // Whether Denoise accepts the picture. The error names it `name` and lists the layers that are missing.
-Result<void> CheckDenoisable(const LoadedPicture& picture, const std::string& name);
+Result<void> CheckDenoisable(const LoadedPicture& picture, const std::string& name,
+                             Denoiser denoiser = Denoiser::kRegression);
 
-// The picture with R, G and B denoised and the layer "noisy" added; a layer of this name that is there
-// already is what is denoised, so that denoising twice is the same as once. Values that are not finite count
-// as black if they are not a number, else as very bright. Fails if CheckDenoisable does, if memory runs out
-// or a stop is requested.
+// The picture with R, G, B and the light of groups denoised and the layers "noisy" and "noisy_light_..."
+// added; a layer of such a name that is there already is what is denoised, so that denoising twice is the
+// same as once. Values that are not finite count as black if they are not a number, else as very bright.
+// Fails if CheckDenoisable does, if memory runs out or a stop is requested.
 Result<LoadedPicture> Denoise(const LoadedPicture& picture, const std::string& name, int threads,
-                              const std::stop_token& stop);
+                              const std::stop_token& stop, Denoiser denoiser = Denoiser::kRegression);
 
 }  // namespace tessera

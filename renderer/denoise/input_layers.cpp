@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "renderer/denoise/denoise.h"
+#include "renderer/film/relight.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
@@ -52,17 +53,34 @@ Result<std::array<float, 2>> HalfScales(const LoadedPicture& picture, const std:
   const uint32_t first =
       samples / kHalvesPeriod * (kHalvesPeriod / 2) + std::min(samples % kHalvesPeriod, kHalvesPeriod / 2);
   if (first == samples) {
-    return BadInput(fmt::format("{}: was rendered with {} samples per pixel; denoising needs at least {}",
+    return BadInput(fmt::format("{}: is rendered with {} samples per pixel; denoising needs at least {}",
                                 name, samples, kHalvesPeriod));
   }
   const auto half = 0.5f * static_cast<float>(samples);
   return std::array<float, 2>{half / static_cast<float>(first), half / static_cast<float>(samples - first)};
 }
 
+// As they were rendered, whether or not the picture is denoised already.
+std::vector<GroupLayer> FindGroups(const LoadedPicture& picture) {
+  std::vector<GroupLayer> groups;
+  for (const std::string& group : LightGroupsOf(picture)) {
+    GroupLayer layer{"light_" + group};
+    auto color = FindThree(picture, NoisyLayerOf(layer.name) + ".", "RGB");
+    if (!color) color = FindThree(picture, layer.name + ".", "RGB");
+    if (!color) continue;
+    layer.color = *color;
+    groups.push_back(std::move(layer));
+  }
+  return groups;
+}
+
 }  // namespace
 
-Result<InputLayers> FindInputLayers(const LoadedPicture& picture, const std::string& name) {
+Result<InputLayers> FindInputLayers(const LoadedPicture& picture, const std::string& name,
+                                    Denoiser denoiser) {
+  const bool needs_halves = denoiser == Denoiser::kRegression;
   InputLayers layers;
+  layers.groups = FindGroups(picture);
   std::vector<std::string> missing;
   const auto take = [&](const char* layer, const std::optional<Three>& found, Three& places) {
     if (found) places = *found;
@@ -77,9 +95,13 @@ Result<InputLayers> FindInputLayers(const LoadedPicture& picture, const std::str
   take("normal", normal, layers.normal);
   auto depth = Find(picture, "depth.Z");
   if (!depth) depth = Find(picture, "Z");
+  layers.has_depth = depth.has_value();
   if (depth) layers.depth = *depth;
-  if (!depth) missing.emplace_back("depth");
-  take("halves", FindThree(picture, "halves.", "RGB"), layers.halves);
+  if (!depth && needs_halves) missing.emplace_back("depth");
+  const auto halves = FindThree(picture, "halves.", "RGB");
+  layers.has_halves = halves.has_value();
+  if (halves || needs_halves) take("halves", halves, layers.halves);
+  if (missing.empty() && !needs_halves) return layers;
   if (missing.empty()) {
     const auto scales = HalfScales(picture, name);
     if (!scales) return scales.error();

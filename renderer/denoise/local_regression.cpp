@@ -39,19 +39,22 @@ bool AnyWeight(const float* weights) {
 // The normal equations of the pixels of a row. Products are those of a symmetric matrix: row i, column j <= i
 // at i (i + 1) / 2 + j; they become its Cholesky factor.
 struct LocalRegression::Row {
+  explicit Row(size_t signals) : solutions(signals) {}
+
   std::array<Lanes, kProducts> products;
-  std::array<std::array<Lanes, kTerms>, kColors> solutions;  // right sides, then solutions
+  // Of the colours, then of each group: right sides, then solutions.
+  std::vector<std::array<Lanes, kTerms>> solutions;
 
   static size_t At(size_t i, size_t j) { return i * (i + 1) / 2 + j; }
 
   void Clear() {
     for (Lanes& lanes : products) lanes.fill(0);
-    for (auto& color : solutions) {
-      for (Lanes& lanes : color) lanes.fill(0);
+    for (auto& signal : solutions) {
+      for (Lanes& lanes : signal) lanes.fill(0);
     }
   }
   void Add(const std::array<Lanes, kTerms>& terms, const float* weights,
-           const std::array<const float*, kColors>& colors) {
+           const std::vector<const float*>& signals) {
     for (size_t i = 0; i < kTerms; ++i) {
       Lanes weighted;
       for (size_t l = 0; l < kTile; ++l) weighted[l] = weights[l] * terms[i][l];
@@ -59,15 +62,15 @@ struct LocalRegression::Row {
         Lanes& sum = products[At(i, j)];
         for (size_t l = 0; l < kTile; ++l) sum[l] += weighted[l] * terms[j][l];
       }
-      for (size_t c = 0; c < kColors; ++c) {
-        Lanes& sum = solutions[c][i];
-        for (size_t l = 0; l < kTile; ++l) sum[l] += weighted[l] * colors[c][l];
+      for (size_t s = 0; s < solutions.size(); ++s) {
+        Lanes& sum = solutions[s][i];
+        for (size_t l = 0; l < kTile; ++l) sum[l] += weighted[l] * signals[s][l];
       }
     }
   }
   void Solve() {
     Factorize();
-    for (auto& color : solutions) Substitute(color);
+    for (auto& signal : solutions) Substitute(signal);
   }
 
  private:
@@ -108,12 +111,13 @@ struct LocalRegression::Row {
   }
 };
 
-LocalRegression::LocalRegression() : row_(std::make_unique<Row>()) {}
+LocalRegression::LocalRegression(size_t groups) : row_(std::make_unique<Row>(kColors + groups * kColors)) {}
 LocalRegression::~LocalRegression() = default;
 
 void LocalRegression::Fit(const Strip& strip, size_t half, const TilePlace& tile, const PatchWeights& weights,
                           TileContributions& contributions) {
   std::array<Lanes, kTerms> terms;
+  std::vector<const float*> signals(row_->solutions.size());
   // Calls `body` for each offset at which a pixel of row y has a weight.
   const auto for_window = [&](int y, const auto& body) {
     for (int dy = -kWindowRadius; dy <= kWindowRadius; ++dy) {
@@ -128,24 +132,27 @@ void LocalRegression::Fit(const Strip& strip, size_t half, const TilePlace& tile
   for (int y = 0; y < std::min(kTile, tile.height - tile.y0); ++y) {
     row_->Clear();
     for_window(y, [&](int dx, int dy, const float* w) {
-      std::array<const float*, kColors> colors;
-      for (size_t c = 0; c < kColors; ++c)
-        colors[c] = strip.halves[half][c].At(tile.x0 + dx, tile.y0 + y + dy);
-      row_->Add(terms, w, colors);
+      for (size_t s = 0; s < signals.size(); ++s) {
+        const Plane& plane = s < kColors ? strip.halves[half][s] : strip.groups[s / kColors - 1][s % kColors];
+        signals[s] = plane.At(tile.x0 + dx, tile.y0 + y + dy);
+      }
+      row_->Add(terms, w, signals);
     });
     row_->Solve();
     for_window(y, [&](int dx, int dy, const float* w) {
       const auto row = static_cast<size_t>(y + dy + kWindowRadius);
       const auto column = static_cast<size_t>(dx + kWindowRadius);
-      for (size_t c = 0; c < kColors; ++c) {
-        Lanes fit = row_->solutions[c][0];
+      for (size_t s = 0; s < signals.size(); ++s) {
+        const auto& solution = row_->solutions[s];
+        Lanes fit = solution[0];
         for (size_t i = 1; i < kTerms; ++i) {
-          for (size_t l = 0; l < kTile; ++l) fit[l] += row_->solutions[c][i][l] * terms[i][l];
+          for (size_t l = 0; l < kTile; ++l) fit[l] += solution[i][l] * terms[i][l];
         }
-        float* const sum = &contributions.sums[c][row][column];
+        const size_t place = s < kColors ? s : s + 1;  // the weights are between
+        float* const sum = &contributions.sums[place][row][column];
         for (size_t l = 0; l < kTile; ++l) sum[l] += w[l] * fit[l];
       }
-      float* const sum = &contributions.sums[kColors][row][column];
+      float* const sum = &contributions.sums[TileContributions::kWeight][row][column];
       for (size_t l = 0; l < kTile; ++l) sum[l] += w[l];
     });
   }

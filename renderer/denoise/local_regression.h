@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "renderer/denoise/patch_weights.h"
 #include "renderer/denoise/strip.h"
@@ -12,8 +13,15 @@ namespace tessera {
 // What the fits of the pixels of a tile contribute to the pixels around.
 struct TileContributions {
   static constexpr int kSide = kTile + 2 * kWindowRadius;
-  // Sums of weights times colours, then of weights, of pixels from kWindowRadius before the tile on.
-  std::array<std::array<std::array<float, kSide>, kSide>, kColors + 1> sums{};
+  using Sums = std::array<std::array<float, kSide>, kSide>;
+
+  explicit TileContributions(size_t groups) : sums(SumCount(groups)) {}
+  // Sums of weights times colours, then of weights, then of weights times the light of each group, of pixels
+  // from kWindowRadius before the tile on.
+  std::vector<Sums> sums;
+
+  static size_t SumCount(size_t groups) { return kColors + 1 + groups * kColors; }
+  static constexpr size_t kWeight = kColors;
 };
 
 // Minimises over b the sum over the pixels q of the window of
@@ -21,10 +29,11 @@ struct TileContributions {
 // for each pixel p of a tile. Used by one thread.
 class LocalRegression {
  public:
-  LocalRegression();
+  explicit LocalRegression(size_t groups);
   ~LocalRegression();
 
-  // Fits the colours of one half and adds w(p, q) times the fit of p at q to the contributions of q.
+  // Fits the colours of one half, and the light of all groups, and adds w(p, q) times the fit of p at q to
+  // the contributions of q.
   void Fit(const Strip& strip, size_t half, const TilePlace& tile, const PatchWeights& weights,
            TileContributions& contributions);
 

@@ -44,6 +44,10 @@ void MirrorRow(Plane& plane, int y, int width, int margin) {
 
 }  // namespace
 
+float UsableAlbedo(float value) {
+  return std::max(0.0f, Finite(value, kAlbedoMax));
+}
+
 StripLoader::StripLoader(const LoadedPicture& picture, const InputLayers& layers)
     : picture_(picture),
       layers_(layers),
@@ -60,6 +64,8 @@ void StripLoader::Resize(int y0, int y1, Strip& strip) {
   for (auto& half : strip.halves) std::ranges::for_each(half, resize);
   std::ranges::for_each(strip.variance, resize);
   std::ranges::for_each(strip.features, resize);
+  strip.groups.resize(layers_.groups.size());
+  for (auto& group : strip.groups) std::ranges::for_each(group, resize);
   std::ranges::for_each(darkening_, resize);
 }
 
@@ -72,9 +78,12 @@ void StripLoader::LoadRow(int y, Strip& strip) const {
       const float color = pixel[layers_.color[c]], difference = pixel[layers_.halves[c]];
       *strip.halves[0][c].At(x, y) = Finite((color + difference) * layers_.half_scales[0], kColorMax);
       *strip.halves[1][c].At(x, y) = Finite((color - difference) * layers_.half_scales[1], kColorMax);
-      *strip.features[kAlbedoFeature + c].At(x, y) =
-          std::max(0.0f, Finite(pixel[layers_.albedo[c]], kAlbedoMax));
+      *strip.features[kAlbedoFeature + c].At(x, y) = UsableAlbedo(pixel[layers_.albedo[c]]);
       *strip.features[kNormalFeature + c].At(x, y) = Finite(pixel[layers_.normal[c]], 1);
+    }
+    for (size_t g = 0; g < layers_.groups.size(); ++g) {
+      for (size_t c = 0; c < kColors; ++c)
+        *strip.groups[g][c].At(x, y) = Finite(pixel[layers_.groups[g].color[c]], kColorMax);
     }
     // What is farther than everything counts as twice as far as the farthest surface.
     const float depth = pixel[layers_.depth];
@@ -91,10 +100,28 @@ void StripLoader::DarkenRow(int y, const Strip& strip) {
   FindFireflies(strip, width_, y, darkening_);
 }
 
+// Groups lose the part of their light that the sum of the halves loses.
+void StripLoader::DivideGroups(int y, size_t c, Strip& strip) const {
+  const float *const a = strip.halves[0][c].At(0, y), *const b = strip.halves[1][c].At(0, y);
+  const float *const darkening_a = darkening_[0].At(0, y), *const darkening_b = darkening_[1].At(0, y);
+  const float* const albedo = strip.features[kAlbedoFeature + c].At(0, y);
+  for (auto& group : strip.groups) {
+    float* const row = group[c].At(0, y);
+    for (int x = 0; x < width_; ++x) {
+      const float all = a[x] + b[x];
+      const float kept =
+          all > 0 ? std::clamp((a[x] * darkening_a[x] + b[x] * darkening_b[x]) / all, 0.0f, 1.0f) : 1;
+      row[x] *= kept / AlbedoFactor(albedo[x]);
+    }
+    MirrorRow(group[c], y, width_, kOuterMargin);
+  }
+}
+
 void StripLoader::DivideRow(int y, Strip& strip) const {
-  for (size_t half = 0; half < 2; ++half) {
-    const float* const darkening = darkening_[half].At(0, y);
-    for (size_t c = 0; c < kColors; ++c) {
+  for (size_t c = 0; c < kColors; ++c) {
+    DivideGroups(y, c, strip);
+    for (size_t half = 0; half < 2; ++half) {
+      const float* const darkening = darkening_[half].At(0, y);
       float* const row = strip.halves[half][c].At(0, y);
       const float* const albedo = strip.features[kAlbedoFeature + c].At(0, y);
       for (int x = 0; x < width_; ++x) row[x] *= darkening[x] / AlbedoFactor(albedo[x]);

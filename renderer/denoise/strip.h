@@ -52,7 +52,11 @@ struct Strip {
   std::array<std::array<Plane, kColors>, 2> halves;  // means of the samples of each half
   std::array<Plane, kColors> variance;               // of the means of one half
   std::array<Plane, kFeatures> features;
+  std::vector<std::array<Plane, kColors>> groups;  // the light of each group, of all samples
 };
+
+// The albedo that counts for a pixel, of the value of its layer.
+float UsableAlbedo(float value);
 
 // What colours are divided by: the albedo, but not less than a part of it that is noise.
 inline float AlbedoFactor(float albedo) {
@@ -75,6 +79,7 @@ class StripLoader {
   void LoadRow(int y, Strip& strip) const;
   void DarkenRow(int y, const Strip& strip);
   void DivideRow(int y, Strip& strip) const;
+  void DivideGroups(int y, size_t c, Strip& strip) const;
   void SmoothRow(int y, Strip& strip) const;
 
   const LoadedPicture& picture_;

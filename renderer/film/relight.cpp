@@ -16,8 +16,8 @@ constexpr std::string_view kGroupPrefix = "light_";
 constexpr std::array<std::string_view, 3> kColors{"R", "G", "B"};
 
 // Layers of light of other kinds, which a gain of a group would leave wrong.
-constexpr std::string_view kStaleLayers[] = {"direct", "indirect", "emission",
-                                             "shadow", "variance", "halves"};
+constexpr std::string_view kStaleLayers[] = {"direct",   "indirect", "emission", "shadow",
+                                             "variance", "halves",   "noisy"};
 
 std::optional<size_t> IndexOf(const LoadedPicture& picture, const std::string& channel) {
   const auto found = std::ranges::find(picture.channels, channel);

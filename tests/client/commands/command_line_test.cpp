@@ -125,8 +125,8 @@ TEST(CommandLine, AcceptsEveryCommandWithItsFlags) {
         "info s.pbrt --accelerator bvh --json",
         "kinds --json",
         "compare a.exr b.exr --tolerance 0.5 --layer albedo --difference d.png --json",
-        "denoise a.exr -o b.exr --png b.png --exr-type float --threads 2 --json",
-        "denoise a.####.exr --frames 1-8 -o b.exr",
+        "denoise a.exr -o b.exr --png b.png --exr-type float --threads 2 --denoiser oidn --json",
+        "denoise a.####.exr --frames 1-8 -o b.exr --no-temporal",
         "submit s.pbrt --coordinator farm:99 --name film --priority -4 --watch --spp 8 --require gpu "
         "--require linux-6 --verify 2.5% --json",
         "fetch 12 --preview -o a.exr --png a.png --frame 3 --json",
@@ -231,6 +231,8 @@ TEST(CommandLine, RefusesWordsThatDenoiseCannotUse) {
       {"denoise a.exr --frames 1-8", "a.exr: the name of a sequence has ####"},
       {"denoise a.exr --exr-type double", "--exr-type: \"double\""},
       {"denoise a.exr --threads 0", "--threads"},
+      {"denoise a.exr --denoiser none", "--denoiser: \"none\" is not one of regression, oidn"},
+      {"denoise a.exr --denoiser oidm", "(did you mean \"oidn\"?)"},
       {"denoise a.exr -o - --json", "the standard output cannot take both"},
   };
   for (const auto& [words, message] : cases) {

@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
+
+#include "tests/renderer/denoise/noisy_picture.h"
 
 namespace tessera {
 namespace {
@@ -16,85 +16,10 @@ using testing::HasSubstr;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-// What is at a pixel of a scene without noise.
-struct Point {
-  float light = 1;   // falls on it
-  float albedo = 1;  // of red; green and blue have three quarters and a half of it
-  float normal = 0;  // its x component
-  float depth = 1;
-};
-using PaintPoint = std::function<Point(int x, int y)>;
-
-// Evenly distributed from -1 to 1 by a hash of its arguments (the finaliser of MurmurHash3).
-float Noise(int x, int y, int k) {
-  uint32_t h = static_cast<uint32_t>(x) * 0x9E3779B1u ^ static_cast<uint32_t>(y) * 0x85EBCA77u ^
-               static_cast<uint32_t>(k + 1) * 0xC2B2AE3Du;
-  h = (h ^ (h >> 16)) * 0x85EBCA6Bu;
-  h = (h ^ (h >> 13)) * 0xC2B2AE35u;
-  return static_cast<float>((h ^ (h >> 16)) >> 8) / static_cast<float>(1 << 23) - 1;
-}
-
-const std::vector<std::string> kChannels = {"B",        "G",        "R",        "albedo.B", "albedo.G",
-                                            "albedo.R", "depth.Z",  "halves.B", "halves.G", "halves.R",
-                                            "normal.X", "normal.Y", "normal.Z"};
-
-float& Value(LoadedPicture& picture, const std::string& channel, int x, int y) {
-  const auto found = std::ranges::find(picture.channels, channel);
-  EXPECT_NE(found, picture.channels.end()) << channel;
-  const size_t pixel = static_cast<size_t>(y * picture.bounds.width() + x);
-  return picture
-      .values[pixel * picture.channels.size() + static_cast<size_t>(found - picture.channels.begin())];
-}
-
-float Albedo(const Point& point, int c) {
-  return point.albedo * (1 - 0.25f * static_cast<float>(c));
-}
-
-// The light of each half is noisy by up to this part of itself.
-LoadedPicture Rendered(int width, int height, float noise, const PaintPoint& paint) {
-  LoadedPicture picture;
-  picture.width = width;
-  picture.height = height;
-  picture.bounds = {0, 0, width, height};
-  picture.channels = kChannels;
-  picture.values.resize(static_cast<size_t>(width * height) * kChannels.size());
-  const char* const colors = "RGB";
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const Point point = paint(x, y);
-      for (int c = 0; c < 3; ++c) {
-        const float value = point.light * Albedo(point, c);
-        const float a = value * (1 + noise * Noise(x, y, c)), b = value * (1 + noise * Noise(x, y, c + 3));
-        const std::string name(1, colors[c]);
-        Value(picture, name, x, y) = 0.5f * (a + b);
-        Value(picture, "halves." + name, x, y) = 0.5f * (a - b);
-        Value(picture, "albedo." + name, x, y) = Albedo(point, c);
-      }
-      Value(picture, "normal.X", x, y) = point.normal;
-      Value(picture, "normal.Z", x, y) = std::sqrt(1 - point.normal * point.normal);
-      Value(picture, "depth.Z", x, y) = point.depth;
-    }
-  }
-  return picture;
-}
-
 LoadedPicture Denoised(const LoadedPicture& picture, int threads = 2) {
   auto denoised = Denoise(picture, "p.exr", threads, {});
   EXPECT_TRUE(denoised) << denoised.error().message;
   return std::move(denoised).value();
-}
-
-// The mean over the pixels of ((R - truth) / truth)^2.
-double Error(LoadedPicture picture, const PaintPoint& paint) {
-  double sum = 0;
-  for (int y = 0; y < picture.height; ++y) {
-    for (int x = 0; x < picture.width; ++x) {
-      const Point point = paint(x, y);
-      const double truth = point.light * Albedo(point, 0);
-      sum += std::pow((Value(picture, "R", x, y) - truth) / truth, 2);
-    }
-  }
-  return sum / (picture.width * picture.height);
 }
 
 bool IsFinite(LoadedPicture picture) {
@@ -114,7 +39,7 @@ TEST(Denoise, RemovesTheNoiseOfSmoothLightAndKeepsTextures) {
     return Point{light, (x / 2 + y / 3) % 2 == 0 ? 0.8f : 0.1f, 0, 1};
   };
   const LoadedPicture noisy = Rendered(80, 70, 0.5f, textured);
-  const double before = Error(noisy, textured), after = Error(Denoised(noisy), textured);
+  const double before = ErrorOf(noisy, textured), after = ErrorOf(Denoised(noisy), textured);
   EXPECT_GT(before, 0.03);
   EXPECT_LT(after, before / 30);
 }
@@ -129,8 +54,8 @@ TEST(Denoise, KeepsEdgesOfFeaturesAndOfLight) {
                  0.5f, x < 20 ? 0.0f : 0.8f, x < 40 ? 1.0f : 2.0f};
   };
   const LoadedPicture noisy = Rendered(80, 60, 0.3f, edges);
-  const double before = Error(noisy, edges);
-  EXPECT_LT(Error(Denoised(noisy), edges), before / 10);
+  const double before = ErrorOf(noisy, edges);
+  EXPECT_LT(ErrorOf(Denoised(noisy), edges), before / 10);
 }
 
 TEST(Denoise, LeavesAPictureWithoutNoiseAsItIs) {
@@ -138,7 +63,7 @@ TEST(Denoise, LeavesAPictureWithoutNoiseAsItIs) {
     return Point{1 + static_cast<float>((x / 9 + y / 7) % 3), 0.3f + 0.1f * static_cast<float>(x % 5), 0, 1};
   };
   LoadedPicture denoised = Denoised(Rendered(50, 40, 0, shapes));
-  EXPECT_LT(Error(denoised, shapes), 2e-4);
+  EXPECT_LT(ErrorOf(denoised, shapes), 2e-4);
 }
 
 TEST(Denoise, GivesTheSameBitsForAnyNumberOfThreads) {
@@ -160,7 +85,7 @@ TEST(Denoise, ShowsNoSeamsBetweenItsTilesAndStrips) {
   };
   // The noise has to be shifted as well.
   LoadedPicture still = shifted(0), moved = still;
-  const size_t row = 70 * kChannels.size();
+  const size_t row = 70 * kNoisyChannels.size();
   std::rotate(moved.values.begin(), moved.values.begin() + static_cast<ptrdiff_t>(32 * row),
               moved.values.end());
   LoadedPicture a = Denoised(still), b = Denoised(moved);
@@ -176,7 +101,7 @@ TEST(Denoise, TakesPicturesOfAnySize) {
     const PaintPoint plain = [](int, int) { return Point{2, 0.5f, 0, 1}; };
     const LoadedPicture denoised = Denoised(Rendered(width, height, 0.2f, plain));
     EXPECT_EQ(denoised.bounds.area(), width * height);
-    EXPECT_LT(Error(denoised, plain), 0.02) << width << "x" << height;
+    EXPECT_LT(ErrorOf(denoised, plain), 0.02) << width << "x" << height;
   }
 }
 
@@ -191,7 +116,7 @@ TEST(Denoise, DarkensFirefliesAndGivesFiniteColorsForAnyInput) {
     for (int x = 0; x < 64; ++x) EXPECT_LT(Value(firefly, "R", x, y), 1) << x << " " << y;
   }
   int k = 0;
-  for (const std::string& channel : kChannels) {
+  for (const std::string& channel : kNoisyChannels) {
     for (const float bad : {kNan, kInfinity, -kInfinity, 3e38f, -3e38f})
       Value(picture, channel, 5 + 3 * (k % 19), 3 * (k / 19) + 2) = bad, ++k;
   }
@@ -215,16 +140,32 @@ TEST(Denoise, KeepsTheNoisyColorsAndAllOtherLayers) {
   LoadedPicture noisy = Rendered(20, 20, 0.5f, [](int, int) { return Point{}; });
   noisy.attributes["tessera:seed"] = "7";
   LoadedPicture once = Denoised(noisy);
-  for (const std::string& channel : kChannels) {
+  for (const std::string& channel : kNoisyChannels) {
     const std::string kept = channel.size() == 1 ? "noisy." + channel : channel;
     for (int i = 0; i < 20; ++i) EXPECT_EQ(Value(once, kept, i, 7), Value(noisy, channel, i, 7)) << kept;
   }
   EXPECT_NE(Value(once, "R", 3, 3), Value(noisy, "R", 3, 3));
   EXPECT_EQ(once.attributes.at("tessera:seed"), "7");
+  EXPECT_EQ(once.attributes.at(kDenoiserAttribute), "regression");
   LoadedPicture twice = Denoised(once);
   EXPECT_EQ(twice.channels.size(), once.channels.size());
   for (const std::string& channel : once.channels)
     EXPECT_EQ(Value(twice, channel, 5, 5), Value(once, channel, 5, 5));
+}
+
+TEST(Denoise, KeepsTheTypesOfChannelsAndTheFormatOfTheFile) {
+  LoadedPicture noisy = Rendered(20, 20, 0.5f, [](int, int) { return Point{}; });
+  for (const std::string& channel : noisy.channels)
+    noisy.types.push_back(channel.size() == 1 ? ExrType::kHalf : ExrType::kFloat);
+  noisy.format = {ExrCompression::kPiz, true, true};
+  const LoadedPicture denoised = Denoised(noisy);
+  EXPECT_EQ(denoised.format, noisy.format);
+  ASSERT_EQ(denoised.types.size(), denoised.channels.size());
+  for (size_t c = 0; c < denoised.channels.size(); ++c) {
+    const std::string& name = denoised.channels[c];
+    const bool is_color = name.size() == 1 || name.starts_with("noisy.");
+    EXPECT_EQ(denoised.types[c], is_color ? ExrType::kHalf : ExrType::kFloat) << name;
+  }
 }
 
 TEST(Denoise, NamesTheLayersThatAreMissing) {
@@ -251,7 +192,7 @@ TEST(Denoise, KnowsHowManySamplesEachHalfHas) {
     }
   }
   picture.attributes["tessera:samplesPerPixel"] = "12";
-  EXPECT_LT(Error(Denoised(picture), plain), 1e-6);
+  EXPECT_LT(ErrorOf(Denoised(picture), plain), 1e-6);
   for (const char* few : {"1", "4"}) {
     picture.attributes["tessera:samplesPerPixel"] = few;
     const auto refused = Denoise(picture, "p.exr", 1, {});
