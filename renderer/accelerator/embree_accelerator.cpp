@@ -4,12 +4,11 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <deque>
 #include <utility>
 
 #include "renderer/accelerator/embree_callbacks.h"
 #include "renderer/accelerator/embree_device.h"
-#include "renderer/accelerator/embree_moving_instance.h"
+#include "renderer/accelerator/embree_moving_instances.h"
 #include "renderer/accelerator/embree_scene.h"
 #include "renderer/shape/hit_refinement.h"
 
@@ -27,8 +26,9 @@ class EmbreeAccelerator : public Accelerator {
 
   Result<void> Build() {
     const auto start = std::chrono::steady_clock::now();
-    groups_.resize(geometry_.groups.size());
+    AddGroups();
     for (size_t i = 0; i < geometry_.instances.size(); ++i) AddInstance(static_cast<uint32_t>(i));
+    AddMovingInstances();
     rtcCommitScene(top_.handle());
     device_->EndBuild();
     build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -68,21 +68,51 @@ class EmbreeAccelerator : public Accelerator {
   // Consecutive false hits after which a ray counts as a miss; even one is rare.
   static constexpr int kFalseHitsMax = 16;
 
+  // Those that have an instance.
+  void AddGroups() {
+    enum class GroupUse : uint8_t { kNone, kMoving, kStill };
+    std::vector<GroupUse> uses(geometry_.groups.size(), GroupUse::kNone);
+    for (const Instance& instance : geometry_.instances) {
+      GroupUse& use = uses[static_cast<size_t>(instance.group)];
+      use = std::max(use, instance.motion < 0 ? GroupUse::kStill : GroupUse::kMoving);
+    }
+    groups_.resize(geometry_.groups.size());
+    for (size_t i = 0; i < groups_.size(); ++i) {
+      if (uses[i] == GroupUse::kNone) continue;
+      const auto use = uses[i] == GroupUse::kMoving ? EmbreeScene::Use::kByUs : EmbreeScene::Use::kByEmbree;
+      groups_[i] = std::make_unique<EmbreeScene>(*device_, geometry_.groups[i].shapes, use);
+      if (groups_[i]->handle() != nullptr) rtcCommitScene(groups_[i]->handle());
+    }
+  }
+
   void AddInstance(uint32_t index) {
     const Instance& instance = geometry_.instances[index];
-    std::unique_ptr<EmbreeScene>& group = groups_[instance.group];
-    if (!group) {
-      group = std::make_unique<EmbreeScene>(*device_, geometry_.groups[instance.group].shapes);
-      rtcCommitScene(group->handle());
+    const EmbreeScene& group = *groups_[static_cast<size_t>(instance.group)];
+    if (group.geometry_count() == 0) return;
+    if (instance.motion >= 0) {
+      moving_.instances.push_back({index, &group, geometry_.InstanceBounds(instance, group.Bounds())});
+      return;
     }
-    if (group->geometry_count() == 0) return;
-    const uint32_t id = static_cast<uint32_t>(top_.geometry_count() + instances_.size());
-    const EmbreeGeometryHandle geometry =
-        instance.motion < 0 ? MakeInstance(instance, *group) : MakeMovingInstance(index, id, *group);
+    Attach(MakeInstance(instance, group));
+    instances_.push_back(index);
+  }
+
+  // After those that stand still.
+  void AddMovingInstances() {
+    if (moving_.instances.empty()) return;
+    moving_.first_id = static_cast<unsigned>(top_.geometry_count() + instances_.size());
+    const EmbreeGeometryHandle geometry(rtcNewGeometry(device_->handle(), RTC_GEOMETRY_TYPE_USER));
+    moving_.Set(geometry.get());
+    Attach(geometry);
+    for (const EmbreeMovingInstance& moving : moving_.instances) instances_.push_back(moving.instance);
+  }
+
+  // As the next geometry of the top level.
+  void Attach(const EmbreeGeometryHandle& geometry) {
     rtcSetGeometryMask(geometry.get(), kAllMask);
     rtcCommitGeometry(geometry.get());
+    const auto id = static_cast<unsigned>(top_.geometry_count() + instances_.size());
     rtcAttachGeometryByID(top_.handle(), geometry.get(), id);
-    instances_.push_back(index);
   }
 
   EmbreeGeometryHandle MakeInstance(const Instance& instance, const EmbreeScene& group) {
@@ -94,18 +124,6 @@ class EmbreeAccelerator : public Accelerator {
       const float growth = std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]);
       origin_max_ = std::min(origin_max_, kTracedCoordinateMax / std::max(1.0f, growth));
     }
-    return geometry;
-  }
-
-  EmbreeGeometryHandle MakeMovingInstance(uint32_t index, unsigned id, const EmbreeScene& group) {
-    const Instance& instance = geometry_.instances[index];
-    RTCBounds bounds;
-    rtcGetSceneBounds(group.handle(), &bounds);
-    const Bounds3 of_group{{bounds.lower_x, bounds.lower_y, bounds.lower_z},
-                           {bounds.upper_x, bounds.upper_y, bounds.upper_z}};
-    moving_.push_back({index, id, group.handle(), geometry_.InstanceBounds(instance, of_group)});
-    EmbreeGeometryHandle geometry(rtcNewGeometry(device_->handle(), RTC_GEOMETRY_TYPE_USER));
-    SetMovingInstance(geometry.get(), &moving_.back());
     return geometry;
   }
 
@@ -145,7 +163,7 @@ class EmbreeAccelerator : public Accelerator {
     hit.instance = context.InstanceOf(query.hit.instID[0]);
     const EmbreeScene& scene =
         hit.instance == Hit::kNoInstance ? top_ : *groups_[geometry_.instances[hit.instance].group];
-    const EmbreeGeometryRecord& record = scene.record(query.hit.geomID);
+    const EmbreeGeometryRecord& record = scene.records()[query.hit.geomID];
     hit.shape = record.shape_index;
     hit.primitive = record.Primitive(query.hit.primID);
     return hit;
@@ -157,7 +175,7 @@ class EmbreeAccelerator : public Accelerator {
   EmbreeScene top_;
   std::vector<std::unique_ptr<EmbreeScene>> groups_;  // null if it has no instance
   std::vector<uint32_t> instances_;                   // those that are not empty
-  std::deque<EmbreeMovingInstance> moving_;           // callbacks hold pointers to them
+  EmbreeMovingInstances moving_;
   // Rays that start farther away would be too large in the space of an instance: they count as misses.
   float origin_max_ = kTracedCoordinateMax;
   double build_seconds_ = 0;

@@ -46,31 +46,40 @@ bool IntersectUserPrimitive(const EmbreeRayContext& context, const EmbreeGeometr
   return false;
 }
 
-void Intersect(const RTCIntersectFunctionNArguments* arguments) {
-  if (!arguments->valid[0]) return;
-  auto* ray_hit = reinterpret_cast<RTCRayHit*>(arguments->rayhit);
-  const auto& record = *static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr);
+void IntersectOne(const EmbreeGeometryRecord& record, unsigned geometry, unsigned primitive,
+                  RTCIntersectContext* context, RTCRayHit* ray_hit) {
   Hit hit;
-  if (!IntersectUserPrimitive(ContextOf(arguments->context), record, arguments->primID, ray_hit->ray.tfar,
-                              &hit)) {
-    return;
-  }
+  if (!IntersectUserPrimitive(ContextOf(context), record, primitive, ray_hit->ray.tfar, &hit)) return;
   ray_hit->ray.tfar = hit.t;
   ray_hit->hit.u = hit.u;
   ray_hit->hit.v = hit.v;
-  ray_hit->hit.primID = arguments->primID;
-  ray_hit->hit.geomID = arguments->geomID;
-  ray_hit->hit.instID[0] = arguments->context->instID[0];
+  ray_hit->hit.primID = primitive;
+  ray_hit->hit.geomID = geometry;
+  ray_hit->hit.instID[0] = context->instID[0];
+}
+
+void OccludeOne(const EmbreeGeometryRecord& record, unsigned primitive, RTCIntersectContext* context,
+                RTCRay* ray) {
+  Hit hit;
+  if (IntersectUserPrimitive(ContextOf(context), record, primitive, ray->tfar, &hit))
+    ray->tfar = -std::numeric_limits<float>::infinity();  // Embree's mark of an occluded ray
+}
+
+void Intersect(const RTCIntersectFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  IntersectOne(*static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr), arguments->geomID,
+               arguments->primID, arguments->context, reinterpret_cast<RTCRayHit*>(arguments->rayhit));
 }
 
 void Occluded(const RTCOccludedFunctionNArguments* arguments) {
   if (!arguments->valid[0]) return;
-  auto* ray = reinterpret_cast<RTCRay*>(arguments->ray);
-  const auto& record = *static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr);
-  Hit hit;
-  if (IntersectUserPrimitive(ContextOf(arguments->context), record, arguments->primID, ray->tfar, &hit)) {
-    ray->tfar = -std::numeric_limits<float>::infinity();  // Embree's mark of an occluded ray
-  }
+  OccludeOne(*static_cast<const EmbreeGeometryRecord*>(arguments->geometryUserPtr), arguments->primID,
+             arguments->context, reinterpret_cast<RTCRay*>(arguments->ray));
+}
+
+// Whether the mask of a ray leaves the record out, as in Embree.
+bool IsMasked(const EmbreeGeometryRecord& record, unsigned mask) {
+  return (mask & MaskOf(*record.shape)) == 0;
 }
 
 Hit HitOf(const EmbreeRayContext& context, const EmbreeGeometryRecord& record,
@@ -121,6 +130,28 @@ void SetUserPrimitiveCallbacks(RTCGeometry geometry) {
   rtcSetGeometryBoundsFunction(geometry, Bounds, nullptr);
   rtcSetGeometryIntersectFunction(geometry, Intersect);
   rtcSetGeometryOccludedFunction(geometry, Occluded);
+}
+
+void TryUserPrimitives(std::span<const EmbreeGeometryRecord> records, RTCIntersectContext* context,
+                       RTCRayHit* ray_hit) {
+  for (unsigned i = 0; i < records.size(); ++i) {
+    if (IsMasked(records[i], ray_hit->ray.mask)) continue;
+    const uint32_t count = records[i].shape->PrimitiveCount();
+    for (uint32_t primitive = 0; primitive < count; ++primitive)
+      IntersectOne(records[i], i, primitive, context, ray_hit);
+  }
+}
+
+void TryUserPrimitives(std::span<const EmbreeGeometryRecord> records, RTCIntersectContext* context,
+                       RTCRay* ray) {
+  for (const EmbreeGeometryRecord& record : records) {
+    if (IsMasked(record, ray->mask)) continue;
+    const uint32_t count = record.shape->PrimitiveCount();
+    for (uint32_t primitive = 0; primitive < count; ++primitive) {
+      OccludeOne(record, primitive, context, ray);
+      if (ray->tfar < 0) return;
+    }
+  }
 }
 
 void SetAlphaFilter(RTCGeometry geometry) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <span>
 
 #include "renderer/accelerator/embree_scene.h"
 #include "renderer/texture/texture.h"
@@ -37,6 +38,12 @@ inline bool IsTraceable(const RTCRay& ray, float origin_max) {
 }
 
 void SetUserPrimitiveCallbacks(RTCGeometry geometry);
+// Searches the primitives of records that Embree has no scene of, as it would. `ray_hit` and `ray` are in the
+// space of the instance that the ray's context names.
+void TryUserPrimitives(std::span<const EmbreeGeometryRecord> records, RTCIntersectContext* context,
+                       RTCRayHit* ray_hit);
+void TryUserPrimitives(std::span<const EmbreeGeometryRecord> records, RTCIntersectContext* context,
+                       RTCRay* ray);
 void SetAlphaFilter(RTCGeometry geometry);
 // Keeps the surface that a shadow ray starts on from occluding it by a rounding error: thin triangles have
 // inexact normals.

@@ -38,6 +38,20 @@ float LongestEdge(const std::vector<Point3>& P, const std::vector<uint32_t>& ind
   return std::sqrt(longest_squared);
 }
 
+// Whether there are no more primitives than are tried as fast as they are searched, none of them Embree's.
+bool AreFewUserPrimitives(std::span<const Shape> shapes) {
+  constexpr uint64_t kFew = 8;
+  uint64_t count = 0;
+  for (const Shape& shape : shapes) {
+    if (IsNeverHit(shape)) continue;
+    const bool is_ours =
+        std::holds_alternative<Quadric>(shape.form) || std::holds_alternative<CurveSet>(shape.form);
+    count += shape.PrimitiveCount();
+    if (!is_ours || count > kFew) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 // NOLINTNEXTLINE(performance-unnecessary-value-param): it is moved once the template is instantiated.
@@ -45,16 +59,35 @@ void EmbreeScene::Add(const EmbreeDevice& device, const ShapeForm auto& form, Em
   AddUserPrimitives(device, form.PrimitiveCount(), std::move(record));
 }
 
-EmbreeScene::EmbreeScene(const EmbreeDevice& device, std::span<const Shape> shapes)
-    : scene_(rtcNewScene(device.handle())) {
-  rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_MEDIUM);
+EmbreeScene::EmbreeScene(const EmbreeDevice& device, std::span<const Shape> shapes, Use use) {
+  records_.reserve(2 * shapes.size());  // a mesh of patches may be two geometries
+  const bool is_left_out = use == Use::kByUs && AreFewUserPrimitives(shapes);
+  if (!is_left_out) {
+    scene_.reset(rtcNewScene(device.handle()));
+    rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_MEDIUM);
+  }
   for (size_t i = 0; i < shapes.size(); ++i) {
     const Shape& shape = shapes[i];
     if (IsNeverHit(shape)) continue;
     EmbreeGeometryRecord record{&shape, static_cast<uint32_t>(i), {}};
-    Dispatch(shape.form, [&](const auto& form) { Add(device, form, std::move(record)); });
+    if (is_left_out) {
+      records_.push_back(std::move(record));
+    } else {
+      Dispatch(shape.form, [&](const auto& form) { Add(device, form, std::move(record)); });
+    }
   }
+}
+
+Bounds3 EmbreeScene::Bounds() const {
+  Bounds3 bounds;
+  if (scene_) {
+    RTCBounds b;
+    rtcGetSceneBounds(scene_.get(), &b);
+    return {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+  }
+  for (const EmbreeGeometryRecord& record : records_) bounds.Add(record.shape->Bounds());
+  return bounds;
 }
 
 void EmbreeScene::Add(const EmbreeDevice& device, const TriangleMesh& mesh, EmbreeGeometryRecord record) {
@@ -106,7 +139,7 @@ void EmbreeScene::Attach(RTCGeometry geometry, EmbreeGeometryRecord record) {
   const SurfaceProperties& surface = record.shape->surface;
   records_.push_back(std::move(record));
   rtcSetGeometryUserData(geometry, &records_.back());
-  rtcSetGeometryMask(geometry, surface.StopsShadowRays() ? kSolidMask : kPassedMask);
+  rtcSetGeometryMask(geometry, MaskOf(*records_.back().shape));
   // Embree calls filters for triangles and quads only; our own primitives need none.
   if (surface.HasAlpha()) {
     SetAlphaFilter(geometry);

@@ -1,7 +1,6 @@
 // One Embree scene: the shapes of a space, top level or a group's.
 #pragma once
 
-#include <deque>
 #include <span>
 #include <vector>
 
@@ -13,6 +12,10 @@ namespace tessera {
 
 // The geometries that a ray can hit: all, or all except those that shadow rays pass.
 enum EmbreeRayMask : unsigned { kSolidMask = 1, kPassedMask = 2, kAllMask = 3 };
+
+inline unsigned MaskOf(const Shape& shape) {
+  return shape.surface.StopsShadowRays() ? kSolidMask : kPassedMask;
+}
 
 // The source of one Embree geometry: a shape, or those of its patches that are (not) parallelograms.
 struct EmbreeGeometryRecord {
@@ -29,11 +32,21 @@ struct EmbreeGeometryRecord {
 // Immutable once committed. The shapes must outlive it.
 class EmbreeScene {
  public:
-  // Adds all shapes except those that are never hit. Geometry ids are 0, 1, 2, ... in order of shapes.
-  EmbreeScene(const EmbreeDevice& device, std::span<const Shape> shapes);
+  enum class Use {
+    kByEmbree,
+    // Where the caller can search a few primitives itself: for those the scene of Embree, which takes some
+    // kilobytes, is left out.
+    kByUs,
+  };
 
+  // Adds all shapes except those that are never hit. Geometry ids are 0, 1, 2, ... in order of shapes.
+  EmbreeScene(const EmbreeDevice& device, std::span<const Shape> shapes, Use use = Use::kByEmbree);
+
+  // Null if it was left out: then all primitives are to be tried (TryUserPrimitives).
   RTCScene handle() const { return scene_.get(); }
+  Bounds3 Bounds() const;  // of the committed scene
   size_t geometry_count() const { return records_.size(); }
+  std::span<const EmbreeGeometryRecord> records() const { return records_; }
   const EmbreeGeometryRecord& record(uint32_t geometry) const { return records_[geometry]; }
 
  private:
@@ -45,7 +58,7 @@ class EmbreeScene {
   void AddUserPrimitives(const EmbreeDevice& device, uint32_t count, EmbreeGeometryRecord record);
   void Attach(RTCGeometry geometry, EmbreeGeometryRecord record);
 
-  std::deque<EmbreeGeometryRecord> records_;  // callbacks hold pointers to them
+  std::vector<EmbreeGeometryRecord> records_;  // never reallocated: callbacks hold pointers to them
   EmbreeSceneHandle scene_;
 };
 

@@ -1,10 +1,14 @@
 #include "renderer/scene/world_builder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
 #include "renderer/math/flat_transform.h"
 #include "renderer/scene/scene_links.h"
+#include "renderer/shape/curve_budget.h"
+#include "renderer/shape/made_triangles.h"
 #include "renderer/shape/reach.h"
 #include "renderer/shape/shape_builder.h"
 #include "renderer/texture/texture_builder.h"
@@ -12,6 +16,12 @@
 
 namespace tessera {
 namespace {
+
+bool MakesTriangles(const Entity& shape) {
+  const auto is_displacement = [](const Parameter& parameter) { return parameter.name == "displacement"; };
+  return shape.kind == "loopsubdiv" ||
+         (shape.kind == "plymesh" && std::ranges::any_of(shape.parameters, is_displacement));
+}
 
 class WorldBuilder {
  public:
@@ -54,6 +64,7 @@ class WorldBuilder {
   Result<void> AddMovingInstance(const Part& part, const AnimatedTransform& world_from_object,
                                  const SourceLocation& place);
   const Bounds3& BoundsOfGroup(int group);
+  void LimitCurves();
   Result<void> AddLights();
 
   const WorldRequest& request_;
@@ -68,7 +79,8 @@ class WorldBuilder {
   std::map<int, Bounds3> group_bounds_;               // of those that move
   std::vector<EmittingShape> emitters_;
   SceneLinks links_;
-  bool has_media_ = false;  // whether any ray can be in a medium
+  uint64_t made_triangles_ = 0;  // by subdivision and displacement
+  bool has_media_ = false;       // whether any ray can be in a medium
 };
 
 // Media are checked even where they are not followed.
@@ -105,8 +117,18 @@ Result<std::vector<Shape>> WorldBuilder::MakeShapes(const ShapeDescription& desc
   world_.has_interfaces |= surface.is_interface;
   surface.light_links = links_.LinksOf(description, object);
   auto shapes = BuildShape(description, surface, transform, request_.files, textures_, diagnostics_);
-  if (shapes && !shapes->empty())
+  if (!shapes) return shapes;
+  if (!shapes->empty())
     world_.passes_shadow_rays |= !surface.is_interface && !shapes->front().surface.StopsShadowRays();
+  if (!MakesTriangles(description.entity)) return shapes;
+  for (const Shape& shape : *shapes) made_triangles_ += shape.PrimitiveCount();
+  if (made_triangles_ > kMadeTrianglesMax) {
+    return ErrorAt(
+        description.entity.location,
+        fmt::format("up to here the scene makes {} triangles by subdivision and displacement; at most "
+                    "{} are possible",
+                    made_triangles_, kMadeTrianglesMax));
+  }
   return shapes;
 }
 
@@ -242,6 +264,28 @@ const Bounds3& WorldBuilder::BoundsOfGroup(int group) {
   return found->second;
 }
 
+void WorldBuilder::LimitCurves() {
+  const std::optional<int> depth = LimitCurvePieces(world_.geometry);
+  if (!depth) return;
+  const auto warn = [&](const std::vector<ShapeDescription>& shapes) {
+    for (const ShapeDescription& shape : shapes) {
+      for (const Parameter& parameter : shape.entity.parameters) {
+        if (parameter.name != "splitdepth" || parameter.integers.empty()) continue;
+        if (parameter.integers[0] <= *depth) continue;
+        diagnostics_.WarnOnce(
+            "splitdepth", parameter.location,
+            fmt::format("\"splitdepth\" is lowered to {} for the curves of the scene, which "
+                        "would have too many pieces; this changes the speed but not the "
+                        "picture",
+                        *depth));
+        return;
+      }
+    }
+  };
+  warn(scene_.shapes);
+  for (const ObjectDescription& object : scene_.objects) warn(object.shapes);
+}
+
 Result<void> WorldBuilder::AddLights() {
   const LightInputs inputs{scene_,         emitters_,       render_from_world_, request_.light_sampler,
                            request_.files, request_.images, world_.textures,    world_.passes_shadow_rays};
@@ -269,6 +313,7 @@ Result<std::vector<EmittingShape>> WorldBuilder::Build() {
   world_.has_subsurface = world_.materials.AnyScattersBelow();
   if (Result<void> added = AddShapes(); !added) return added.error();
   if (Result<void> added = AddGroups(); !added) return added.error();
+  LimitCurves();
   if (Result<void> added = AddInstances(); !added) return added.error();
   const auto moves = [](const LightDescription& light) { return light.world_from_light.IsAnimated(); };
   world_.moves =

@@ -89,7 +89,16 @@ Normal3 CurveSet::RibbonNormal(uint32_t segment, double u) const {
 }
 
 Bounds3 CurveSet::PrimitiveBounds(uint32_t primitive) const {
-  const Piece piece = PieceOf(primitive);
+  return BoundsOf(PieceOf(primitive));
+}
+
+Bounds3 CurveSet::HullBounds() const {
+  Bounds3 bounds;
+  for (uint32_t i = 0; i < segments.size(); ++i) bounds.Add(BoundsOf({i, 0, 1}));
+  return bounds;
+}
+
+Bounds3 CurveSet::BoundsOf(const Piece& piece) const {
   const CurveHull hull = HullOf(Polynomial(piece.segment, {}), piece.u0, piece.u1);
   const double width = std::max(WidthAt(piece.segment, piece.u0), WidthAt(piece.segment, piece.u1));
   const auto half = static_cast<float>(width / 2);

@@ -53,6 +53,8 @@ struct CurveSet {
   uint32_t PrimitiveCount() const { return static_cast<uint32_t>(segments.size() << split_depth); }
   uint64_t Bytes() const;
   Bounds3 PrimitiveBounds(uint32_t primitive) const;
+  // Contains all primitives, and takes no longer to compute for more of them: that of whole segments.
+  Bounds3 HullBounds() const;
 
   bool Intersect(uint32_t primitive, const DoubleRay& ray, double t_max, Crossing* crossing) const;
   // A piece bent so strongly that a line meets it three times lets light that its alpha let pass twice pass
@@ -83,6 +85,7 @@ struct CurveSet {
     const Segment& s = segments[segment];
     return (1 - u) * s.width0 + u * s.width1;
   }
+  Bounds3 BoundsOf(const Piece& piece) const;
   // As seen from `origin`: control points relative to it keep the precision of near curves.
   CurvePolynomial Polynomial(uint32_t segment, Double3 origin) const;
   // The unit normal of a ribbon, along the great circle between those of the ends of the segment.

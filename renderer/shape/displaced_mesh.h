@@ -10,9 +10,6 @@
 
 namespace tessera {
 
-// Triangles of a refined mesh; a mesh of more does not fit into memory in a useful way.
-constexpr uint64_t kDisplacedTrianglesMax = uint64_t{1} << 28;
-
 struct Displacement {
   float edge_length = 1;  // no edge is longer, in rendering space
   Transform render_from_object;
@@ -23,7 +20,8 @@ struct Displacement {
 
 // `mesh` has P, uv, perhaps N, and indices of triangles, all in range. An edge is split in both of the
 // triangles that share it, so that the result has no cracks where the input has none. Normals are those of
-// the moved surface. An error, without a place, if there would be too many triangles.
+// the moved surface. Edges of the resolution of floats are not split. An error, without a place, if there
+// would be more than kMadeTrianglesMax triangles: at once if the area of the mesh shows it.
 Result<MeshData> Displace(MeshData mesh, const Displacement& displacement);
 
 }  // namespace tessera

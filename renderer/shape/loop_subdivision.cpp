@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "renderer/shape/made_triangles.h"
 #include "renderer/util/load_budget.h"
 
 namespace tessera {
@@ -295,9 +296,9 @@ MeshData TakeToLimit(Mesh mesh) {
 
 Result<MeshData> SubdivideLoop(const MeshData& control, int levels) {
   uint64_t triangles = control.indices.size() / 3;
-  for (int i = 0; i < levels && triangles <= kSubdividedTrianglesMax; ++i) triangles *= 4;
-  if (triangles > kSubdividedTrianglesMax)
-    return BadInput(fmt::format("{} levels make more than {} triangles", levels, kSubdividedTrianglesMax));
+  for (int i = 0; i < levels && triangles <= kMadeTrianglesMax; ++i) triangles *= 4;
+  if (triangles > kMadeTrianglesMax)
+    return BadInput(fmt::format("{} levels make more than {} triangles", levels, kMadeTrianglesMax));
   Result<Mesh> mesh = Connect(control);
   if (!mesh) return mesh.error();
   for (int i = 0; i < levels; ++i) {

@@ -8,13 +8,10 @@
 
 namespace tessera {
 
-// Triangles of a subdivided mesh; a mesh of more does not fit into memory in a useful way.
-constexpr uint64_t kSubdividedTrianglesMax = uint64_t{1} << 28;
-
 // Reads P and indices, which are in range and a multiple of three. The result has P, N (not unit, on the back
 // of triangles that are counterclockwise, as pbrt has them) and indices. An error, without a place, if a
 // triangle has a point twice, if more than two triangles share an edge, if neighbours are oriented
-// differently, or if there would be too many triangles.
+// differently, or if there would be more than kMadeTrianglesMax triangles.
 Result<MeshData> SubdivideLoop(const MeshData& control, int levels);
 
 }  // namespace tessera

@@ -13,7 +13,8 @@ namespace {
 
 // Whether what a transform made of the vertices is still in the range of rays.
 bool IsWithinReach(const Shape& shape) {
-  const Bounds3 bounds = shape.Bounds();
+  const auto* const curves = std::get_if<CurveSet>(&shape.form);
+  const Bounds3 bounds = curves != nullptr ? curves->HullBounds() : shape.Bounds();
   const Vec3 most = Max(Abs(bounds.min), Abs(bounds.max));
   return most.x <= kCoordinateMax && most.y <= kCoordinateMax && most.z <= kCoordinateMax;
 }

@@ -131,6 +131,19 @@ inline Geometry MovingScene() {
   geometry.instances.push_back({0, Transform(), static_cast<int>(geometry.motions.size())});
   geometry.motions.emplace_back(std::span(&mirrored, 1));
   geometry.groups[4].shapes[3].surface.alpha = {0.5f, -1};
+  // Small objects, for which no scene of Embree is made.
+  const std::vector<Shape> quadrics = Quadrics(random);
+  for (size_t i = 0; i < 8; ++i) {
+    ShapeGroup group;
+    for (size_t j = 0; j < 1 + i % 3; ++j) group.shapes.push_back(quadrics[3 * i + j]);
+    group.shapes[0].surface.is_interface = i == 5;
+    if (i % 4 == 3) group.shapes[0].surface.alpha = {0.5f, -1};
+    const AnimatedTransform motion({{1, RandomTransform(random, 6)}, {2.5, RandomTransform(random, 6)}});
+    geometry.instances.push_back(
+        {static_cast<int>(geometry.groups.size()), Transform(), static_cast<int>(geometry.motions.size())});
+    geometry.motions.emplace_back(std::span(&motion, 1));
+    geometry.groups.push_back(std::move(group));
+  }
   return geometry;
 }
 

@@ -346,5 +346,32 @@ TEST(Accelerator, EmbreeReportsItsMemory) {
   EXPECT_GT((*made)->statistics().bytes, 100000u);
 }
 
+TEST(Embree, ManySmallObjectsThatMoveTakeLittleMemory) {
+  constexpr int kCount = 2000;
+  TestRandom random(7);
+  Geometry geometry;
+  geometry.times = {0, 1};
+  for (int i = 0; i < kCount; ++i) {
+    const Transform place = Translate(RandomPoint(random, 100));
+    const AnimatedTransform motion({{0, place}, {1, Translate({1, 2, 3}) * place}});
+    geometry.groups.push_back(
+        {{QuadricShape(Quadric::Kind::kSphere, Transform(), 0.7f, -0.7f, 0.7f, 2 * kPi, 0)}});
+    geometry.instances.push_back({i, Transform(), i});
+    geometry.motions.emplace_back(std::span(&motion, 1));
+  }
+  const TextureTable textures;
+  const auto accelerator = Build(geometry, textures);
+  EXPECT_LT(accelerator->statistics().bytes, uint64_t{200} * kCount);
+  Ray ray;
+  ray.o = {0, 0, -500};
+  int hits = 0;
+  for (int i = 0; i < kCount; ++i) {
+    ray.d = geometry.motions[static_cast<size_t>(i)].At(0).ToPoint({0, 0, 0}) - ray.o;
+    Hit hit;
+    if (accelerator->Intersect(ray, &hit)) hits += hit.instance == static_cast<uint32_t>(i);
+  }
+  EXPECT_GT(hits, kCount * 9 / 10);
+}
+
 }  // namespace
 }  // namespace tessera

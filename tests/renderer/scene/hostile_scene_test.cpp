@@ -183,5 +183,23 @@ TEST(HostileScene, OfMediaLightsAndMotionIsRenderedOrRefusedWithItsPlace) {
   ExpectAllRenderedOrRefused(HostileWorlds());
 }
 
+TEST(HostileScene, OfCurvesWithTooManyPiecesIsRenderedFromFewerWithAWarning) {
+  std::string P;
+  for (int i = 0; i < 20'000; ++i) P += fmt::format("{} {} {} ", i % 3, i % 2, i * 1e-4);
+  const std::string curves =
+      "Shape \"curve\" \"string basis\" \"bspline\" \"float width\" 0.01 \"integer splitdepth\" 10 \"point3 "
+      "P\" [ " +
+      P + "]\n";
+  for (const std::string& world :
+       {curves, "ObjectBegin \"hair\" " + curves + "ObjectEnd ObjectInstance \"hair\""}) {
+    const auto scene = Load({"", "", world}, "embree");
+    ASSERT_TRUE(scene) << scene.error().message;
+    const std::string warnings = fmt::format("{}", fmt::join((*scene)->summary().warnings, "\n"));
+    EXPECT_THAT(warnings, testing::ContainsRegex("a.pbrt:4:[0-9]+: \"splitdepth\" is lowered to 7"));
+    ASSERT_EQ((*scene)->summary().accelerators.size(), 1u);
+    EXPECT_LT((*scene)->summary().accelerators[0].bytes, uint64_t{1} << 30);
+  }
+}
+
 }  // namespace
 }  // namespace tessera::hostile_scene

@@ -94,6 +94,23 @@ TEST(DisplacedMesh, OfHugeOrDegenerateTrianglesEnds) {
   EXPECT_TRUE(Displace(point, Flat(1e-30f)));
 }
 
+TEST(DisplacedMesh, OfEdgesShorterThanFloatsResolveEnds) {
+  // A few units in the last place wide: nearly every split is decided by rounding.
+  MeshData far = Kite();
+  for (Point3& p : far.P) p = p * 1e-5f + Vec3{10.3f, 20.7f, 5.1f};
+  for (const float edge : {1e-30f, 1e-7f, 1e-6f}) {
+    const Result<MeshData> mesh = Displace(far, Flat(edge));
+    ASSERT_TRUE(mesh) << mesh.error().message;
+    EXPECT_LT(mesh->indices.size(), 3000u);
+  }
+}
+
+TEST(DisplacedMesh, OfTooManyTrianglesIsRefusedBeforeTheyAreMade) {
+  const Result<MeshData> mesh = Displace(Kite(), Flat(1e-5f));
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.error().message, "edges of length 1e-05 would make more than 67108864 triangles");
+}
+
 TEST(DisplacedMesh, OfAPlyFileTakesItsHeightsFromATexture) {
   const std::string head =
       "Texture \"h\" \"float\" \"scale\" \"float tex\" 0.25 Shape \"plymesh\" \"string filename\" \"uv.ply\" "

@@ -146,7 +146,7 @@ TEST(LoopSubdivision, MeshesThatAreNoSurfaceAreRefused) {
             "triangles 0, 2 and 4 share the edge of points 0 and 1; at most two may");
   mesh.indices = {0, 1, 1};
   EXPECT_EQ(SubdivideLoop(mesh, 1).error().message, "triangle 0 has a point twice");
-  EXPECT_EQ(SubdivideLoop(Tetrahedron(), 40).error().message, "40 levels make more than 268435456 triangles");
+  EXPECT_EQ(SubdivideLoop(Tetrahedron(), 40).error().message, "40 levels make more than 67108864 triangles");
 }
 
 TEST(LoopReader, MakesATriangleMeshWithNormals) {
