@@ -1,10 +1,13 @@
 #include "client/commands/command_line.h"
 
+#include <fmt/format.h>
+
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
 
+#include "client/commands/pbrt_flags.h"
 #include "proto/shell/flags.h"
 
 namespace tessera {
@@ -16,6 +19,17 @@ void AddCommand(const Command& command, CLI::App& app) {
   added.footer(ExamplesText(command.examples));
 }
 
+// `error`, with what to use instead if it is about an unknown flag that is pbrt's.
+Error WithHint(Error error, const std::vector<std::string>& arguments) {
+  for (const std::string& argument : arguments) {
+    const std::string_view flag = std::string_view(argument).substr(0, argument.find('='));
+    const auto hint = PbrtFlagHint(flag);
+    if (hint && error.message.ends_with(fmt::format("unknown flag \"{}\"", flag)))
+      error.message += fmt::format("; pbrt's {} {}", flag, *hint);
+  }
+  return error;
+}
+
 }  // namespace
 
 Result<CommandLine> ParseCommandLine(const std::vector<Command>& commands,
@@ -25,7 +39,7 @@ Result<CommandLine> ParseCommandLine(const std::vector<Command>& commands,
   app.require_subcommand(0, 1);  // a later word with the name of a command is an argument
   for (const Command& command : commands) AddCommand(command, app);
   const auto answer = ParseArguments(app, arguments);
-  if (!answer) return answer.error();
+  if (!answer) return WithHint(answer.error(), arguments);
   if (!answer->empty()) return CommandLine{*answer, nullptr};
   const auto chosen = app.get_subcommands();
   if (chosen.empty()) return BadInput("no command given; \"tessera --help\" lists the commands");

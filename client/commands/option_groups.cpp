@@ -77,6 +77,8 @@ void AddSamplingFlags(CLI::App& app, RenderOptions& render) {
 void AddDebugFlags(CLI::App& app, RenderOptions& render) {
   AddSwitch(app, "--quick", "Render a draft: a quarter of the width and height at 1 sample per pixel",
             render.quick);
+  AddSwitch(app, "--disable-image-textures", "Show textures of images as their mean",
+            render.disable_image_textures);
   AddSwitch(app, "--disable-pixel-jitter", "Sample the centres of pixels and of the lens",
             render.disable_pixel_jitter);
   AddSwitch(app, "--disable-wavelength-jitter", "Give all samples the same wavelengths",

@@ -174,6 +174,7 @@ constexpr Line kLines[] = {
     LineOf<&RenderOptions::accelerator>("accelerator"),
     LineOf<&RenderOptions::aovs>("aov"),
     LineOf<&RenderOptions::crop>("crop"),
+    LineOf<&RenderOptions::disable_image_textures>("disable-image-textures"),
     LineOf<&RenderOptions::disable_pixel_jitter>("disable-pixel-jitter"),
     LineOf<&RenderOptions::disable_texture_filtering>("disable-texture-filtering"),
     LineOf<&RenderOptions::disable_wavelength_jitter>("disable-wavelength-jitter"),

@@ -272,7 +272,8 @@ Result<std::vector<EmittingShape>> SceneBuilder::BuildNamedWorld(const Integrato
                              images_,
                              integrator.light_sampler,
                              data.estimator.integrator.follows_media,
-                             names ? &*names : nullptr};
+                             names ? &*names : nullptr,
+                             options_.disable_image_textures};
   Result<std::vector<EmittingShape>> emitters = BuildWorld(request, &data.world, scene_.diagnostics);
   if (!emitters || !names) return emitters;
   data.mattes = MatteTable(*names, data.world.geometry);

@@ -50,6 +50,7 @@ struct RenderOptions {
   // Switch an Option of the scene on (SceneOptions).
   bool disable_pixel_jitter = false, disable_wavelength_jitter = false, disable_texture_filtering = false;
   bool force_diffuse = false;
+  bool disable_image_textures = false;           // textures of images are their mean everywhere
   std::optional<float> displacement_edge_scale;  // replaces that of the scene
   // A draft: one sample per pixel and a quarter of the width and height, unless they are given.
   bool quick = false;

@@ -31,7 +31,9 @@ class WorldBuilder {
         world_(*world),
         diagnostics_(diagnostics),
         render_from_world_(world->camera.render_from_world()),
-        textures_(request.files, request.images, diagnostics, render_from_world_) {}
+        textures_(request.files, request.images, diagnostics, render_from_world_) {
+    if (request.average_images) textures_.AverageImages();
+  }
 
   Result<std::vector<EmittingShape>> Build();
 

@@ -19,6 +19,7 @@ struct WorldRequest {
   LightSamplerKind light_sampler = LightSamplerKind::kTree;
   bool with_media = false;      // the integrator follows media
   SceneNames* names = nullptr;  // of mattes; null if nothing is named
+  bool average_images = false;  // of textures
 };
 
 // Fills geometry, textures, materials, media and lights of `world`, whose camera is ready. The accelerator

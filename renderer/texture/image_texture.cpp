@@ -149,6 +149,28 @@ Result<const MipMap*> FindMap(ImageCache& images, TextureAssembly& assembly, con
   return map.get();
 }
 
+// The mean of a map as a map of one texel.
+std::shared_ptr<const MipMap> MakeMean(const MipMap& map) {
+  const bool is_color = map.channels() > 1;
+  std::array<float, 3> mean{};
+  for (int channel = 0; channel < (is_color ? 3 : 1); ++channel) {
+    double sum = 0;
+    for (int y = 0; y < map.height(); ++y) {
+      for (int x = 0; x < map.width(); ++x) sum += static_cast<double>(map.Texel(0, x, y, channel));
+    }
+    mean[static_cast<size_t>(channel)] = static_cast<float>(sum / map.width() / map.height());
+  }
+  Image image;
+  image.width = image.height = 1;
+  image.channels = 3;
+  image.channel_names = {"R", "G", "B"};
+  image.chromaticities = map.chromaticities();
+  image.bytes.resize(sizeof mean);
+  std::memcpy(image.bytes.data(), mean.data(), sizeof mean);
+  return std::make_shared<const MipMap>(is_color ? MipMap::Color(image, {0, 1, 2}, WrapMode::kRepeat)
+                                                 : MipMap::Grey(image, 0, WrapMode::kRepeat));
+}
+
 float ReadAnisotropy(ParameterReader& reader) {
   const float anisotropy = reader.Float("maxanisotropy", 8);
   if (anisotropy >= 1) return std::min(anisotropy, kAnisotropyMax);
@@ -160,7 +182,7 @@ float ReadAnisotropy(ParameterReader& reader) {
 
 std::optional<ImageTexture> ReadImageTexture(ParameterReader& reader, ImageCache& images,
                                              TextureAssembly& assembly, Diagnostics& diagnostics,
-                                             std::optional<SpectrumUse> use) {
+                                             std::optional<SpectrumUse> use, bool averages) {
   ImageTexture texture;
   texture.filter = {ReadChoice(reader, "filter", kFilterNames, kFilters), ReadAnisotropy(reader)};
   const WrapMode wrap = ReadChoice(reader, "wrap", kWrapNames, kWraps);
@@ -179,6 +201,10 @@ std::optional<ImageTexture> ReadImageTexture(ParameterReader& reader, ImageCache
     return std::nullopt;
   }
   texture.map = *map;
+  if (averages) {
+    const std::string key = fmt::format("mean {}", static_cast<const void*>(*map));
+    texture.map = assembly.AddMap(key, [&] { return MakeMean(**map); }).get();
+  }
   if (use) texture.color_space = &ColorSpaceOf(texture.map->chromaticities(), reader, diagnostics);
   return texture;
 }

@@ -22,6 +22,10 @@ class TextureBuilder {
                  const Transform& render_from_world);
   ~TextureBuilder();
 
+  // From now on textures of images are their mean everywhere. For drafts.
+  void AverageImages() { averages_images_ = true; }
+  bool averages_images() const { return averages_images_; }
+
   // Adds every texture of a scene, in order. Fails at the first that is invalid, missing or not supported.
   Result<void> Add(const SceneDescription& scene);
 
@@ -49,6 +53,7 @@ class TextureBuilder {
   ImageCache& images_;
   Diagnostics& diagnostics_;
   std::unique_ptr<State> state_;
+  bool averages_images_ = false;
 };
 
 }  // namespace tessera

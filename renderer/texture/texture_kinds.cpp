@@ -180,7 +180,7 @@ typename Maker::Input MakeImage(Maker& maker) {
   TextureBuilder& builder = maker.context.builder;
   std::optional<ImageTexture> image =
       ReadImageTexture(maker.context.reader, builder.images(), maker.context.assembly, builder.diagnostics(),
-                       maker.ImageUse());
+                       maker.ImageUse(), builder.averages_images());
   if (!image) return {};
   image->mapping = mapping;
   return Add(maker, *image);

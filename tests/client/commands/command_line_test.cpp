@@ -61,7 +61,8 @@ TEST(SceneFlags, ReadEveryOption) {
       "s.pbrt --frames 3-9x2 --fps 30 --spp 64 --resolution 640x480 --crop 0,0.5,0.25,1 "
       "--seed 18446744073709551615 --integrator volpath --accelerator bvh --max-depth 9 --tile-size 64 "
       "--exr-type float --noise-threshold 0.05 --aov samples --pixelbounds 1,20,3,40 --quick "
-      "--disable-pixel-jitter --disable-wavelength-jitter --disable-texture-filtering --force-diffuse "
+      "--disable-image-textures --disable-pixel-jitter --disable-wavelength-jitter "
+      "--disable-texture-filtering --force-diffuse "
       "--displacement-edge-scale 0.5");
   EXPECT_EQ(options.path, "s.pbrt");
   EXPECT_EQ(options.frames, (FrameRange{3, 9, 2}));
@@ -84,6 +85,7 @@ TEST(SceneFlags, ReadEveryOption) {
   EXPECT_TRUE(render.disable_pixel_jitter);
   EXPECT_TRUE(render.disable_wavelength_jitter);
   EXPECT_TRUE(render.disable_texture_filtering);
+  EXPECT_TRUE(render.disable_image_textures);
   EXPECT_TRUE(render.force_diffuse);
   EXPECT_EQ(render.displacement_edge_scale, 0.5f);
 }
@@ -161,6 +163,9 @@ TEST(CommandLine, RefusesBadWordsAndNamesWhatIsExpected) {
       {"rendr s.pbrt", "unknown command \"rendr\" (did you mean \"render\"?)"},
       {"render", "SCENE is required"},
       {"render s.pbrt --sp 3", "render: unknown flag \"--sp\" (did you mean \"--spp\"?)"},
+      {"render s.pbrt --outfile a.exr", "unknown flag \"--outfile\"; pbrt's --outfile is -o FILE here"},
+      {"submit s.pbrt --pixelmaterial=3,4", "; pbrt's --pixelmaterial is --aov crypto_material here"},
+      {"render s.pbrt --mse-reference-image a.exr", "\"tessera compare\" measures the error of a picture"},
       {"render s.pbrt --tilesize=3", "unknown flag \"--tilesize\" (did you mean \"--tile-size\"?)"},
       {"render s.pbrt other.pbrt", "render: unexpected word \"other.pbrt\""},
       {"render s.pbrt --spp 0", "--spp: \"0\" is not a whole number from 1 to 1048576"},

@@ -17,13 +17,16 @@ struct Outcome {
   std::vector<float> values;  // of the picture
 };
 
+const std::string kChecker("Pf\n2 2\n-1.0\n\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f\0\0\0\0", 28);
+
 // `settings` come before, `world` after WorldBegin of a picture of 8 x 8 pixels.
 Outcome Render(const std::string& settings, const std::string& world, const RenderOptions& overrides = {}) {
   MemoryFiles files(
       {{"a.pbrt",
         "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 \"bool savefp16\" false\n"
         "Camera \"perspective\"\nSampler \"independent\" \"integer pixelsamples\" 64\n" +
-            settings + "\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n" + world}});
+            settings + "\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n" + world},
+       {"checker.pfm", kChecker}});
   const Result<std::unique_ptr<Scene>> scene = Scene::Load(files, "a.pbrt", overrides, Scene::Depth::kRender);
   if (!scene) {
     ADD_FAILURE() << scene.error().message;
@@ -84,7 +87,7 @@ TEST(Options, DisableTextureFilteringLooksTexturesUpAtPoints) {
           "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nCamera \"perspective\"\n"
           "Sampler \"zsobol\" \"integer pixelsamples\" 1\n" +
               option + "\nWorldBegin\nLightSource \"infinite\"\n" + far_checker},
-         {"checker.pfm", std::string("Pf\n2 2\n-1.0\n\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f\0\0\0\0", 28)}});
+         {"checker.pfm", kChecker}});
     const Result<std::unique_ptr<Scene>> scene = Scene::Load(files, "a.pbrt", {}, Scene::Depth::kRender);
     EXPECT_TRUE(scene) << scene.error().message;
     if (!scene) return 0.0;
@@ -98,6 +101,23 @@ TEST(Options, DisableTextureFilteringLooksTexturesUpAtPoints) {
   };
   EXPECT_LT(contrast(""), 0.3);
   EXPECT_GT(contrast("Option \"disabletexturefiltering\" true"), 0.6);
+}
+
+TEST(Options, DisableImageTexturesShowsTheMeanOfImages) {
+  const auto wall = [](const std::string& reflectance) {
+    return R"(
+      Texture "c" "spectrum" "imagemap" "string filename" "checker.pfm" "float uscale" 2 "string wrap" "black"
+      Material "diffuse" )" +
+           reflectance + R"(
+      Shape "bilinearmesh" "point3 P" [ -9 -9 1  9 -9 1  -9 9 1  9 9 1 ])";
+  };
+  RenderOptions averaged;
+  averaged.disable_image_textures = true;
+  const std::vector<float> mean = Render("", wall("\"texture reflectance\" \"c\""), averaged).values;
+  const std::vector<float> plain = Render("", wall("\"rgb reflectance\" [ 0.5 0.5 0.5 ]")).values;
+  ASSERT_EQ(mean.size(), plain.size());
+  for (size_t i = 0; i < mean.size(); ++i) EXPECT_NEAR(mean[i], plain[i], 2e-3f);
+  EXPECT_NE(Render("", wall("\"texture reflectance\" \"c\"")).values, mean);
 }
 
 TEST(Options, ForceDiffuseKeepsTheAlbedoOfMaterials) {

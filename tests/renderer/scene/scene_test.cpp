@@ -299,7 +299,7 @@ TEST(Scene, RenderOptionsSurviveTheirCodec) {
   options.aovs = {"samples"};
   options.pixel_bounds = {1, 30, 2, 40};
   options.disable_pixel_jitter = options.disable_wavelength_jitter = true;
-  options.disable_texture_filtering = options.force_diffuse = true;
+  options.disable_texture_filtering = options.force_diffuse = options.disable_image_textures = true;
   options.displacement_edge_scale = 0.25f;
   options.quick = true;
   const Result<RenderOptions> decoded = DecodeRenderOptions(EncodeRenderOptions(options));
