@@ -10,6 +10,9 @@ namespace {
 
 // Indices of lights leave a bit free in the light tree.
 constexpr size_t kLightsMax = size_t{1} << 30;
+// Pixels of the pictures of all lights but area lights: each makes maps of its own, of some 20 bytes per
+// pixel.
+constexpr uint64_t kLightPixelsMax = uint64_t{1} << 28;
 
 using SourceReader = SourceLight (*)(ParameterReader& reader, const LightContext& context);
 
@@ -62,6 +65,7 @@ class LightBuilder {
 
  private:
   Result<SourceLight> ReadSource(const LightDescription& description);
+  Result<void> CheckPixels() const;
   Result<void> AddSources();
   Result<void> AddAreas(std::vector<int>* area_lights);
   // Returns the first light of the emitter, or -1 if it does not emit.
@@ -89,7 +93,27 @@ Result<SourceLight> LightBuilder::ReadSource(const LightDescription& description
   return light;
 }
 
+// A small file may use a picture for any number of lights. Files that cannot be read are left to those who
+// need them.
+Result<void> LightBuilder::CheckPixels() const {
+  uint64_t pixels = 0;
+  for (const LightDescription& light : inputs_.scene.lights) {
+    for (const Parameter& parameter : light.entity.parameters) {
+      if (parameter.name != "filename" || parameter.strings.empty() || parameter.strings[0].empty()) continue;
+      const auto image = inputs_.images.Get(parameter.strings[0], std::nullopt);
+      if (!image) return {};
+      pixels += static_cast<uint64_t>((*image)->width) * static_cast<uint64_t>((*image)->height);
+      if (pixels > kLightPixelsMax) {
+        return ErrorAt(parameter.location,
+                       fmt::format("the pictures of the lights have more than {} pixels", kLightPixelsMax));
+      }
+    }
+  }
+  return {};
+}
+
 Result<void> LightBuilder::AddSources() {
+  if (Result<void> checked = CheckPixels(); !checked) return checked;
   for (const LightDescription& description : inputs_.scene.lights) {
     Result<SourceLight> light = ReadSource(description);
     if (!light) return light.error();

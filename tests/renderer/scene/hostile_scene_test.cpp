@@ -183,6 +183,18 @@ TEST(HostileScene, OfMediaLightsAndMotionIsRenderedOrRefusedWithItsPlace) {
   ExpectAllRenderedOrRefused(HostileWorlds());
 }
 
+TEST(HostileScene, OfManyLightsThatShareALargePictureIsRefusedBeforeTheirMapsAreMade) {
+  constexpr size_t kSide = 2048;
+  const std::string light = "LightSource \"infinite\" \"string filename\" \"sky.pfm\"\n";
+  MemoryFiles files(std::map<std::string, std::string>{
+      {"a.pbrt", kHead + std::string(kCamera) + kLights + Repeated(70, light)},
+      {"sky.pfm", "Pf\n2048 2048\n-1.0\n" + std::string(kSide * kSide * 4, '\0')}});
+  const auto scene = Scene::Load(files, "a.pbrt", {}, Scene::Depth::kCheck);
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.error().message,
+            "a.pbrt:68:24: the pictures of the lights have more than 268435456 pixels");
+}
+
 TEST(HostileScene, OfCurvesWithTooManyPiecesIsRenderedFromFewerWithAWarning) {
   std::string P;
   for (int i = 0; i < 20'000; ++i) P += fmt::format("{} {} {} ", i % 3, i % 2, i * 1e-4);
