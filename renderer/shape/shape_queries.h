@@ -1,9 +1,12 @@
 // What a form of shape is asked and what it answers: small values that all forms share.
 #pragma once
 
+#include <cstdint>
+
 #include "renderer/math/ray.h"
 #include "renderer/math/transform.h"
 #include "renderer/shape/double3.h"
+#include "renderer/shape/interaction.h"
 
 namespace tessera {
 
