@@ -1,6 +1,8 @@
 // From the directives of a scene to a LightTable.
 #include <fmt/format.h>
 
+#include <map>
+
 #include "renderer/light/light_data.h"
 #include "renderer/light/light_links.h"
 #include "renderer/util/dispatch.h"
@@ -96,13 +98,18 @@ Result<SourceLight> LightBuilder::ReadSource(const LightDescription& description
 // A small file may use a picture for any number of lights. Files that cannot be read are left to those who
 // need them.
 Result<void> LightBuilder::CheckPixels() const {
+  std::map<std::string, uint64_t> pixels_of;  // by file
   uint64_t pixels = 0;
   for (const LightDescription& light : inputs_.scene.lights) {
     for (const Parameter& parameter : light.entity.parameters) {
       if (parameter.name != "filename" || parameter.strings.empty() || parameter.strings[0].empty()) continue;
-      const auto image = inputs_.images.Get(parameter.strings[0], std::nullopt);
-      if (!image) return {};
-      pixels += static_cast<uint64_t>((*image)->width) * static_cast<uint64_t>((*image)->height);
+      const auto [file, is_new] = pixels_of.try_emplace(parameter.strings[0], 0);
+      if (is_new) {
+        const auto image = inputs_.images.Get(file->first, std::nullopt);
+        if (image)
+          file->second = static_cast<uint64_t>((*image)->width) * static_cast<uint64_t>((*image)->height);
+      }
+      pixels += file->second;
       if (pixels > kLightPixelsMax) {
         return ErrorAt(parameter.location,
                        fmt::format("the pictures of the lights have more than {} pixels", kLightPixelsMax));
