@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <vector>
 
 #include "client/terminal.h"
 #include "proto/shell/console.h"
@@ -47,23 +47,39 @@ std::string BytesText(uint64_t bytes) {
   return WithPrefix(static_cast<double>(bytes)) + "B";
 }
 
-std::string ProgressText(const Progress& progress, const char* worker_noun) {
+std::string ProgressText(const Progress& progress, const char* worker_noun, size_t columns) {
   const double done = static_cast<double>(progress.samples_done);
   const double total = static_cast<double>(progress.samples_total);
   const double percent = total > 0 ? 100 * done / total : 0;
-  std::string text = fmt::format("{:5.1f} %  {}samples of {}samples  {}samples/s  {} {}{}  {} elapsed",
-                                 percent, WithPrefix(done), WithPrefix(total),
-                                 WithPrefix(progress.samples_per_second), progress.workers, worker_noun,
-                                 progress.workers == 1 ? "" : "s", DurationText(progress.elapsed_s));
-  if (progress.frames.total > 1) {
-    text += fmt::format("  {} of {} frames", progress.frames.finished, progress.frames.total);
-  }
+  // In the order in which they are shown. Those with the highest number are left out first; 0: never.
+  struct Part {
+    int dispensable;
+    std::string text;
+  };
+  std::vector<Part> parts{
+      {0, fmt::format("{:5.1f} %", percent)},
+      {4, fmt::format("{}samples of {}samples", WithPrefix(done), WithPrefix(total))},
+      {2, fmt::format("{}samples/s", WithPrefix(progress.samples_per_second))},
+      {1, fmt::format("{} {}{}", progress.workers, worker_noun, progress.workers == 1 ? "" : "s")},
+      {3, fmt::format("{} elapsed", DurationText(progress.elapsed_s))}};
+  if (progress.frames.total > 1)
+    parts.push_back({0, fmt::format("{} of {} frames", progress.frames.finished, progress.frames.total)});
   if (progress.samples_done < progress.samples_total && !progress.has_ended) {
-    text += progress.left_s >= 0 ? fmt::format("  {} left", DurationText(progress.left_s))
-                                 : "  time left unknown";
+    parts.push_back({0, progress.left_s >= 0 ? fmt::format("{} left", DurationText(progress.left_s))
+                                             : "time left unknown"});
   }
-  if (!progress.remark.empty()) text += fmt::format("  ({})", progress.remark);
-  return text;
+  if (!progress.remark.empty()) parts.push_back({0, fmt::format("({})", progress.remark)});
+  const auto joined = [&] {
+    std::string text;
+    for (const Part& part : parts) text += (text.empty() ? "" : "  ") + part.text;
+    return text;
+  };
+  while (joined().size() > columns) {
+    const auto least = std::ranges::max_element(parts, {}, &Part::dispensable);
+    if (least->dispensable == 0) break;
+    parts.erase(least);
+  }
+  return joined();
 }
 
 ProgressLine::ProgressLine(const char* worker_noun)
@@ -89,12 +105,13 @@ void ProgressLine::Finish(const Progress& progress) {
 }
 
 void ProgressLine::Print(const Progress& progress) {
-  const std::string text = ProgressText(progress, worker_noun_);
   if (terminal_) {
     // Fits into one line of the terminal, and clears the rest of a longer one.
-    PrintNote("\r{}\x1b[K", FirstColumns(text, TerminalSizeOf(STDERR_FILENO).columns - 1));
+    const int columns = std::max(TerminalSizeOf(STDERR_FILENO).columns - 1, 1);
+    const std::string text = ProgressText(progress, worker_noun_, static_cast<size_t>(columns));
+    PrintNote("\r{}\x1b[K", FirstColumns(text, columns));
   } else {
-    PrintNote("{}\n", text);
+    PrintNote("{}\n", ProgressText(progress, worker_noun_));
   }
   open_ = terminal_;
 }

@@ -23,8 +23,10 @@ struct Progress {
 };
 
 // "  43.1 %  12.3/28.6 Msamples  1.42 Msamples/s  2 workers  8.7 s elapsed  11 s left". `worker_noun` is what
-// renders, in the singular: "worker" or "thread".
-std::string ProgressText(const Progress& progress, const char* worker_noun);
+// renders, in the singular: "worker" or "thread". What matters least is left out if the text has more than
+// `columns` bytes: samples first, and the percentage, frames, time left and remark never.
+std::string ProgressText(const Progress& progress, const char* worker_noun,
+                         size_t columns = std::string::npos);
 // "4.2 s", "3 min 12 s", "2 h 5 min"
 std::string DurationText(double seconds);
 

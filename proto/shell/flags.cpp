@@ -1,12 +1,15 @@
 #include "proto/shell/flags.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <memory>
+#include <sstream>
 #include <string_view>
 
 #include "proto/shell/log.h"
@@ -71,7 +74,40 @@ std::string UnknownWord(const CLI::App& app) {
   return Complaint(commands.empty() ? "unexpected word" : "unknown command", word, commands);
 }
 
+// The command that was given, or the program.
+const CLI::App& ChosenOf(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return chosen.empty() ? app : *chosen.front();
+}
+
+// Texts that do not fit a terminal continue below their column. Examples, which are copied, and what is not
+// printed on a terminal stay as they are.
+std::string HelpOf(const CLI::App& app) {
+  winsize window{};
+  const bool is_terminal = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0;
+  return is_terminal ? WrappedHelp(app.help(), window.ws_col) : app.help();
+}
+
 }  // namespace
+
+std::string WrappedHelp(const std::string& help, size_t columns) {
+  constexpr size_t kIndent = 30;  // where CLI11 starts descriptions
+  std::string wrapped;
+  bool is_example = false;
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) {
+    is_example = is_example || line == "Examples:";
+    const size_t indent = line.starts_with("  ") && columns > 2 * kIndent ? kIndent : 0;
+    while (!is_example && line.size() > columns) {
+      const size_t end = line.rfind(' ', columns);
+      if (end == std::string::npos || end <= indent || line.find_first_not_of(' ') > end) break;
+      wrapped += line.substr(0, end) + "\n";
+      line = std::string(indent, ' ') + line.substr(end + 1);
+    }
+    wrapped += line + "\n";
+  }
+  return wrapped;
+}
 
 void AddWord(CLI::App& app, const std::string& name, const std::string& type, const std::string& help,
              WordSetter set, Presence presence) {
@@ -153,9 +189,13 @@ Result<std::string> ParseArguments(CLI::App& app, std::vector<std::string> argum
   try {
     app.parse(std::move(arguments));
   } catch (const CLI::CallForHelp&) {
-    return app.help();  // of the command, if one was given
+    return HelpOf(app);  // of the command, if one was given
   } catch (const CLI::CallForVersion&) {
     return fmt::format("{} {}\n", app.get_name(), kSoftwareVersion);
+  } catch (const CLI::RequiredError& e) {
+    const CLI::App& chosen = ChosenOf(app);
+    problem = fmt::format("{}; see: {}{} --help", e.what(), &chosen == &app ? "" : app.get_name() + " ",
+                          chosen.get_name());
   } catch (const CLI::ParseError& e) {
     problem = e.what();
   }

@@ -52,6 +52,10 @@ void AddLogLevel(CLI::App& app, std::string& target);
 // `help` with its default appended, in the one form that all programs use: "... [default: 20G]".
 std::string WithDefault(const std::string& help, const std::string& value);
 
+// Breaks lines of help that have more than `columns` bytes between words, and indents what follows as
+// descriptions are.
+std::string WrappedHelp(const std::string& help, size_t columns);
+
 // Parses the arguments (without the program's name) with the flags of `app` and its subcommands. Returns the
 // text to print if help or the version was asked for, else an empty string. An unknown flag, command or word
 // is bad input; the message suggests the nearest known one.

@@ -99,5 +99,25 @@ TEST(StatusText, ShowsWhyAWorkerIsQuarantined) {
   EXPECT_THAT(WorkerTable({worker}), HasSubstr("quarantined: results differ"));
 }
 
+TEST(ProgressText, LeavesOutWhatMattersLeastInANarrowTerminal) {
+  Progress progress;
+  progress.samples_done = 5'000'000;
+  progress.samples_total = 10'000'000;
+  progress.samples_per_second = 1'000'000;
+  progress.workers = 4;
+  progress.elapsed_s = 5;
+  progress.left_s = 5;
+  progress.frames = {3, 24};
+  const auto fitting = [&](size_t columns) { return ProgressText(progress, "worker", columns); };
+  EXPECT_EQ(
+      fitting(200),
+      " 50.0 %  5.00 Msamples of 10.0 Msamples  1.00 Msamples/s  4 workers  5.0 s elapsed  3 of 24 frames  "
+      "5.0 s left");
+  EXPECT_EQ(fitting(79), " 50.0 %  1.00 Msamples/s  4 workers  5.0 s elapsed  3 of 24 frames  5.0 s left");
+  EXPECT_EQ(fitting(70), " 50.0 %  1.00 Msamples/s  4 workers  3 of 24 frames  5.0 s left");
+  EXPECT_EQ(fitting(50), " 50.0 %  4 workers  3 of 24 frames  5.0 s left");
+  EXPECT_EQ(fitting(1), " 50.0 %  3 of 24 frames  5.0 s left");
+}
+
 }  // namespace
 }  // namespace tessera

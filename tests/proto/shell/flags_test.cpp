@@ -97,5 +97,29 @@ TEST(Flags, HelpAndVersionAreAnswers) {
   EXPECT_EQ(*Parse(values, {"--version"}), std::string("program ") + kSoftwareVersion + "\n");
 }
 
+TEST(Help, IsWrappedBelowItsColumnButForExamples) {
+  const std::string flag = "  --flag N                    ";
+  const std::string column(30, ' ');
+  ASSERT_EQ(flag.size(), column.size());
+  const std::string help = "A line about the program that is rather long\n" + flag +
+                           "Words that do not fit into one line of this terminal at all\n" +
+                           "Examples:\n  # A line that is as long as it is, to be copied into a shell\n";
+  EXPECT_EQ(WrappedHelp(help, 200), help);
+  EXPECT_EQ(WrappedHelp(help, 62), "A line about the program that is rather long\n" + flag +
+                                       "Words that do not fit into one\n" + column +
+                                       "line of this terminal at all\n" +
+                                       "Examples:\n  # A line that is as long as it is, to be copied into a "
+                                       "shell\n");
+  EXPECT_EQ(WrappedHelp("averylongwordthatcannotbebroken", 10), "averylongwordthatcannotbebroken\n");
+  EXPECT_EQ(WrappedHelp("one two three four", 9), "one two\nthree\nfour\n");
+}
+
+TEST(Flags, AMissingWordNamesTheHelp) {
+  CLI::App app("About.", "program");
+  std::string word;
+  AddText(app, "WORD", "", "A word", word, Presence::kRequired);
+  EXPECT_THAT(ParseArguments(app, {}).error().message, HasSubstr("; see: program --help"));
+}
+
 }  // namespace
 }  // namespace tessera
