@@ -99,6 +99,7 @@ constexpr CallRule kCallRules[] = {
     {"Jobs.DrainWorkers", Permission::kControlWorkers, Effect::kChanges},
     {"Jobs.ReleaseWorkers", Permission::kControlWorkers, Effect::kChanges},
     {"Jobs.FetchPicture", Permission::kFetchPictures, Effect::kReads},
+    {"Jobs.JobLog", Permission::kView, Effect::kReads},
     {"Jobs.Health", Permission::kProbe, Effect::kReads},
     {"Work.Synchronize", Permission::kWork, Effect::kWorks, kStateLimits},
     {"Work.ReturnResults", Permission::kWork, Effect::kWorks, kResultsLimits},

@@ -13,6 +13,7 @@
 #include "coordinator/call_gate.h"
 #include "coordinator/core_thread.h"
 #include "coordinator/farm_look.h"
+#include "coordinator/job_log.h"
 #include "coordinator/jobs_service.h"
 #include "coordinator/listener/listener.h"
 #include "coordinator/listener/pending_connections.h"
@@ -52,7 +53,11 @@ bool HasTcpAddress(const CoordinatorOptions& options) {
 // In the order in which they are made; each may use those above it.
 struct Coordinator::Parts {
   Parts(DataDir data_dir, BlobStore blob_store)
-      : directory(std::move(data_dir)), blobs(std::move(blob_store)), pictures(directory.PicturesPath()) {}
+      : directory(std::move(data_dir)),
+        blobs(std::move(blob_store)),
+        pictures(directory.PicturesPath()),
+        job_log(directory.MessagesPath(),
+                [this](std::function<void()> task) { files.lengthy.Post(std::move(task)); }) {}
 
   Result<void> Recover(const CoordinatorOptions& options);
   Result<void> OpenIdentity(const CoordinatorOptions& options);
@@ -68,6 +73,7 @@ struct Coordinator::Parts {
   FilePictures pictures;
   TaskPool spooling{1};
   FileThreads files;
+  JobLog job_log;
   FarmId farm;
   std::unique_ptr<CoreThread> core;
   const std::shared_ptr<PendingConnections> pending = std::make_shared<PendingConnections>();
@@ -94,9 +100,11 @@ Result<void> Coordinator::Parts::Recover(const CoordinatorOptions& options) {
   if (!recovered) return recovered.error();
   for (const std::string& line : recovered->log) spdlog::warn("{}", line);
   farm = recovered->farm->id();
+  if (const std::string problem = job_log.Restore(recovered->farm->Jobs(Instant{})); !problem.empty())
+    spdlog::warn("job_log_lost reason={}", LogText(problem));
   core = std::make_unique<CoreThread>(CoreThread::Parts{
       std::move(recovered->farm), std::move(recovered->journal), std::move(recovered->spool),
-      std::make_unique<PictureWriter>(pictures),
+      std::make_unique<PictureWriter>(pictures), [this](const FarmOutput& output) { job_log.Note(output); },
       [this] { files.lengthy.Post([this] { blobs.FreeReserve(); }); }, [this] { return blobs.IsDiskLow(); }});
   ProbePictures();
   return {};
@@ -168,8 +176,8 @@ Result<void> Coordinator::Parts::ServeWeb(const CoordinatorOptions& options, con
     return {};
   };
   if (options.http || options.https) {
-    api = std::make_shared<WebApi>(MakeWebFarm({*gate, blobs, pictures, downloads, options.data_dir, policy,
-                                                options.insecure, [this] { return LookAtAll(); }}));
+    api = std::make_shared<WebApi>(MakeWebFarm({*gate, blobs, pictures, job_log, downloads, options.data_dir,
+                                                policy, options.insecure, [this] { return LookAtAll(); }}));
   }
   if (options.http) {
     if (auto started = start(*options.http, {}, {}, web); !started) return started;
@@ -191,7 +199,7 @@ Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, Access
                                     [this](std::string_view peer) { pending->Identified(peer); });
   work = std::make_unique<WorkService>(*gate);
   blob_service = std::make_unique<BlobService>(*gate, blobs, files);
-  jobs = std::make_unique<JobsService>(*gate, blobs, pictures, options.data_dir, files);
+  jobs = std::make_unique<JobsService>(*gate, blobs, pictures, job_log, options.data_dir, files);
   if (auto serving = ServeWeb(options, web_policy); !serving) return serving;
   auto listener = Listener::Open(options.listen);
   if (!listener) return listener.error();
@@ -305,6 +313,7 @@ void Coordinator::Stop() {
   parts.files.Stop();
   if (parts.core != nullptr) parts.core->Stop();
   parts.spooling.Stop();
+  parts.job_log.Flush();
 }
 
 }  // namespace tessera

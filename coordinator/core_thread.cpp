@@ -116,6 +116,7 @@ Instant CoreThread::Patience(Instant now) const {
 // Keep, sync, answer.
 void CoreThread::Deliver(FarmOutput output) {
   for (const std::string& line : output.log) spdlog::info("{}", line);
+  parts_.on_output(output);
   for (auto& [frame, node] : std::exchange(output.accepted, {})) parts_.spool->Append(frame, std::move(node));
   for (const Fact& fact : output.facts) {
     parts_.journal->Append(fact);

@@ -78,6 +78,8 @@ class CoreThread {
     std::unique_ptr<Journal> journal;
     std::unique_ptr<Spool> spool;
     std::unique_ptr<PictureWriter> pictures;
+    // Called with each output, on the core thread.
+    std::function<void(const FarmOutput&)> on_output = [](const FarmOutput&) {};
     // Called after each failure to write the journal or the spool: to free some space, on another thread.
     std::function<void()> on_storage_failure = [] {};
     // Whether failures to write are for want of space.

@@ -5,6 +5,7 @@
 #include "coordinator/answer_limit.h"
 #include "coordinator/call_gate.h"
 #include "coordinator/guarded.h"
+#include "coordinator/job_log.h"
 #include "coordinator/picture_stream.h"
 #include "coordinator/picture_writer.h"
 #include "coordinator/submission.h"
@@ -81,8 +82,8 @@ grpc::Status NotFinished(const JobStatus& status, uint32_t frame) {
 }  // namespace
 
 JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures,
-                         const std::string& data_dir, FileThreads& threads)
-    : gate_(gate), blobs_(blobs), pictures_(pictures), threads_(threads) {
+                         const class JobLog& log, const std::string& data_dir, FileThreads& threads)
+    : gate_(gate), blobs_(blobs), pictures_(pictures), log_(log), threads_(threads) {
   streams_.folder = data_dir;
   const auto serve = [this](auto method, const CallRule& rule) {
     MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
@@ -101,6 +102,7 @@ JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const Pic
   serve(&JobsService::DrainWorkers, RuleFor("Jobs.DrainWorkers"));
   serve(&JobsService::ReleaseWorkers, RuleFor("Jobs.ReleaseWorkers"));
   serve(&JobsService::FetchPicture, RuleFor("Jobs.FetchPicture"));
+  serve(&JobsService::JobLog, RuleFor("Jobs.JobLog"));
   serve(&JobsService::Health, RuleFor("Jobs.Health"));
 }
 
@@ -347,6 +349,21 @@ void JobsService::SendFile(PictureStream* stream, FrameId id, const PictureFile&
     });
   };
   SendLater(stream, read, refuse);
+}
+
+grpc::ServerUnaryReactor* JobsService::JobLog(grpc::CallbackServerContext* context,
+                                              const proto::JobLogRequest* request,
+                                              proto::JobLogAnswer* answer) {
+  return gate_.Unary(context, RuleFor("Jobs.JobLog"), [=, this](const UnaryCall& call) {
+    const JobId job{request->job()};
+    const size_t limit = request->limit() == 0 ? kLogEntriesPerCallMax : request->limit();
+    if (limit > kLogEntriesPerCallMax)
+      return call.Finish(ToStatus(BadInput("message refused: limit is out of range")));
+    const auto page = log_.Read(job, request->after(), limit);
+    if (!page) return call.Finish(NoJob(job));
+    Write(*page, *answer);
+    call.Finish(grpc::Status::OK);
+  });
 }
 
 grpc::ServerUnaryReactor* JobsService::Health(grpc::CallbackServerContext* context,

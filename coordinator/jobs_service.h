@@ -13,13 +13,14 @@
 namespace tessera {
 
 class CallGate;
+class JobLog;
 struct FileThreads;
 
 class JobsService final : public proto::Jobs::Service {
  public:
   // The threads must run until every call has ended.
   JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures,
-              const std::string& data_dir, FileThreads& threads);
+              const class JobLog& log, const std::string& data_dir, FileThreads& threads);
   // Finishes what runs in the background. Call it before the server is destroyed, so that every call is
   // answered.
   void Stop() { background_.Stop(); }
@@ -53,6 +54,8 @@ class JobsService final : public proto::Jobs::Service {
                                            proto::WorkersAnswer* answer);
   grpc::ServerWriteReactor<proto::PictureChunk>* FetchPicture(grpc::CallbackServerContext* context,
                                                               const proto::FetchRequest* request);
+  grpc::ServerUnaryReactor* JobLog(grpc::CallbackServerContext* context, const proto::JobLogRequest* request,
+                                   proto::JobLogAnswer* answer);
   grpc::ServerUnaryReactor* Health(grpc::CallbackServerContext* context, const proto::HealthRequest* request,
                                    proto::HealthAnswer* answer);
 
@@ -66,6 +69,7 @@ class JobsService final : public proto::Jobs::Service {
   const CallGate& gate_;
   const BlobStore& blobs_;
   const PictureStore& pictures_;
+  const class JobLog& log_;
   PictureStreams streams_;
   FileThreads& threads_;
   TaskPool background_{1};

@@ -51,6 +51,7 @@ class WebCalls {
   void ChangeWorkers(const WebCaller& caller, std::string_view call, const std::string& which,
                      WebDone<std::vector<WorkerStatus>> done) const;
   WebResult<FrameState> Frame(JobId job, uint32_t frame) const;
+  WebResult<JobLogPage> Log(JobId job, uint64_t after, size_t limit) const;
   WebResult<std::string> Read(JobId job, uint32_t frame, const std::optional<PictureFile>& file) const;
 
  private:
@@ -253,6 +254,12 @@ WebResult<FrameState> WebCalls::Frame(JobId job, uint32_t frame) const {
   return std::move(**state);
 }
 
+WebResult<JobLogPage> WebCalls::Log(JobId job, uint64_t after, size_t limit) const {
+  auto page = parts_.job_log.Read(job, after, limit);
+  if (!page) return WebError{404, fmt::format("there is no job {}", Number(job))};
+  return std::move(*page);
+}
+
 // What was damaged since it was written is not shown. It is made again if that is possible.
 WebResult<std::string> WebCalls::Read(JobId job, uint32_t frame,
                                       const std::optional<PictureFile>& file) const {
@@ -296,6 +303,7 @@ WebFarm MakeWebFarm(WebCallParts parts) {
     calls->ChangeWorkers(caller, call, which, std::move(done));
   };
   farm.frame = [calls](JobId job, uint32_t frame) { return calls->Frame(job, frame); };
+  farm.log = [calls](JobId job, uint64_t after, size_t limit) { return calls->Log(job, after, limit); };
   farm.read = [calls](JobId job, uint32_t frame, const auto& file) { return calls->Read(job, frame, file); };
   return farm;
 }

@@ -8,6 +8,7 @@
 
 #include "coordinator/access.h"
 #include "coordinator/call_gate.h"
+#include "coordinator/job_log.h"
 #include "coordinator/store/picture_store.h"
 #include "coordinator/task_pool.h"
 #include "coordinator/web/api/web_farm.h"
@@ -20,6 +21,7 @@ struct WebCallParts {
   const CallGate& gate;
   const BlobStore& blobs;
   const PictureStore& pictures;
+  const JobLog& job_log;
   TaskPool& background;
   std::string folder;  // for temporary files
   AccessPolicy policy;

@@ -52,6 +52,15 @@ bool IsTag(std::string_view word) {
   return !word.empty() && word.size() <= kTagBytesMax && std::all_of(word.begin(), word.end(), belongs);
 }
 
+const char* MessageLevelName(MessageLevel level) {
+  switch (level) {
+    case MessageLevel::kInfo: return "info";
+    case MessageLevel::kWarning: return "warning";
+    case MessageLevel::kError: return "error";
+  }
+  return "info";
+}
+
 const char* JobStateName(JobState state) {
   switch (state) {
     case JobState::kWaiting: return "waiting";

@@ -245,6 +245,28 @@ struct JobStatus {
   uint64_t submission = 0;
 };
 
+// How much a message to people matters.
+enum class MessageLevel { kInfo, kWarning, kError };
+constexpr MessageLevel kMessageLevelLast = MessageLevel::kError;
+const char* MessageLevelName(MessageLevel level);  // "info", "warning", "error"
+
+// A message of the log of a job.
+struct JobLogEntry {
+  // Larger for every later entry, also across restarts of the coordinator. Numbers are left out.
+  uint64_t number = 0;
+  int64_t unix_time_ms = 0;
+  MessageLevel level = MessageLevel::kInfo;
+  std::string text;
+  bool operator==(const JobLogEntry&) const = default;
+};
+
+struct JobLogPage {
+  std::vector<JobLogEntry> entries;  // oldest first
+  bool has_more = false;             // entries after these
+  bool has_ended = false;            // the job; then no entry follows the last one
+};
+constexpr size_t kLogEntriesPerCallMax = 1000;
+
 struct FrameStatus {
   int32_t number = 0;          // FrameRequest::number
   std::optional<Digest> file;  // of its EXR file, once it can be fetched

@@ -252,6 +252,17 @@ Result<JobStatus> CoordinatorClient::Resume(JobId job) {
   return AskAboutJob(*connection_, &proto::Jobs::Stub::Resume, RequestFor(job), "resume");
 }
 
+Result<JobLogPage> CoordinatorClient::JobLog(JobId job, uint64_t after) {
+  proto::JobLogRequest request;
+  request.set_job(Number(job));
+  request.set_after(after);
+  proto::JobLogAnswer answer;
+  auto asked = Call(*connection_, &proto::Jobs::Stub::JobLog, request, answer,
+                    fmt::format("read the log of job {}", Number(job)));
+  if (!asked) return asked.error();
+  return ReadJobLog(answer);
+}
+
 Result<JobStatus> CoordinatorClient::SetPriority(JobId job, int priority) {
   proto::PriorityRequest request;
   request.set_job(Number(job));

@@ -76,6 +76,8 @@ class CoordinatorClient {
   Result<std::vector<FrameStatus>> Frames(JobId job);
   // Returns the bytes of the OpenEXR file of a frame, given by its index.
   Result<std::string> FetchPicture(JobId job, uint32_t frame, bool preview);
+  // Entries of the job's log with numbers larger than `after`, oldest first.
+  Result<JobLogPage> JobLog(JobId job, uint64_t after);
   // Each returns the status of the job after the change.
   Result<JobStatus> Cancel(JobId job);
   Result<JobStatus> Extend(JobId job, uint32_t samples_per_pixel);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coordinator/core/admission.h"
+#include "coordinator/core/fact_message.h"
 #include "coordinator/core/job_report.h"
 #include "coordinator/core/schedule/policy.h"
 #include "renderer/text/unicode.h"
@@ -40,6 +41,19 @@ void Farm::Advance(Instant now) {
   AnswerResults(now);
   AnswerParked(now);
   for (std::string& line : scheduler.TakeLog()) Log(std::move(line));
+  for (JobMessage& message : scheduler.TakeMessages()) state_.output.messages.push_back(std::move(message));
+}
+
+// Messages about what the farm has done come after those about what led to it.
+FarmOutput Farm::TakeOutput() {
+  FarmOutput output = std::exchange(state_.output, {});
+  for (const Fact& fact : output.facts) {
+    if (auto message = MessageOf(fact, state_.jobs)) output.messages.push_back(std::move(*message));
+  }
+  for (JobMessage& message : output.messages) {
+    if (const Job* const job = state_.jobs.Find(message.job)) message.submission = job->spec->submission;
+  }
+  return output;
 }
 
 Instant Farm::Patience(Instant now) const {
@@ -295,6 +309,17 @@ std::vector<FrameId> Farm::GiveUpSums(const std::set<FrameId>& needed) {
 void Farm::StorageDelayed(const std::string& reason) {
   if (!reason.empty() && reason != state_.storage_reason)
     Log(fmt::format("storage_delayed reason={}", LogText(reason)));
+  // Those whose results cannot be written. There may be thousands of others, which wait all the same.
+  if (reason.empty() != state_.storage_reason.empty()) {
+    for (const JobId id : state_.jobs.open()) {
+      if (state_.jobs.At(id).results.mergers.empty()) continue;
+      if (reason.empty()) {
+        state_.Tell(MessageLevel::kInfo, id, "the coordinator can write its data again");
+      } else {
+        state_.Tell(MessageLevel::kWarning, id, "the coordinator cannot write its data: " + reason);
+      }
+    }
+  }
   state_.storage_reason = reason;
 }
 

@@ -131,7 +131,7 @@ class Farm {
   // Call after each batch of events, and again after at most Patience().
   void Advance(Instant now);
   Instant Patience(Instant now) const;
-  FarmOutput TakeOutput() { return std::exchange(state_.output, {}); }
+  FarmOutput TakeOutput();
 
   const Scheduler& scheduler() const { return state_.scheduler; }
   // What was counted since the start. The shell adds the coordinator's own times.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coordinator/core/fact.h"
+#include "coordinator/core/schedule/job_message.h"
 #include "coordinator/core/schedule/worker_sync.h"
 #include "coordinator/core/spool.h"
 #include "proto/terms.h"
@@ -68,6 +69,7 @@ struct FarmOutput {
   // Of jobs that ended before these frames were complete. Written in the same way.
   std::vector<FinishedPicture> partial_pictures;
   std::vector<std::string> log;  // "event key=value ..."
+  std::vector<JobMessage> messages;
 };
 
 }  // namespace tessera

@@ -27,6 +27,10 @@ struct FarmState {
   std::string storage_reason;  // why the journal or the spool cannot be written now, or empty
   FarmOutput output;
   MembershipLedger membership;
+
+  void Tell(MessageLevel level, JobId job, std::string text) {
+    output.messages.push_back({job, level, std::move(text)});
+  }
 };
 
 }  // namespace tessera

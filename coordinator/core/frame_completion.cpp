@@ -83,6 +83,7 @@ void FrameCompletion::PictureDelayed(Instant now, FrameId id, const std::string&
   if (results.unwritten[id.frame] != text) {
     Log(fmt::format("picture_delayed job={} frame={} reason={}", Number(id.job), id.frame, LogText(reason)));
     results.unwritten[id.frame] = text;
+    state_.Tell(MessageLevel::kWarning, id.job, text);
   }
   pictures_.Wait(id, SumsBytes(job->spec->frames[id.frame].spec), now + kPictureRetry);
 }
@@ -96,6 +97,9 @@ bool FrameCompletion::PictureDamaged(FrameId id, const std::string& reason) {
     return false;
   }
   Log(fmt::format("picture_damaged job={} frame={} reason={}", Number(id.job), id.frame, LogText(reason)));
+  state_.Tell(
+      MessageLevel::kWarning, id.job,
+      fmt::format("the picture of frame {} is made again: {}", job->spec->frames[id.frame].number, reason));
   job->results.remaking.insert(id.frame);
   pictures_.Wait(id, SumsBytes(job->spec->frames[id.frame].spec), Instant{0});
   return true;
@@ -126,6 +130,7 @@ void FrameCompletion::Lose(Job& job, uint32_t frame, const std::string& reason) 
   std::string& known = job.results.lost[frame];
   if (known == text) return;
   known = text;
+  state_.Tell(MessageLevel::kError, job.id, text);
   Log(fmt::format("picture_lost job={} frame={} reason={}", Number(job.id), frame, LogText(reason)));
 }
 

@@ -5,6 +5,7 @@
 //   journal    facts (file_journal.h)
 //   blobs/     scene files by digest (blob_store.h)
 //   pictures/  finished frames (file_pictures.h)
+//   messages   what people are told about jobs (message_file.h)
 //   identity/  keys and certificates (farm_identity.h)
 //   spool/     results of unfinished frames and kept sums of finished ones (file_spool.h)
 #pragma once
@@ -40,6 +41,7 @@ class DataDir {
   std::string SpoolPath() const { return path_ + "/spool"; }
   std::string BlobsPath() const { return path_ + "/blobs"; }
   std::string PicturesPath() const { return path_ + "/pictures"; }
+  std::string MessagesPath() const { return path_ + "/messages"; }
   std::string IdentityPath() const { return path_ + "/identity"; }
 
  private:

@@ -12,6 +12,7 @@ namespace tessera {
 namespace proto {
 class FrameSpec;
 class FramesAnswer;
+class JobLogAnswer;
 class JobSpec;
 class JobStatus;
 class Lease;
@@ -46,6 +47,7 @@ Result<int32_t> ReadPriority(int32_t priority);
 Result<JobSpec> ReadJobSpec(const proto::JobSpec& message);
 Result<JobStatus> ReadJobStatus(const proto::JobStatus& message);
 Result<std::vector<FrameStatus>> ReadFrameStatuses(const proto::FramesAnswer& message);
+Result<JobLogPage> ReadJobLog(const proto::JobLogAnswer& message);
 Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message);
 // Text of people and other programs, in both directions (CleanText): what was written can be read, and what
 // was read can be shown and written again. A reason or notice: at most kReasonBytesMax bytes.
@@ -65,6 +67,7 @@ void Write(const WorkerDirective& value, proto::WorkerDirective& message);
 void Write(const JobSpec& value, proto::JobSpec& message);
 void Write(const JobStatus& value, proto::JobStatus& message);
 void Write(const std::vector<FrameStatus>& value, proto::FramesAnswer& message);
+void Write(const JobLogPage& value, proto::JobLogAnswer& message);
 void Write(const WorkerStatus& value, proto::WorkerStatus& message);
 
 // The message of ReturnResults that goes before `results`.

@@ -190,6 +190,33 @@ void Write(const std::vector<FrameStatus>& value, proto::FramesAnswer& message) 
   }
 }
 
+Result<JobLogPage> ReadJobLog(const proto::JobLogAnswer& message) {
+  if (message.entries_size() > static_cast<int>(kLogEntriesPerCallMax))
+    return BadField("entries", "are too many for one call");
+  JobLogPage page;
+  for (const auto& entry : message.entries()) {
+    if (entry.level() < 0 || entry.level() > static_cast<int>(kMessageLevelLast))
+      return BadField("level", "is unknown");
+    page.entries.push_back({entry.number(), entry.unix_time_ms(), static_cast<MessageLevel>(entry.level()),
+                            CleanReason(entry.text())});
+  }
+  page.has_more = message.has_more();
+  page.has_ended = message.has_ended();
+  return page;
+}
+
+void Write(const JobLogPage& value, proto::JobLogAnswer& message) {
+  for (const JobLogEntry& entry : value.entries) {
+    auto& written = *message.add_entries();
+    written.set_number(entry.number);
+    written.set_unix_time_ms(entry.unix_time_ms);
+    written.set_level(static_cast<proto::MessageLevel>(entry.level));
+    written.set_text(CleanReason(entry.text));
+  }
+  message.set_has_more(value.has_more);
+  message.set_has_ended(value.has_ended);
+}
+
 Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message) {
   if (message.slots() > static_cast<uint32_t>(kSlotsMax)) return BadField("slots", "is beyond the limit");
   WorkerStatus status;

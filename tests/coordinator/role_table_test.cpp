@@ -38,10 +38,11 @@ constexpr Row kTable[] = {
     {"Jobs.Workers", kNo, kAll, kAll, kAll, kNo},      {"Jobs.Frames", kNo, kAll, kAll, kAll, kNo},
     {"Jobs.DrainWorkers", kNo, kNo, kNo, kAll, kNo},   {"Jobs.ReleaseWorkers", kNo, kNo, kNo, kAll, kNo},
     {"Jobs.FetchPicture", kNo, kOwn, kAll, kAll, kNo}, {"Jobs.Health", kAll, kAll, kAll, kAll, kNo},
-    {"Work.Synchronize", kOwn, kNo, kNo, kAll, kNo},   {"Work.ReturnResults", kOwn, kNo, kNo, kAll, kNo},
-    {"Work.ReturnFailure", kOwn, kNo, kNo, kAll, kNo}, {"Access.Join", kNo, kNo, kNo, kNo, kAll},
-    {"Access.Renew", kAll, kAll, kAll, kAll, kNo},     {"Access.IssueToken", kNo, kNo, kNo, kAll, kNo},
-    {"Access.ListAccess", kNo, kNo, kNo, kAll, kNo},   {"Access.Revoke", kNo, kNo, kNo, kAll, kNo},
+    {"Jobs.JobLog", kNo, kAll, kAll, kAll, kNo},       {"Work.Synchronize", kOwn, kNo, kNo, kAll, kNo},
+    {"Work.ReturnResults", kOwn, kNo, kNo, kAll, kNo}, {"Work.ReturnFailure", kOwn, kNo, kNo, kAll, kNo},
+    {"Access.Join", kNo, kNo, kNo, kNo, kAll},         {"Access.Renew", kAll, kAll, kAll, kAll, kNo},
+    {"Access.IssueToken", kNo, kNo, kNo, kAll, kNo},   {"Access.ListAccess", kNo, kNo, kNo, kAll, kNo},
+    {"Access.Revoke", kNo, kNo, kNo, kAll, kNo},
 };
 
 const Row* RowOf(const std::string& method) {

@@ -30,6 +30,8 @@ void FailureHandling::RecordFailure(Instant now, WorkerId worker_id, const WorkU
   ++state_.counters.units_failed;
   state_.log.push_back(fmt::format("unit_failed worker={:016x} name={} unit={} reason={}", Number(worker_id),
                                    LogText(worker.name), LogText(unit.Text()), LogText(reason)));
+  state_.Warn(unit.job, fmt::format("worker {} did not render {}: {}", worker.name,
+                                    UnitText(*state_.jobs.At(unit.job).spec, unit), reason));
   frame.failures.Record({samples, worker_id, worker.name + ": " + reason, now});
   if (const auto fatal = frame.failures.FatalReason(attempts_max_))
     FailJob(unit.job, "a unit cannot be rendered: " + *fatal);
@@ -51,8 +53,11 @@ void FailureHandling::FailScene(Instant now, WorkerId worker_id, const Digest& s
   }
   ++worker->units_failed;
   for (const auto& [id, job] : state_.jobs.open()) {
+    bool is_told = false;
     for (auto& [index, frame] : job->schedule.active) {
       if (frame.scene.key != scene) continue;
+      if (!std::exchange(is_told, true))
+        state_.Warn(id, fmt::format("worker {} did not load the scene: {}", worker->name, reason));
       frame.failures.Record({std::nullopt, worker_id, worker->name + ": " + reason, now});
       if (const auto fatal = frame.failures.FatalReason(attempts_max_))
         FailJob(id, "the scene cannot be loaded: " + *fatal);
@@ -89,6 +94,8 @@ void FailureHandling::Quarantine(WorkerRecord& worker, const std::string& reason
   state_.log.push_back(fmt::format("worker_quarantined worker={:016x} name={} reason={}", Number(worker.id),
                                    LogText(worker.name), LogText(reason)));
   const std::vector<LeaseId> leases = state_.leases.OfWorker(worker.id);
+  for (const auto& [job, units] : state_.leases.UnitsOf(worker.id))
+    state_.Warn(job, fmt::format("worker {} is quarantined: {}", worker.name, reason));
   for (const LeaseId lease : leases) {
     state_.workers.Drop(worker, lease);
     leases_.Return(lease);

@@ -131,6 +131,12 @@ const LeaseTable::Queue& LeaseTable::QueueOf(WorkerId worker) const {
   return found == queues_.end() ? kNone : found->second;
 }
 
+std::map<JobId, size_t> LeaseTable::UnitsOf(WorkerId worker) const {
+  std::map<JobId, size_t> units;
+  for (const LeaseId lease : OfWorker(worker)) ++units[At(lease).lease.unit.job];
+  return units;
+}
+
 void LeaseTable::StartNext(Instant now, WorkerId worker) {
   const auto found = queues_.find(worker);
   if (found == queues_.end()) return;

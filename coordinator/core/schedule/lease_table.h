@@ -96,6 +96,8 @@ class LeaseTable {
   const Queue& QueueOf(WorkerId worker) const;
   // In the order granted.
   const std::vector<LeaseId>& OfWorker(WorkerId worker) const { return QueueOf(worker).leases; }
+  // The number of leases that it has of each job.
+  std::map<JobId, size_t> UnitsOf(WorkerId worker) const;
   // One of the worker's slots became free: the first lease that waits starts now.
   void StartNext(Instant now, WorkerId worker);
   void ForgetWorker(WorkerId worker) { queues_.erase(worker); }

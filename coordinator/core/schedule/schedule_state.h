@@ -7,6 +7,7 @@
 
 #include "coordinator/core/schedule/counters.h"
 #include "coordinator/core/schedule/idle_workers.h"
+#include "coordinator/core/schedule/job_message.h"
 #include "coordinator/core/schedule/job_queue.h"
 #include "coordinator/core/schedule/lease_table.h"
 #include "coordinator/core/schedule/loss_book.h"
@@ -37,6 +38,11 @@ struct ScheduleState {
   FarmCounters counters;
   std::vector<GivenUpTime> given_up;
   std::vector<std::string> log;  // "event key=value ..."
+  std::vector<JobMessage> messages;
+
+  void Warn(JobId job, std::string text) {
+    messages.push_back({job, MessageLevel::kWarning, std::move(text)});
+  }
 };
 
 }  // namespace tessera

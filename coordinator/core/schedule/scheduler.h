@@ -147,6 +147,7 @@ class Scheduler {
   const FarmCounters& counters() const { return state_.counters; }
   // What happened since the last call, one "event key=value ..." each.
   std::vector<std::string> TakeLog() { return std::exchange(state_.log, {}); }
+  std::vector<JobMessage> TakeMessages() { return std::exchange(state_.messages, {}); }
 
  private:
   void Unblock(WorkerRecord& worker);

@@ -40,6 +40,8 @@ VoteOutcome VoteCounting::RecordVote(const WorkUnit& unit, const Vote& vote) {
   if (different > 1) {
     state_.log.push_back(fmt::format("result_disputed unit={} workers={}", LogText(unit.Text()),
                                      LogText(NamesOf(quorum.votes))));
+    state_.Warn(unit.job, fmt::format("workers disagree about {}: {}",
+                                      UnitText(*state_.jobs.At(unit.job).spec, unit), NamesOf(quorum.votes)));
   }
   for (const Vote& dissenter : quorum.dissenters) {
     Distrust(dissenter.worker,

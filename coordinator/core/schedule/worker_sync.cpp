@@ -114,6 +114,11 @@ void WorkerSync::Disconnect(Instant now, WorkerId id, Departure how) {
   ++state_.counters.workers_lost;
   state_.log.push_back(fmt::format("worker_lost worker={:016x} name={} leases={}", Number(id),
                                    LogText(worker->name), state_.leases.OfWorker(id).size()));
+  if (how != Departure::kGoodbye) {
+    for (const auto& [job, units] : state_.leases.UnitsOf(id))
+      state_.Warn(job, fmt::format("worker {} is gone; its {} unit{} go back to the others", worker->name,
+                                   units, units == 1 ? "" : "s"));
+  }
   leases_.ReturnAllOf(id);
   worker->pending.drops.clear();
   state_.workers.UpdateNews(*worker);
@@ -128,6 +133,10 @@ void WorkerSync::Expire(Instant now) {
     ++state_.counters.leases_expired;
     state_.log.push_back(fmt::format("lease_expired lease={} worker={:016x} unit={}", id.number,
                                      Number(record.worker), LogText(record.lease.unit.Text())));
+    const WorkUnit& unit = record.lease.unit;
+    state_.Warn(unit.job,
+                fmt::format("worker {} did not return {} in time", state_.workers.At(record.worker).name,
+                            UnitText(*state_.jobs.At(unit.job).spec, unit)));
     state_.workers.Drop(state_.workers.At(record.worker), id);
     leases_.Return(id);
   }

@@ -286,6 +286,17 @@ json DetailJson(const JobDetail& detail, const FarmView* view) {
   return shown;
 }
 
+json JobLogJson(const JobLogPage& page) {
+  json entries = json::array();
+  for (const JobLogEntry& entry : page.entries) {
+    entries.push_back({{"number", entry.number},
+                       {"unix_time_ms", entry.unix_time_ms},
+                       {"level", MessageLevelName(entry.level)},
+                       {"text", entry.text}});
+  }
+  return {{"entries", std::move(entries)}, {"has_more", page.has_more}, {"has_ended", page.has_ended}};
+}
+
 json WorkerJson(const WorkerStatus& worker) {
   return {{"id", fmt::format("{:016x}", Number(worker.worker))},
           {"name", worker.name},

@@ -21,6 +21,7 @@ std::string JsonText(const nlohmann::json& json);
 nlohmann::json JobJson(const JobStatus& job);
 // `view`: the farm a moment ago, for the names of workers; may be null.
 nlohmann::json DetailJson(const JobDetail& detail, const FarmView* view);
+nlohmann::json JobLogJson(const JobLogPage& page);
 nlohmann::json WorkerJson(const WorkerStatus& worker);
 nlohmann::json FarmJson(const FarmMoment& moment);
 nlohmann::json HistoryJson(const std::vector<HistoryPoint>& history);

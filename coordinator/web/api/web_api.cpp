@@ -166,6 +166,7 @@ HttpResponse WebApi::Run(const Request& request) {
         return WorkersJson(watch_, moment.view, query);
       });
     case WebAction::kJob: return ShowJob(request);
+    case WebAction::kJobLog: return ShowJobLog(request);
     case WebAction::kChangeJob: return ChangeJob(request);
     case WebAction::kChangeWorkers: return ChangeWorkers(request);
     case WebAction::kEvents: return WatchFarm(request);
@@ -210,6 +211,18 @@ HttpResponse WebApi::ShowJob(const Request& request) {
   const auto later = std::make_shared<LaterAnswer>();
   farm_.detail(request.job, static_cast<uint32_t>(frame), GiveTo<JobDetail>(later, show));
   return HttpResponse::Later(later);
+}
+
+HttpResponse WebApi::ShowJobLog(const Request& request) const {
+  uint64_t after = 0, limit = kLogEntriesPerCallMax;
+  if (!ReadNumber(request.query, "after", UINT64_MAX, after))
+    return HttpResponse::JsonError(400, "after: expected a number");
+  if (!ReadNumber(request.query, "limit", kLogEntriesPerCallMax, limit))
+    return HttpResponse::JsonError(400,
+                                   fmt::format("limit: expected a number up to {}", kLogEntriesPerCallMax));
+  const auto page = farm_.log(request.job, after, limit);
+  if (const auto* const error = std::get_if<WebError>(&page)) return Refuse(*error);
+  return Show(JobLogJson(std::get<JobLogPage>(page)));
 }
 
 HttpResponse WebApi::ChangeJob(const Request& request) {

@@ -43,6 +43,7 @@ class WebApi final : public WebContent {
   // `show` makes an answer of the farm as it is now, later.
   HttpResponse ShowFarm(std::function<WebResult<nlohmann::json>(const FarmMoment&)> show);
   HttpResponse ShowJob(const Request& request);
+  HttpResponse ShowJobLog(const Request& request) const;
   HttpResponse ChangeJob(const Request& request);
   HttpResponse ChangeWorkers(const Request& request);
   HttpResponse WatchFarm(const Request& request);

@@ -85,6 +85,8 @@ struct WebFarm {
                      WebDone<std::vector<WorkerStatus>> done)>
       change_workers;
   std::function<WebResult<FrameState>(JobId job, uint32_t frame)> frame;
+  // Entries of the log of a job with numbers larger than `after`.
+  std::function<WebResult<JobLogPage>(JobId job, uint64_t after, size_t limit)> log;
   // The bytes of the EXR file of a frame; without `file`, what was written of one whose job ended early.
   std::function<WebResult<std::string>(JobId job, uint32_t frame, const std::optional<PictureFile>& file)>
       read;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <string>
@@ -81,6 +82,15 @@ inline WebFarm SyntheticFarm(size_t jobs, size_t workers) {
     done(SyntheticView(0, workers).workers);
   };
   farm.frame = [](JobId, uint32_t) { return WebError{404, "there is no such frame"}; };
+  farm.log = [find](JobId job, uint64_t after, size_t limit) -> WebResult<JobLogPage> {
+    const auto found = find(job);
+    if (const auto* const error = std::get_if<WebError>(&found)) return *error;
+    JobLogPage page;
+    for (uint64_t number = std::min<uint64_t>(after, 3) + 1; number <= 3 && page.entries.size() < limit;
+         ++number)
+      page.entries.push_back({number, 1'700'000'000'000, MessageLevel::kWarning, "worker blade-1 is gone"});
+    return page;
+  };
   farm.read = [](JobId, uint32_t, const auto&) { return WebError{404, "there is no such frame"}; };
   farm.run_later = [](auto task) { task(); };
   farm.folder = "/tmp";

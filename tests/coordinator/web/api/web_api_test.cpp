@@ -90,6 +90,18 @@ TEST_F(Interface, BodiesThatAreNotObjectsOfNumbersAreRefused) {
   EXPECT_EQ(Send("POST", path, "", deep).status, 400);
 }
 
+TEST_F(Interface, TheLogOfAJobIsReadInPages) {
+  const json page = Get("jobs/7/log", "limit=2");
+  ASSERT_EQ(page["entries"].size(), 2u);
+  EXPECT_EQ(page["entries"][0]["level"], "warning");
+  EXPECT_EQ(page["entries"][0]["unix_time_ms"], 1'700'000'000'000);
+  EXPECT_EQ(Get("jobs/7/log", "after=2")["entries"][0]["number"], 3);
+  EXPECT_TRUE(Get("jobs/7/log", "after=18446744073709551615")["entries"].is_array());
+  for (const char* query : {"limit=1001", "after=-1", "after=18446744073709551616", "frame=1"})
+    EXPECT_EQ(Send("GET", "/api/v1/jobs/7/log", query).status, 400) << query;
+  EXPECT_EQ(Send("GET", "/api/v1/jobs/5001/log").status, 404);
+}
+
 TEST_F(Interface, UnknownPathsAndMethodsAreRefused) {
   EXPECT_EQ(Send("GET", "/api/v1/nothing").status, 404);
   EXPECT_EQ(Send("GET", "/page/nothing.js").status, 404);
