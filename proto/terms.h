@@ -162,6 +162,7 @@ struct WorkerState {
   bool draining = false;
   bool leaving = false;
   WorkerActivity activity;
+  uint64_t memory_bytes = 0;  // of its process, resident; 0: not known
   std::chrono::milliseconds wait{};
 };
 
@@ -235,6 +236,9 @@ struct JobStatus {
   std::chrono::milliseconds elapsed{};
   std::chrono::milliseconds left{-1};  // negative: unknown
   uint32_t frames_total = 0, frames_finished = 0;
+  // Root of the relMSE that the pictures are expected to have, as --noise-threshold has it; nullopt: not
+  // known.
+  std::optional<double> noise;
   JobTimes times;
   bool paused_by_user = false;  // otherwise `reason` applies, and the job resumes by itself
   // Verification: the share of units requested, units on which two workers agree, units on which workers
@@ -287,7 +291,11 @@ struct WorkerStatus {
   double samples_per_second = 0;           // over the last minute, accepted
   bool fetching = false, loading = false;  // a scene
   std::set<std::string> tags;
+  uint64_t memory_bytes = 0;  // of its process; 0: not known
+  std::vector<JobId> scenes;  // open jobs whose scenes it has in memory, at most kScenesShownMax
+  std::string last_failure;   // what went wrong with the last unit or scene that it failed
 };
+constexpr size_t kScenesShownMax = 8;
 
 }  // namespace tessera
 

@@ -157,6 +157,12 @@ uint64_t UsableMemory() {
   return group ? std::min(machine, group->bytes_max) : machine;
 }
 
+uint64_t ResidentMemory() {
+  uint64_t pages = 0, resident = 0;
+  if (!(std::ifstream("/proc/self/statm") >> pages >> resident)) return 0;
+  return resident * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
 uint64_t DefaultSceneMemory() {
   return UsableMemory() / 2;
 }

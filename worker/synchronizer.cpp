@@ -10,6 +10,7 @@
 #include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
 #include "renderer/text/unicode.h"
+#include "worker/limited_load.h"
 
 namespace tessera {
 namespace {
@@ -88,6 +89,7 @@ void Synchronizer::Start() {
   // The first answer comes immediately: it shows that the coordinator is there and admits this worker.
   if (!connected_) state.wait = {};
   meter_.Fill(state, Clock::now());
+  state.memory_bytes = ResidentMemory();
   call->returned = state.returned_leases;
   Write(state, call->request);
   SetDeadline(call->context, state.wait + kAnswerPatience);
@@ -171,6 +173,7 @@ void Synchronizer::Leave(std::chrono::milliseconds patience) {
   state.sequence = ++self_.sequence;
   workload_.FillState(state);
   meter_.Fill(state, Clock::now());
+  state.memory_bytes = ResidentMemory();
   state.draining = true;
   state.leaving = true;
   state.wait = {};

@@ -61,6 +61,8 @@ nlohmann::ordered_json ToJson(const JobStatus& status) {
   if (status.left.count() >= 0) json["left_s"] = Seconds(status.left);
   json["frames_total"] = status.frames_total;
   json["frames_finished"] = status.frames_finished;
+  json["noise"] = nullptr;
+  if (status.noise) json["noise"] = *status.noise;
   json["times"] = ToJson(status.times);
   if (status.verify_share > 0) {
     json["verify_share"] = status.verify_share;
@@ -89,6 +91,10 @@ nlohmann::ordered_json ToJson(const WorkerStatus& status) {
   json["utilisation"] = status.utilisation;
   json["samples_per_second"] = status.samples_per_second;
   json["tags"] = status.tags;
+  json["memory_bytes"] = status.memory_bytes;
+  json["scenes"] = nlohmann::ordered_json::array();
+  for (const JobId job : status.scenes) json["scenes"].push_back(Number(job));
+  json["last_failure"] = status.last_failure;
   return json;
 }
 

@@ -50,6 +50,7 @@ void FrameCompletion::Complete(Job& job, uint32_t frame) {
     pictures_.Wait(id, bytes, Instant{0});
   }
   job.results.frame_samples[frame] = merger.samples_merged();
+  if (const auto noise = merger.noise()) job.results.noise.Set(frame, *noise);
   if (MayKeepSums()) state_.output.sums.push_back({id, merger.TakeNodes()});
   job.results.mergers.erase(frame);
   job.results.writing.insert(frame);

@@ -1,6 +1,7 @@
 #include "coordinator/core/job_report.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "coordinator/core/schedule/policy.h"
 
@@ -54,6 +55,20 @@ void MeasurePhase(const FarmState& state, Job& job) {
   clock.phase = phase;
 }
 
+// Of the frames of which it is known, those that are being rendered included.
+std::optional<double> NoiseOf(const JobResults& results) {
+  double sum = results.noise.sum();
+  size_t count = results.noise.count();
+  for (const auto& [frame, merger] : results.mergers) {
+    const auto noise = merger.noise();
+    if (!noise) continue;
+    sum += *noise;
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  return std::sqrt(std::max(sum, 0.0) / static_cast<double>(count));
+}
+
 // The rate of the last seconds and the time left at that rate.
 void AddRate(Instant now, const JobResults& results, JobStatus& status) {
   if (results.progress.empty() || now <= results.progress.front().at) return;
@@ -81,6 +96,7 @@ JobStatus StatusOf(const FarmState& state, Instant now, const Job& job) {
   status.samples_total = results.samples_total;
   status.frames_total = static_cast<uint32_t>(job.spec->frames.size());
   status.frames_finished = static_cast<uint32_t>(results.files.size());
+  status.noise = NoiseOf(results);
   status.verify_share = job.spec->verify_share;
   status.units_verified = results.units_verified;
   status.units_disputed = results.units_disputed;

@@ -1,7 +1,7 @@
 // One job: its picture while it refines, what it does, and buttons that change it.
 
 import {get, mayControl, maySeePicture, post} from "./api.js";
-import {count, duration, h, percent, progressBar, setClass, setText} from "./dom.js";
+import {count, duration, h, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
 import {Viewer} from "./viewer.js";
 
 const kTimes = [
@@ -10,6 +10,7 @@ const kTimes = [
   ["writing_s", "writing pictures"], ["other_s", "other jobs"],
 ];
 const kDetailInterval_ms = 1000;
+const kMessagesShown = 500;
 
 export class JobView {
   constructor(job, frame, note) {
@@ -17,7 +18,7 @@ export class JobView {
     this.frame = frame;
     this.note = note;
     this.title = `Job ${job}`;
-    this.messages = [];
+    this.logAfter = 0;
     this.name = h("h1");
     this.state = h("span", {class: "state"});
     this.bar = progressBar("Progress");
@@ -60,6 +61,7 @@ export class JobView {
       this.showFrames(detail);
       this.showTimes(detail.times);
       this.viewer.setUnits(detail.units);
+      this.loadLog();
     } catch (error) {
       if (this.isClosed) return;
       this.missing.hidden = error.status !== 404;
@@ -94,17 +96,32 @@ export class JobView {
     this.bar.value = job.progress;
     setText(this.percent, percent(job.progress));
     this.showFigures(job);
-    if (!before || before.state !== job.state || before.reason !== job.reason || before.priority !== job.priority)
-      this.addMessage(job, before);
+    if (before && (before.state !== job.state || before.priority !== job.priority)) this.loadLog();
     this.enable();
   }
 
-  addMessage(job, before) {
-    const what = before && before.priority !== job.priority ? `priority ${job.priority}` : job.state;
-    const text = job.reason ? `${what}: ${job.reason}` : what;
-    this.log.prepend(h("li", {class: job.state === "failed" ? "error" : ""},
-      h("time", {}, new Date().toLocaleTimeString()), " ", text));
-    while (this.log.children.length > 50) this.log.lastChild.remove();
+  // What happened since the last call: the coordinator keeps the log.
+  async loadLog() {
+    if (this.isLoadingLog) return;
+    this.isLoadingLog = true;
+    try {
+      for (let hasMore = true; hasMore && !this.isClosed;) {
+        const page = await get(`jobs/${this.job}/log`, {after: this.logAfter});
+        for (const entry of page.entries) this.addMessage(entry);
+        hasMore = page.has_more;
+      }
+    } catch (error) { /* asked again with the next detail */ }
+    this.isLoadingLog = false;
+  }
+
+  addMessage(entry) {
+    this.logAfter = entry.number;
+    const time = new Date(entry.unix_time_ms);
+    const isToday = time.toDateString() === new Date().toDateString();
+    this.log.prepend(h("li", {class: entry.level},
+      h("time", {datetime: time.toISOString()}, isToday ? time.toLocaleTimeString() : time.toLocaleString()), " ",
+      entry.level === "info" ? null : h("b", {class: "hidden"}, `${entry.level}: `), entry.text));
+    while (this.log.children.length > kMessagesShown) this.log.lastChild.remove();
   }
 
   showFigures(job) {
@@ -115,6 +132,8 @@ export class JobView {
       ["Samples per pixel", detail.samples_per_pixel ? String(detail.samples_per_pixel) : ""],
       ["Samples", `${count(job.samples_done)} of ${count(job.samples_total)}`],
       ["Samples/s", job.samples_per_second > 0 ? count(job.samples_per_second) : ""],
+      ["Noise reached", noiseText(job.noise)],
+      ["Noise threshold", detail.noise_threshold ? noiseText(detail.noise_threshold) : ""],
       ["Workers", String(job.workers)], ["Elapsed", duration(job.elapsed_s)], ["Time left", duration(job.left_s)],
       ["Frames", job.frames_total > 1 ? `${job.frames_finished} of ${job.frames_total}` : ""],
       ["Scene", detail.scene_file || ""],

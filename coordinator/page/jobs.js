@@ -1,12 +1,12 @@
 // All jobs: small pictures, progress, time left. Fluent with thousands.
 
 import {get, maySeePicture} from "./api.js";
-import {count, duration, h, percent, progressBar, setClass, setText} from "./dom.js";
+import {count, duration, h, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
 import {sortButtons, VirtualList} from "./list.js";
 
 const kColumns = [
   [null, "", "c-picture"], ["id", "Job", "c-name"], ["state", "State", "c-state"], ["progress", "Done", "c-done"],
-  ["left", "Time left", "c-left"], ["rate", "Samples/s", "c-rate"], ["priority", "Priority", "c-priority"],
+  ["noise", "Noise", "c-noise"], ["left", "Time left", "c-left"], ["rate", "Samples/s", "c-rate"], ["priority", "Priority", "c-priority"],
   ["owner", "Owner", "c-owner"],
 ];
 const kStates = [["", "All"], ["open", "Open"], ["running", "Running"], ["waiting", "Waiting"], ["paused", "Paused"],
@@ -77,10 +77,11 @@ function makeRow() {
   const reason = h("small", {class: "reason"});
   const bar = progressBar("Progress");
   const done = h("span", {class: "figure"});
-  const [left, rate, priority, owner] = ["c-left", "c-rate", "c-priority", "c-owner"].map((c) => h("span", {class: c}));
+  const [noise, left, rate, priority, owner] = ["c-noise", "c-left", "c-rate", "c-priority", "c-owner"]
+    .map((c) => h("span", {class: c}));
   const element = h("div", {class: "row job"},
     h("span", {class: "c-picture"}, picture), h("span", {class: "c-name"}, name, number),
-    h("span", {class: "c-state"}, state, reason), h("span", {class: "c-done"}, bar, done), left, rate, priority, owner);
+    h("span", {class: "c-state"}, state, reason), h("span", {class: "c-done"}, bar, done), noise, left, rate, priority, owner);
   let shown = null, pictureDue = 0, pictureOf = "";
   picture.addEventListener("error", () => picture.classList.add("absent"));
   picture.addEventListener("load", () => picture.classList.remove("absent"));
@@ -112,6 +113,7 @@ function makeRow() {
     reason.title = job.reason;
     bar.value = job.progress;
     setText(done, percent(job.progress));
+    setText(noise, noiseText(job.noise));
     const isOpen = ["running", "waiting", "paused"].includes(job.state);
     setText(left, job.left_s !== null ? duration(job.left_s) : isOpen ? "" : `took ${duration(job.elapsed_s)}`);
     setText(rate, isOpen && job.samples_per_second > 0 ? `${count(job.samples_per_second)}/s` : "");

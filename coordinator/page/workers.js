@@ -1,12 +1,12 @@
 // All workers: load and samples/s over the last hour beside the farm's median, failures, and a matrix for thousands.
 
 import {get, me, post} from "./api.js";
-import {count, duration, h, percent, setClass, setText} from "./dom.js";
+import {bytes, count, duration, h, percent, setClass, setText} from "./dom.js";
 import {median, sparkline} from "./chart.js";
 import {sortButtons, VirtualList} from "./list.js";
 
 const kColumns = [["name", "Worker", "w-name"], ["state", "State", "w-state"], ["use", "Load", "w-use"],
-  ["rate", "Samples/s, last hour", "w-rate"], ["failed", "Units", "w-units"], ["silent", "Seen", "w-seen"], [null, "", "w-act"]];
+  ["memory", "Memory", "w-memory"], ["rate", "Samples/s, last hour", "w-rate"], ["failed", "Units", "w-units"], ["silent", "Seen", "w-seen"], [null, "", "w-act"]];
 const kStates = ["rendering", "idle", "loading", "fetching", "draining", "quarantined"];
 const kCell = 14, kGap = 2;
 
@@ -150,16 +150,18 @@ function makeRow(view) {
   const name = h("b"), details = h("small", {class: "soft"});
   const state = h("span", {class: "state"}), reason = h("small", {class: "reason"});
   const use = h("span", {class: "figure"}), useLine = sparkline();
+  const memory = h("span", {class: "figure"}), scenes = h("small", {class: "scenes"});
   const rate = h("span", {class: "figure"}), rateLine = sparkline();
-  const units = h("span", {class: "w-units"}), failed = h("b", {class: "bad"});
+  const units = h("span"), failed = h("b", {class: "bad"});
+  const failure = h("small", {class: "bad failure"});
   const seen = h("span", {class: "w-seen"});
   let worker = null;
   const act = h("button", {type: "button", class: "quiet", onclick: () =>
     view.change(worker, worker.draining || worker.quarantined ? "release" : "drain")});
   act.hidden = me.may["Jobs.DrainWorkers"] !== "all";
   const element = h("div", {class: "row worker"}, h("span", {class: "w-name"}, name, details),
-    h("span", {class: "w-state"}, state, reason), h("span", {class: "w-use"}, useLine.element, use),
-    h("span", {class: "w-rate"}, rateLine.element, rate), h("span", {class: "w-units"}, units, failed), seen,
+    h("span", {class: "w-state"}, state, reason), h("span", {class: "w-use"}, useLine.element, use), h("span", {class: "w-memory"}, memory, scenes),
+    h("span", {class: "w-rate"}, rateLine.element, rate), h("span", {class: "w-units"}, units, failed, failure), seen,
     h("span", {class: "w-act"}, act));
   const show = (data) => {
     worker = data;
@@ -177,6 +179,15 @@ function makeRow(view) {
       `${data.name}: ${count(data.samples_per_second)} samples per second`, view.median);
     setText(units, `${count(data.units_finished)} done`);
     setText(failed, data.units_failed > 0 ? `${data.units_failed} failed` : "");
+    setText(failure, data.last_failure);
+    failure.title = data.last_failure;
+    setText(memory, data.memory_bytes > 0 ? bytes(data.memory_bytes) : "");
+    const loaded = data.scenes.join(" ");
+    if (scenes.dataset.jobs !== loaded) {
+      scenes.dataset.jobs = loaded;
+      scenes.replaceChildren(...data.scenes.flatMap((job, i) => [i > 0 ? ", " : "scene of ",
+        h("a", {href: `#/jobs/${job}`}, `#${job}`)]));
+    }
     setText(seen, data.silent_s < 5 ? "now" : `${duration(data.silent_s)} ago`);
     setText(act, data.draining || data.quarantined ? "Release" : "Drain");
     act.setAttribute("aria-label", `${act.textContent} ${data.name}`);

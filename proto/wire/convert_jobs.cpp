@@ -133,6 +133,7 @@ Result<JobStatus> ReadJobStatus(const proto::JobStatus& message) {
   status.units_suspect = message.units_suspect();
   status.submission = message.submission();
   status.owner = {MemberId{message.owner_member()}, CleanName(message.owner())};
+  if (message.has_noise()) status.noise = ReadMeasure(message.noise());
   return status;
 }
 
@@ -166,6 +167,7 @@ void Write(const JobStatus& value, proto::JobStatus& message) {
   message.set_submission(value.submission);
   message.set_owner(CleanName(value.owner.name));
   message.set_owner_member(Number(value.owner.member));
+  if (value.noise) message.set_noise(*value.noise);
 }
 
 Result<std::vector<FrameStatus>> ReadFrameStatuses(const proto::FramesAnswer& message) {
@@ -239,6 +241,10 @@ Result<WorkerStatus> ReadWorkerStatus(const proto::WorkerStatus& message) {
   auto tags = ReadTags(message.tags(), "tags");
   if (!tags) return tags.error();
   status.tags = std::move(*tags);
+  status.memory_bytes = message.memory_bytes();
+  if (message.scenes_size() > static_cast<int>(kScenesShownMax)) return BadField("scenes", "are too many");
+  for (const uint64_t job : message.scenes()) status.scenes.push_back(JobId{job});
+  status.last_failure = CleanReason(message.last_failure());
   return status;
 }
 
@@ -260,6 +266,9 @@ void Write(const WorkerStatus& value, proto::WorkerStatus& message) {
   message.set_fetching(value.fetching);
   message.set_loading(value.loading);
   for (const std::string& tag : value.tags) message.add_tags(tag);
+  message.set_memory_bytes(value.memory_bytes);
+  for (const JobId job : value.scenes) message.add_scenes(Number(job));
+  message.set_last_failure(CleanReason(value.last_failure));
 }
 
 }  // namespace tessera

@@ -106,6 +106,7 @@ Result<WorkerState> ReadWorkerState(const proto::WorkerState& message) {
   state.leaving = message.leaving();
   state.wait = std::min(std::chrono::milliseconds(message.wait_ms()), kSynchronizeWaitMax);
   state.activity = ReadActivity(message.activity());
+  state.memory_bytes = message.memory_bytes();
   return state;
 }
 
@@ -120,6 +121,7 @@ void Write(const WorkerState& value, proto::WorkerState& message) {
   message.set_build_digest(value.build_digest);
   message.set_probe_digest(value.probe_digest);
   message.set_machine(value.machine);
+  message.set_memory_bytes(value.memory_bytes);
   for (const std::string& tag : value.tags) message.add_tags(tag);
   for (const HeldScene& scene : value.scenes) {
     auto& written = *message.add_scenes();

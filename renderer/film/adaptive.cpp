@@ -16,21 +16,6 @@ double Mean(double sum, double weight) {
   return weight != 0 ? sum / weight : 0;
 }
 
-// q of one pixel (adaptive.h), from its sums in the two halves.
-double PixelNoise(const ChannelLayout& layout, const float* left, const float* right) {
-  const double left_weight = left[layout.weight()];
-  const double right_weight = right[layout.weight()];
-  double total = 0;
-  for (const size_t c : layout.colors()) {
-    const double left_sum = left[c];
-    const double right_sum = right[c];
-    const double mean = Mean(left_sum + right_sum, left_weight + right_weight);
-    const double error = (Mean(left_sum, left_weight) - Mean(right_sum, right_weight)) / 2;
-    total += error * error / (mean * mean + kSquaredMeanFloor);
-  }
-  return total / static_cast<double>(layout.colors().size());
-}
-
 // Row 16 of Pascal's triangle from its middle on: the weights of pixels by their distance. Their standard
 // deviation is 2 pixels.
 constexpr std::array<double, 9> kWeights{12870, 11440, 8008, 4368, 1820, 560, 120, 16, 1};
@@ -87,6 +72,20 @@ std::vector<SampleRange> UnitPartition(const FrameSpec& spec, uint32_t samples) 
     ranges.push_back({begin, DyadicSizeMax(begin, end)});
   }
   return ranges;
+}
+
+double PixelNoise(const ChannelLayout& layout, const float* left, const float* right) {
+  const double left_weight = left[layout.weight()];
+  const double right_weight = right[layout.weight()];
+  double total = 0;
+  for (const size_t c : layout.colors()) {
+    const double left_sum = left[c];
+    const double right_sum = right[c];
+    const double mean = Mean(left_sum + right_sum, left_weight + right_weight);
+    const double error = (Mean(left_sum, left_weight) - Mean(right_sum, right_weight)) / 2;
+    total += error * error / (mean * mean + kSquaredMeanFloor);
+  }
+  return total / static_cast<double>(layout.colors().size());
 }
 
 std::vector<double> EstimateNoise(const ChannelLayout& layout, const TileHalves& halves) {

@@ -75,6 +75,8 @@ struct TileHalves {
   std::span<const float> right;
 };
 
+// q of one pixel, from its records in the two halves.
+double PixelNoise(const ChannelLayout& layout, const float* left, const float* right);
 // The relMSE that the sum of the two halves is expected to have at each pixel; 0 where the pixel has stopped
 // before.
 std::vector<double> EstimateNoise(const ChannelLayout& layout, const TileHalves& halves);

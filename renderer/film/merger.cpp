@@ -115,11 +115,25 @@ Result<Merger::Outcome> Merger::Add(TileNode node) {
   // What was wanted of earlier samples is there.
   if (spec_.IsAdaptive() && node.range.begin > 0)
     node.sums = OnlyPixels(layout_.shape(), pixels, tile.goal.pixels, node.sums);
-  Insert(tile.nodes, pixels, node.range, std::move(node.sums));
+  CountNoise(tile, pixels, -1);
+  Insert(tile, pixels, node.range, std::move(node.sums));
   Decide(tile, bounds.width(), pixels);
+  CountNoise(tile, pixels, 1);
   samples_merged_ += SamplesOfNodes(tile.nodes, pixels);
   samples_total_ += tile.samples_total;
   return Outcome::kMerged;
+}
+
+void Merger::CountNoise(const Tile& tile, size_t pixels, double sign) {
+  if (tile.noise.pixels() == 0) return;
+  const auto area = static_cast<double>(pixels);
+  noise_sum_ += sign * tile.noise.sum() * area / static_cast<double>(tile.noise.pixels());
+  noise_pixels_ += sign * area;
+}
+
+std::optional<double> Merger::noise() const {
+  if (2 * noise_pixels_ < static_cast<double>(spec_.crop.area())) return std::nullopt;
+  return std::max(noise_sum_ / noise_pixels_, 0.0);
 }
 
 uint64_t Merger::SamplesOfNodes(const Nodes& nodes, size_t pixels) const {
@@ -137,7 +151,9 @@ bool Merger::IsDecision(SampleRange range) const {
   return range.begin == 0 && range.size > FirstUnitMax(spec_);
 }
 
-void Merger::Insert(Nodes& nodes, size_t pixels, SampleRange range, SharedSums sums) const {
+void Merger::Insert(Tile& tile, size_t pixels, SampleRange range, SharedSums sums) const {
+  Nodes& nodes = tile.nodes;
+  const size_t records = pixels * layout_.shape().stride();
   std::erase_if(nodes, [&](const auto& node) { return range.Contains(node.first); });
   // Siblings become their parent as long as the parent is a part of the frame's sum.
   std::vector<float> parent;  // empty as long as there is none
@@ -147,8 +163,11 @@ void Merger::Insert(Nodes& nodes, size_t pixels, SampleRange range, SharedSums s
     const SharedSums other = std::move(sibling->second);
     nodes.erase(sibling);
     if (parent.empty()) parent = *sums;
-    MergeSiblings(layout_.shape(), pixels, range.IsLeft() ? parent : *other, range.IsLeft() ? *other : parent,
-                  parent);
+    const std::vector<float>& left = range.IsLeft() ? parent : *other;
+    const std::vector<float>& right = range.IsLeft() ? *other : parent;
+    if (range.Parent().begin == 0)
+      tile.noise.Measure(layout_, std::span(left).first(records), std::span(right).first(records), {});
+    MergeSiblings(layout_.shape(), pixels, left, right, parent);
     range = range.Parent();
   }
   nodes.emplace(range, parent.empty() ? std::move(sums) : SharedSums(std::move(parent)));
@@ -171,10 +190,13 @@ void Merger::Decide(Tile& tile, int width, size_t pixels) const {
     const TileHalves halves{whole.size, width, std::span(*left->second).first(records),
                             std::span(*right->second).first(records)};
     if (tile.goal.samples == whole.size && !tile.goal.is_final) {
-      GoOn(tile, halves, NoisyPixels(layout_, spec_.noise_threshold, halves));
+      PixelMask noisy = NoisyPixels(layout_, spec_.noise_threshold, halves);
+      tile.noise.Measure(layout_, halves.left, halves.right, noisy);
+      GoOn(tile, halves, std::move(noisy));
       if (tile.goal.samples == whole.size) return;
     } else if (whole.size == spec_.samples_per_pixel) {
       tile.goal.pixels = FullPixels(layout_, halves);
+      tile.noise.Measure(layout_, halves.left, halves.right, {});
       tile.samples_total = SamplesToCome(halves, tile.goal.pixels);
     }
     if (!nodes.contains(whole.Sibling())) return;

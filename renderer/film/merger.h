@@ -10,12 +10,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "renderer/film/adaptive.h"
 #include "renderer/film/frame_snapshot.h"
 #include "renderer/film/radiance_tile.h"
 #include "renderer/film/shared_sums.h"
+#include "renderer/film/tile_noise.h"
 
 namespace tessera {
 
@@ -60,6 +62,9 @@ class Merger {
   uint64_t samples_merged() const { return samples_merged_; }  // pixel samples
   // Of pixels that have not stopped: as many as they may come to.
   uint64_t samples_total() const { return samples_total_; }
+  // The relMSE that the picture is expected to have, as far as its last doublings show it; nullopt while
+  // nothing is known of most of it.
+  std::optional<double> noise() const;
   bool Complete() const { return samples_merged_ == samples_total_; }
   // What is merged now. Shares the sums with the merger.
   FrameSnapshot Snapshot() const;
@@ -80,10 +85,12 @@ class Merger {
     Nodes nodes;
     TileGoal goal;
     uint64_t samples_total = 0;  // pixel samples
+    TileNoise noise;
   };
   Result<void> Check(const TileNode& node) const;
   bool IsDecision(SampleRange range) const;
-  void Insert(Nodes& nodes, size_t pixels, SampleRange range, SharedSums sums) const;
+  void Insert(Tile& tile, size_t pixels, SampleRange range, SharedSums sums) const;
+  void CountNoise(const Tile& tile, size_t pixels, double sign);
   void Decide(Tile& tile, int width, size_t pixels) const;
   void GoOn(Tile& tile, const TileHalves& halves, PixelMask pixels) const;
   uint64_t SamplesOfNodes(const Nodes& nodes, size_t pixels) const;
@@ -95,6 +102,7 @@ class Merger {
   std::vector<SampleRange> partition_;
   std::vector<Tile> tiles_;
   uint64_t samples_merged_ = 0, samples_total_ = 0;
+  double noise_sum_ = 0, noise_pixels_ = 0;  // of all tiles, weighted by their area
 };
 
 }  // namespace tessera

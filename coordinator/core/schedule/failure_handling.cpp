@@ -27,6 +27,7 @@ void FailureHandling::RecordFailure(Instant now, WorkerId worker_id, const WorkU
   const TileSamples samples{unit.tile, unit.range};
   if (frame.work.IsDone(samples)) return;
   ++worker.units_failed;
+  worker.last_failure = reason;
   ++state_.counters.units_failed;
   state_.log.push_back(fmt::format("unit_failed worker={:016x} name={} unit={} reason={}", Number(worker_id),
                                    LogText(worker.name), LogText(unit.Text()), LogText(reason)));
@@ -52,6 +53,7 @@ void FailureHandling::FailScene(Instant now, WorkerId worker_id, const Digest& s
     if (state_.leases.At(lease).lease.unit.scene == scene) leases_.Return(lease);
   }
   ++worker->units_failed;
+  worker->last_failure = reason;
   for (const auto& [id, job] : state_.jobs.open()) {
     bool is_told = false;
     for (auto& [index, frame] : job->schedule.active) {

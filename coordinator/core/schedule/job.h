@@ -82,6 +82,22 @@ struct JobClock {
   double render_s = 0, waste_s = 0;  // of slots, on this job
 };
 
+// The noise of complete frames (Merger::noise).
+class NoiseOfFrames {
+ public:
+  void Set(uint32_t frame, double noise) {
+    double& known = by_frame_[frame];
+    sum_ += noise - known;
+    known = noise;
+  }
+  double sum() const { return sum_; }
+  size_t count() const { return by_frame_.size(); }
+
+ private:
+  std::map<uint32_t, double> by_frame_;
+  double sum_ = 0;
+};
+
 // What came in for a job and what became of it; the farm's part.
 struct JobResults {
   struct Progress {
@@ -96,6 +112,7 @@ struct JobResults {
   std::set<uint32_t> writing;                    // frames that are complete and not written
   std::map<uint32_t, PictureFile> files;         // of frames that are written
   std::map<uint32_t, uint64_t> frame_samples;    // pixel samples of frames that are complete
+  NoiseOfFrames noise;                           // of frames that this process completed
   std::set<uint32_t> remaking;                   // frames whose damaged file is made again from their sums
   std::map<uint32_t, std::string> unwritten;     // why attempts to write the pictures of frames failed
   std::map<uint32_t, std::string> lost;          // why files are damaged or missing and cannot be made again

@@ -156,6 +156,25 @@ void Scheduler::CountAccepted(WorkerId id, uint64_t pixel_samples, double render
   if (WorkerRecord* const worker = state_.workers.Find(id)) worker->pace.Accept(pixel_samples);
 }
 
+std::vector<WorkerStatus> Scheduler::Workers(Instant now) const {
+  std::map<Digest, JobId> jobs;  // of one scene the oldest
+  for (const auto& [id, job] : state_.jobs.open()) {
+    for (const auto& [index, frame] : job->schedule.active) jobs.try_emplace(frame.scene.key, id);
+  }
+  std::vector<WorkerStatus> all = state_.workers.Statuses(now, state_.leases);
+  for (WorkerStatus& status : all) {
+    std::set<JobId> scenes;
+    for (const auto& [key, is_ready] : state_.workers.Find(status.worker)->scenes) {
+      const auto job = jobs.find(key);
+      if (is_ready && job != jobs.end()) scenes.insert(job->second);
+    }
+    for (const JobId job : scenes) {
+      if (status.scenes.size() < kScenesShownMax) status.scenes.push_back(job);
+    }
+  }
+  return all;
+}
+
 uint32_t Scheduler::WorkersOf(JobId job) const {
   return static_cast<uint32_t>(state_.leases.ShareOf(job).holders.size());
 }

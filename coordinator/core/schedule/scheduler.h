@@ -133,7 +133,7 @@ class Scheduler {
   LeaseGrants TakeGrants(Instant now, WorkerId worker) { return sync_.TakeGrants(now, worker); }
 
   // ---- For people ----
-  std::vector<WorkerStatus> Workers(Instant now) const { return state_.workers.Statuses(now, state_.leases); }
+  std::vector<WorkerStatus> Workers(Instant now) const;
   uint32_t WorkersOf(JobId job) const;
   // Why no worker can do anything for the job; empty if one can or the job is not open.
   std::string Obstacle(JobId job) const;

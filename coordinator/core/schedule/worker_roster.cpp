@@ -63,6 +63,7 @@ std::pair<WorkerRecord*, bool> WorkerRoster::Admit(Instant now, const WorkerStat
   worker.name = state.name;
   worker.software_version = state.software_version;
   worker.tags = state.tags;
+  worker.memory_bytes = state.memory_bytes;
   worker.machine = state.machine;
   worker.slots = state.slots;
   worker.is_leaving = state.draining;
@@ -335,6 +336,8 @@ std::vector<WorkerStatus> WorkerRoster::Statuses(Instant now, const LeaseTable& 
     status.fetching = worker.is_fetching;
     status.loading = worker.is_loading();
     status.tags = worker.tags;
+    status.memory_bytes = worker.memory_bytes;
+    status.last_failure = worker.last_failure;
     all.push_back(std::move(status));
   }
   return all;

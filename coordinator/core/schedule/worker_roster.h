@@ -62,7 +62,9 @@ struct WorkerRecord {
   PendingDirective pending;
   std::set<LeaseId> revoked;  // the latest that were taken away on purpose: not to be taken over again
 
+  uint64_t memory_bytes = 0;  // of its process; 0: not known
   uint64_t units_finished = 0, units_failed = 0;
+  std::string last_failure;  // its reason
   int strikes = 0;
   int units_since_strike = 0;
 

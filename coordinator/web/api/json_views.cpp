@@ -147,6 +147,10 @@ ListRules<JobStatus> JobRules(const Query& query) {
        [](const Job& job) {
          return SortKey{job.samples_per_second, ""};
        }},
+      {"noise",
+       [](const Job& job) {
+         return SortKey{job.noise.value_or(-1), ""};
+       }},
       {"left",
        [](const Job& job) {
          return SortKey{SecondsOf(job.left), ""};
@@ -199,6 +203,10 @@ ListRules<WorkerStatus> WorkerRules(const Query& query, const FarmWatch* history
        [](const Worker& worker) {
          return SortKey{worker.speed, ""};
        }},
+      {"memory",
+       [](const Worker& worker) {
+         return SortKey{static_cast<double>(worker.memory_bytes), ""};
+       }},
       {"failed",
        [](const Worker& worker) {
          return SortKey{static_cast<double>(worker.units_failed), ""};
@@ -241,8 +249,10 @@ json JobJson(const JobStatus& job) {
              {"workers", job.workers},
              {"elapsed_s", SecondsOf(job.elapsed)},
              {"left_s", nullptr},
+             {"noise", nullptr},
              {"frames_total", job.frames_total},
              {"frames_finished", job.frames_finished}};
+  if (job.noise) shown["noise"] = *job.noise;
   if (job.left.count() >= 0 && !HasEnded(job.state)) shown["left_s"] = SecondsOf(job.left);
   return shown;
 }
@@ -298,6 +308,8 @@ json JobLogJson(const JobLogPage& page) {
 }
 
 json WorkerJson(const WorkerStatus& worker) {
+  json scenes = json::array();
+  for (const JobId job : worker.scenes) scenes.push_back(Number(job));
   return {{"id", fmt::format("{:016x}", Number(worker.worker))},
           {"name", worker.name},
           {"state", StateOf(worker)},
@@ -311,6 +323,9 @@ json WorkerJson(const WorkerStatus& worker) {
           {"speed", worker.speed},
           {"units_finished", worker.units_finished},
           {"units_failed", worker.units_failed},
+          {"memory_bytes", worker.memory_bytes},
+          {"scenes", std::move(scenes)},
+          {"last_failure", worker.last_failure},
           {"silent_s", SecondsOf(worker.silent)},
           {"draining", worker.draining},
           {"quarantined", worker.quarantined}};

@@ -144,5 +144,34 @@ TEST_F(ReportStage, UtilisationCoversTheLastMinute) {
   EXPECT_NEAR(farm.Workers(now)[0].utilisation, 1, kExact);
 }
 
+TEST_F(ReportStage, TheNoiseOfAJobIsKnownFromItsFirstDoublingOn) {
+  job = *farm.Submit(now, spec);
+  SetScene(true, false);
+  Step(seconds(0));
+  Return({0, 2}, 1);
+  Step(seconds(1));
+  EXPECT_FALSE(farm.Status(now, job)->noise);
+  Return({2, 2}, 1);
+  Step(seconds(1));
+  ASSERT_TRUE(farm.Status(now, job)->noise) << "the frame is complete";
+  EXPECT_EQ(*farm.Status(now, job)->noise, 0) << "all samples are equal";
+}
+
+TEST_F(ReportStage, WorkersShowTheirMemoryTheirScenesAndTheirLastFailure) {
+  job = *farm.Submit(now, spec);
+  worker.memory_bytes = 123'456'789;
+  SetScene(true, false);
+  Step(seconds(1));
+  farm.FailScene(now, WorkerId{1}, Digest{}, "of a scene that it was not asked for");
+  ASSERT_EQ(farm.Workers(now).size(), 1u);
+  EXPECT_EQ(farm.Workers(now)[0].memory_bytes, 123'456'789u);
+  EXPECT_EQ(farm.Workers(now)[0].scenes, std::vector<JobId>{job});
+  EXPECT_EQ(farm.Workers(now)[0].last_failure, "");
+  farm.FailScene(now, WorkerId{1}, SceneKey(spec->package, "scene", "", spec->frames[0].spec),
+                 "out of memory");
+  EXPECT_EQ(farm.Workers(now)[0].last_failure, "out of memory");
+  EXPECT_TRUE(farm.Workers(now)[0].scenes.empty());
+}
+
 }  // namespace
 }  // namespace tessera

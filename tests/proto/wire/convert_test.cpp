@@ -38,6 +38,7 @@ WorkUnit GoodUnit() {
 
 WorkerState GoodState() {
   WorkerState state;
+  state.memory_bytes = 9'000;
   state.worker = WorkerId{77};
   state.sequence = 5;
   state.name = "machine";
@@ -95,6 +96,7 @@ TEST(Convert, WorkerStateSurvives) {
   EXPECT_EQ(read->returned_leases, (std::vector{LeaseId{2, 98}}));
   EXPECT_EQ(read->tags, GoodState().tags);
   EXPECT_EQ(read->wait.count(), 2000);
+  EXPECT_EQ(read->memory_bytes, 9'000u);
 }
 
 TEST(Convert, DirectiveSurvives) {
@@ -145,6 +147,9 @@ TEST(Convert, StatusSurvives) {
   status.owner = {MemberId{9}, "ada"};
   proto::JobStatus message;
   Write(status, message);
+  EXPECT_FALSE(ReadJobStatus(message)->noise) << "not known";
+  status.noise = 0.25;
+  Write(status, message);
   const auto read = ReadJobStatus(message);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->state, JobState::kPaused);
@@ -159,6 +164,41 @@ TEST(Convert, StatusSurvives) {
   EXPECT_EQ(read->units_suspect, 8u);
   EXPECT_EQ(read->frames_total, 5u);
   EXPECT_EQ(read->owner, status.owner);
+  EXPECT_EQ(read->noise, 0.25);
+}
+
+TEST(Convert, WhatAWorkerHoldsSurvives) {
+  WorkerStatus status;
+  status.worker = WorkerId{1};
+  status.memory_bytes = 5'000'000'000;
+  status.scenes = {JobId{3}, JobId{4}};
+  status.last_failure = "no room";
+  proto::WorkerStatus message;
+  Write(status, message);
+  const auto read = ReadWorkerStatus(message);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->memory_bytes, 5'000'000'000u);
+  EXPECT_EQ(read->scenes, status.scenes);
+  EXPECT_EQ(read->last_failure, "no room");
+  for (size_t i = 0; i < kScenesShownMax; ++i) message.add_scenes(1);
+  EXPECT_FALSE(ReadWorkerStatus(message));
+}
+
+TEST(Convert, AJobLogSurvivesAndHasALimit) {
+  const JobLogPage page{
+      {{5, 1'700'000'000'000, MessageLevel::kWarning, "worker blade-1 is gone"}}, true, false};
+  proto::JobLogAnswer message;
+  Write(page, message);
+  const auto read = ReadJobLog(message);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->entries, page.entries);
+  EXPECT_TRUE(read->has_more);
+  EXPECT_FALSE(read->has_ended);
+  message.mutable_entries(0)->set_level(static_cast<proto::MessageLevel>(3));
+  EXPECT_FALSE(ReadJobLog(message));
+  message.mutable_entries(0)->set_level(proto::MESSAGE_LEVEL_ERROR);
+  for (size_t i = 0; i < kLogEntriesPerCallMax; ++i) message.add_entries();
+  EXPECT_FALSE(ReadJobLog(message));
 }
 
 TEST(Convert, RefusesHostileUnits) {
