@@ -72,13 +72,15 @@ FrameSnapshot::Preview FrameSnapshot::MakePreview(int64_t values_max) const {
   return preview;
 }
 
-// Sums are shared and never change, so the same sums are at the same address.
-bool FrameSnapshot::IsSameTile(int tile, const FrameSnapshot& other) const {
+const FrameSnapshot::TileNodes& FrameSnapshot::NodesOf(int tile) const {
   static const TileNodes kNothing;
   const auto index = static_cast<size_t>(tile);
-  const TileNodes& nodes = index < tiles_.size() ? tiles_[index] : kNothing;
-  const TileNodes& others = index < other.tiles_.size() ? other.tiles_[index] : kNothing;
-  return std::ranges::equal(nodes, others, [](const auto& a, const auto& b) {
+  return index < tiles_.size() ? tiles_[index] : kNothing;
+}
+
+// Sums are shared and never change, so the same sums are at the same address.
+bool FrameSnapshot::IsSameTile(int tile, const FrameSnapshot& other) const {
+  return std::ranges::equal(NodesOf(tile), other.NodesOf(tile), [](const auto& a, const auto& b) {
     return a.first == b.first && a.second.operator->() == b.second.operator->();
   });
 }

@@ -48,6 +48,7 @@ class FrameSnapshot {
   Preview MakePreview(int64_t values_max) const;
 
   const FrameSpec& spec() const { return spec_; }
+  const TileNodes& NodesOf(int tile) const;
   // Whether a tile shows the same as in another snapshot of the frame. May be false if it does.
   bool IsSameTile(int tile, const FrameSnapshot& other) const;
   // What Picture shows of one tile, at the pixels of the crop whose row and column are multiples of `step`.

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "coordinator/web/api/picture_layers.h"
 #include "proto/identity/subject.h"
 
 namespace tessera {
@@ -291,6 +292,10 @@ json DetailJson(const JobDetail& detail, const FarmView* view) {
     shown["height"] = first.spec.height;
     shown["samples_per_pixel"] = first.spec.samples_per_pixel;
     shown["noise_threshold"] = first.spec.noise_threshold;
+    json layers = json::array();
+    for (const PictureLayer& layer : LayersOf(first.spec))
+      layers.push_back({{"name", layer.name}, {"channels", layer.channels}});
+    shown["layers"] = std::move(layers);
     shown["can_extend"] = first.extendable && !first.spec.IsAdaptive();
   }
   return shown;

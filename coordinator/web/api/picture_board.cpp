@@ -1,7 +1,6 @@
 #include "coordinator/web/api/picture_board.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 
 namespace tessera {
@@ -10,13 +9,12 @@ class PictureBoard::Painting {
  public:
   explicit Painting(PictureBoard& board) : board_(board) {}
 
-  void Set(int x, int y, const float* values, const ColorPlaces& colors) {
+  void Set(int x, int y, const float* values) {
     const auto index = static_cast<size_t>(y / kRegionSize * board_.columns_ + x / kRegionSize);
     const PixelBounds& bounds = board_.regions_[index].bounds;
-    const std::array<float, kPictureChannels> rgb{values[colors[0]], values[colors[1]], values[colors[2]]};
     if (index != last_) message_ = &MessageOf(index);
     last_ = index;
-    SetPixel(board_.shape_, bounds, x, y, rgb, *message_);
+    SetPixel(board_.shape_, bounds, x, y, {values, board_.shape_.channels}, *message_);
   }
   void Publish() {
     const std::lock_guard lock(board_.mutex_);
@@ -59,9 +57,23 @@ void PictureBoard::Begin(const PictureShape& shape) {
   ++pictures_;
 }
 
+LayerPainter PictureBoard::PainterOf(const FrameSpec& spec) const {
+  if (auto layer = FindLayer(spec, layer_)) return LayerPainter(std::move(*layer));
+  return LayerPainter(LayersOf(spec).front());
+}
+
+void PictureBoard::Paint(const FramePicture& picture, Painting& painting) const {
+  const float* values = picture.values.data();
+  for (int y = picture.bounds.y0; y < picture.bounds.y1; ++y) {
+    for (int x = picture.bounds.x0; x < picture.bounds.x1; ++x, values += picture.channels.size())
+      painting.Set(x, y, values);
+  }
+}
+
 void PictureBoard::Show(const FrameSnapshot& snapshot) {
   const FrameSpec& spec = snapshot.spec();
-  const PictureShape shape = ShapeOf(spec, kLivePixelsMax);
+  const LayerPainter painter = PainterOf(spec);
+  const PictureShape shape = ShapeOf(spec, painter.layer(), kLiveValuesMax);
   const bool is_same_frame = shape == shape_ && spec.TileCount() == shown_.spec().TileCount() &&
                              spec.tile_size == shown_.spec().tile_size;
   if (!is_same_frame) {
@@ -71,32 +83,20 @@ void PictureBoard::Show(const FrameSnapshot& snapshot) {
   Painting painting(*this);
   for (int tile = 0; tile < spec.TileCount(); ++tile) {
     if (snapshot.IsSameTile(tile, shown_)) continue;
-    const FramePicture picture = snapshot.TilePicture(tile, shape.step);
-    const ColorPlaces colors = FindColors(picture.channels);
-    const float* values = picture.values.data();
-    for (int y = picture.bounds.y0; y < picture.bounds.y1; ++y) {
-      for (int x = picture.bounds.x0; x < picture.bounds.x1; ++x, values += picture.channels.size())
-        painting.Set(x, y, values, colors);
-    }
+    if (const auto picture = painter.Tile(snapshot, tile, shape.step)) Paint(*picture, painting);
   }
   painting.Publish();
   shown_ = snapshot;
 }
 
 void PictureBoard::Show(const FrameSpec& spec, const LoadedPicture& picture) {
-  const PictureShape shape = ShapeOf(spec, kLivePixelsMax);
   if (picture.bounds != spec.crop || picture.channels.empty()) return;
+  const LayerPainter painter = PainterOf(spec);
+  const PictureShape shape = ShapeOf(spec, painter.layer(), kLiveValuesMax);
   if (shape != shape_) Begin(shape);
   shown_ = {};
-  const ColorPlaces colors = FindColors(picture.channels);
   Painting painting(*this);
-  for (int y = 0; y < shape.height; ++y) {
-    for (int x = 0; x < shape.width; ++x) {
-      const auto row = static_cast<size_t>(y * shape.step) * static_cast<size_t>(picture.bounds.width());
-      const size_t pixel = row + static_cast<size_t>(x * shape.step);
-      painting.Set(x, y, &picture.values[pixel * picture.channels.size()], colors);
-    }
-  }
+  if (const auto shown = painter.File(spec, picture, shape.step)) Paint(*shown, painting);
   painting.Publish();
 }
 

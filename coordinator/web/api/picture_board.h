@@ -6,6 +6,7 @@
 #include <mutex>
 #include <vector>
 
+#include "coordinator/web/api/layer_painter.h"
 #include "coordinator/web/api/picture_format.h"
 #include "coordinator/web/http_response.h"
 #include "renderer/film/frame_snapshot.h"
@@ -13,8 +14,8 @@
 
 namespace tessera {
 
-// 1920 x 1080 pixels: some 25 MB of floats for each frame that is watched.
-constexpr int64_t kLivePixelsMax = int64_t{1} << 21;
+// 1920 x 1080 pixels in colour: some 25 MB of floats for each layer of a frame that is watched.
+constexpr int64_t kLiveValuesMax = 3 * (int64_t{1} << 21);
 constexpr int kRegionSize = 64;  // pixels: a changed tile costs 25 KB of halves
 
 class PictureBoard {
@@ -26,6 +27,9 @@ class PictureBoard {
     std::vector<uint64_t> regions;
     size_t next = 0;
   };
+
+  // `layer`: its name (picture_layers.h). A frame without it shows its colours.
+  explicit PictureBoard(std::string layer = "") : layer_(std::move(layer)) {}
 
   // ---- Of the writer ----
   // Shows what differs from the last snapshot.
@@ -49,8 +53,11 @@ class PictureBoard {
     uint64_t version = 0;
   };
   class Painting;
+  LayerPainter PainterOf(const FrameSpec& spec) const;
   void Begin(const PictureShape& shape);
+  void Paint(const FramePicture& picture, Painting& painting) const;
 
+  const std::string layer_;
   FrameSnapshot shown_;  // of the writer
   PictureShape shape_;   // changed by the writer alone, with the mutex held
   mutable std::mutex mutex_;

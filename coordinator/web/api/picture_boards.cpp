@@ -13,8 +13,8 @@ using std::chrono::seconds;
 
 constexpr milliseconds kTick{100};
 constexpr milliseconds kRefreshInterval{500};
-// Pauses after a piece of work, in multiples of its time: 2.5 % of a core for pictures that are watched, and
-// as much for small ones.
+// Pauses after a piece of work, in multiples of its time: 2.5 % of a core for all pictures that are watched,
+// and as much for small ones.
 constexpr int kPauses = 40;
 constexpr seconds kUnwatchedKept{10};
 constexpr seconds kSmallInterval{20};
@@ -24,8 +24,8 @@ constexpr size_t kBoardBytesMax = size_t{256} << 20;
 constexpr size_t kBoardBytesAssumed = size_t{12} << 20;
 // Of a file that is decoded for a preview, all channels together: 200 MB of floats.
 constexpr int64_t kDecodedValuesMax = 50'000'000;
-constexpr int kSmallSize = 160;     // pixels
-constexpr size_t kSmallMax = 1000;  // some 20 KB each
+constexpr size_t kSmallMax = 2000;
+constexpr size_t kSmallBytesMax = size_t{64} << 20;  // some 20 KB each, or 300 KB
 constexpr size_t kSmallWantedMax = 256;
 // Of all streams together. A first picture of 1920 x 1080 halves has 12 MB.
 constexpr double kBytesPerSecond = 16 << 20;
@@ -70,28 +70,32 @@ void PictureBoards::Stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-WebResult<std::shared_ptr<BodyStream>> PictureBoards::Watch(FrameId frame) {
+WebResult<std::shared_ptr<BodyStream>> PictureBoards::Watch(FrameId frame, const std::string& layer) {
   const std::lock_guard lock(mutex_);
-  auto found = boards_.find(frame);
+  auto found = boards_.find({frame, layer});
   if (found == boards_.end()) {
     size_t bytes = kBoardBytesAssumed;
     for (const auto& [id, watched] : boards_) bytes += std::max(watched.board->bytes(), kBoardBytesAssumed);
     if (bytes > kBoardBytesMax) return WebError{503, "too many pictures are being watched at the moment"};
-    found = boards_.emplace(frame, Watched{std::make_shared<PictureBoard>(), {}, {}, {}, false}).first;
+    found =
+        boards_
+            .emplace(BoardId{frame, layer}, Watched{std::make_shared<PictureBoard>(layer), {}, {}, {}, false})
+            .first;
   }
   found->second.used = Clock::now();
   changed_.notify_all();
   return std::shared_ptr<BodyStream>(std::make_shared<PictureBody>(*this, found->second.board));
 }
 
-std::shared_ptr<const std::string> PictureBoards::Thumbnail(FrameId frame) {
+std::shared_ptr<const std::string> PictureBoards::Thumbnail(FrameId frame, int size) {
+  const SmallId id{frame, size};
   const std::lock_guard lock(mutex_);
   const auto now = Clock::now();
-  SmallPicture& small = small_[frame];
+  SmallPicture& small = small_[id];
   small.used = now;
-  const bool is_wanted = std::ranges::find(small_wanted_, frame) != small_wanted_.end();
+  const bool is_wanted = std::ranges::find(small_wanted_, id) != small_wanted_.end();
   if (now >= small.due && !is_wanted && small_wanted_.size() < kSmallWantedMax) {
-    small_wanted_.push_back(frame);
+    small_wanted_.push_back(id);
     changed_.notify_all();
   }
   const auto png = small.png;
@@ -99,10 +103,16 @@ std::shared_ptr<const std::string> PictureBoards::Thumbnail(FrameId frame) {
   return png;
 }
 
-// The one that was used longest ago, with the mutex held.
+// Those that were used longest ago, with the mutex held.
 void PictureBoards::ForgetSmall() {
-  if (small_.size() <= kSmallMax) return;
-  small_.erase(std::ranges::min_element(small_, {}, [](const auto& each) { return each.second.used; }));
+  size_t bytes = 0;
+  for (const auto& [id, small] : small_) bytes += small.png != nullptr ? small.png->size() : 0;
+  while (small_.size() > kSmallMax || bytes > kSmallBytesMax) {
+    const auto oldest =
+        std::ranges::min_element(small_, {}, [](const auto& each) { return each.second.used; });
+    bytes -= oldest->second.png != nullptr ? oldest->second.png->size() : 0;
+    small_.erase(oldest);
+  }
 }
 
 size_t PictureBoards::TakeBudget(size_t wanted) {
@@ -147,15 +157,16 @@ void PictureBoards::RefreshDue(std::unique_lock<std::mutex>& lock) {
       continue;
     }
     if (now >= watched.due && watched.board.use_count() > 1) {
+      const size_t count = boards_.size();
       lock.unlock();
-      Refresh(each->first, watched);
+      Refresh(each->first.first, count, watched);
       lock.lock();
     }
     ++each;
   }
 }
 
-void PictureBoards::Refresh(FrameId frame, Watched& watched) {
+void PictureBoards::Refresh(FrameId frame, size_t count, Watched& watched) {
   const auto start = Clock::now();
   const auto asked = farm_.frame(frame.job, frame.frame);
   const FrameState* const state = std::get_if<FrameState>(&asked);
@@ -179,7 +190,7 @@ void PictureBoards::Refresh(FrameId frame, Watched& watched) {
   } else if (std::get<WebError>(asked).status == 404) {
     watched.board->End();
   }
-  watched.due = start + std::max<Clock::duration>(kRefreshInterval, kPauses * cost);
+  watched.due = start + std::max<Clock::duration>(kRefreshInterval, kPauses * static_cast<int>(count) * cost);
 }
 
 WebResult<LoadedPicture> PictureBoards::Load(FrameId frame, const FrameState& state) const {
@@ -194,15 +205,15 @@ WebResult<LoadedPicture> PictureBoards::Load(FrameId frame, const FrameState& st
 }
 
 void PictureBoards::MakeSmall(std::unique_lock<std::mutex>& lock) {
-  const FrameId frame = small_wanted_.front();
-  SmallPicture small = small_[frame];
+  const SmallId id = small_wanted_.front();
+  SmallPicture small = small_[id];
   lock.unlock();
   const auto start = Clock::now();
-  auto png = SmallPng(frame, small);
+  auto png = SmallPng(id, small);
   const auto cost = Clock::now() - start;
   lock.lock();
   small_wanted_.pop_front();
-  SmallPicture& kept = small_[frame];
+  SmallPicture& kept = small_[id];
   if (png != nullptr) kept.png = std::move(png);
   kept.samples_done = small.samples_done;
   kept.due = start + kSmallInterval;
@@ -210,12 +221,13 @@ void PictureBoards::MakeSmall(std::unique_lock<std::mutex>& lock) {
 }
 
 // Returns null if there is nothing new.
-std::shared_ptr<const std::string> PictureBoards::SmallPng(FrameId frame, SmallPicture& small) const {
+std::shared_ptr<const std::string> PictureBoards::SmallPng(SmallId id, SmallPicture& small) const {
+  const FrameId frame = id.first;
   const auto asked = farm_.frame(frame.job, frame.frame);
   const FrameState* const state = std::get_if<FrameState>(&asked);
   if (state == nullptr || state->status.samples_done == small.samples_done) return nullptr;
   const FrameSpec& spec = state->spec->frames[frame.frame].spec;
-  const int step = StepFor(spec, kSmallSize);
+  const int step = StepFor(spec, id.second);
   ColorPicture picture(spec, step);
   if (state->snapshot) {
     for (int tile = 0; tile < spec.TileCount(); ++tile)

@@ -11,13 +11,18 @@
 #include <memory>
 #include <mutex>
 #include <set>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "coordinator/core/spool.h"
 #include "coordinator/web/api/picture_board.h"
 #include "coordinator/web/api/web_farm.h"
 
 namespace tessera {
+
+constexpr int kSmallSize = 160;   // pixels, for lists
+constexpr int kMediumSize = 640;  // for sequences that are played
 
 // Thread safe.
 class PictureBoards {
@@ -28,17 +33,19 @@ class PictureBoards {
   ~PictureBoards();
   void Stop();
 
-  // The messages of picture_format.h. An error if too many pictures are being watched.
-  WebResult<std::shared_ptr<BodyStream>> Watch(FrameId frame);
-  // A PNG file at most kThumbnailSize pixels wide and high. Returns null if it is not made yet: it is made
-  // soon.
-  std::shared_ptr<const std::string> Thumbnail(FrameId frame);
+  // The messages of picture_format.h for a layer (picture_layers.h). An error if too many pictures are being
+  // watched.
+  WebResult<std::shared_ptr<BodyStream>> Watch(FrameId frame, const std::string& layer = "");
+  // A PNG file at most `size` pixels wide and high: kSmallSize or kMediumSize. Returns null if it is not made
+  // yet: it is made soon.
+  std::shared_ptr<const std::string> Thumbnail(FrameId frame, int size = kSmallSize);
 
   // Takes bytes from the budget of all streams. Returns how many may be sent now, 0 if none.
   size_t TakeBudget(size_t wanted);
   void GiveBudgetBack(size_t unused);
 
  private:
+  using BoardId = std::pair<FrameId, std::string>;  // and its layer
   struct Watched {
     std::shared_ptr<PictureBoard> board;
     Clock::time_point due{}, used{};
@@ -53,10 +60,12 @@ class PictureBoards {
   };
   void Run();
   void RefreshDue(std::unique_lock<std::mutex>& lock);
-  void Refresh(FrameId frame, Watched& watched);
+  // `count`: boards that are being watched, which share the time.
+  void Refresh(FrameId frame, size_t count, Watched& watched);
+  using SmallId = std::pair<FrameId, int>;  // and its size
   void MakeSmall(std::unique_lock<std::mutex>& lock);
   WebResult<LoadedPicture> Load(FrameId frame, const FrameState& state) const;
-  std::shared_ptr<const std::string> SmallPng(FrameId frame, SmallPicture& small) const;
+  std::shared_ptr<const std::string> SmallPng(SmallId id, SmallPicture& small) const;
   void ForgetSmall();
 
   const WebFarm& farm_;
@@ -64,9 +73,9 @@ class PictureBoards {
   std::condition_variable changed_;
   // Guarded by mutex_; the thread alone removes boards.
   bool stopping_ = false;
-  std::map<FrameId, Watched> boards_;
-  std::map<FrameId, SmallPicture> small_;
-  std::deque<FrameId> small_wanted_;
+  std::map<BoardId, Watched> boards_;
+  std::map<SmallId, SmallPicture> small_;
+  std::deque<SmallId> small_wanted_;
   Clock::time_point small_due_{};
   double budget_ = 0;
   Clock::time_point budget_at_{};

@@ -43,16 +43,19 @@ ColorPlaces FindColors(const std::vector<std::string>& channels) {
   return places;
 }
 
-PictureShape ShapeOf(const FrameSpec& spec, int64_t pixels_max) {
+PictureShape ShapeOf(const FrameSpec& spec, const PictureLayer& layer, int64_t values_max) {
   PictureShape shape;
   shape.crop = spec.crop;
   shape.frame_width = spec.width;
   shape.frame_height = spec.height;
-  shape.type = spec.exr_type;
+  shape.type = layer.is_exact ? ExrType::kFloat : spec.exr_type;
+  shape.channels = layer.channels.size();
   for (shape.step = 1;; ++shape.step) {
     shape.width = (spec.crop.width() + shape.step - 1) / shape.step;
     shape.height = (spec.crop.height() + shape.step - 1) / shape.step;
-    if (int64_t{shape.width} * shape.height <= pixels_max) return shape;
+    const bool is_least = shape.width == 1 && shape.height == 1;
+    if (is_least || int64_t{shape.width} * shape.height * static_cast<int64_t>(shape.channels) <= values_max)
+      return shape;
   }
 }
 
@@ -62,13 +65,13 @@ std::string FrameMessage(const PictureShape& shape) {
                            shape.frame_width, shape.frame_height})
     Append(bytes, static_cast<uint32_t>(number));
   Append(bytes, static_cast<uint8_t>(shape.type == ExrType::kHalf ? 1 : 2));
-  Append(bytes, static_cast<uint8_t>(kPictureChannels));
+  Append(bytes, static_cast<uint8_t>(shape.channels));
   Append(bytes, uint16_t{0});
   return bytes;
 }
 
 std::string RegionMessage(const PictureShape& shape, const PixelBounds& bounds) {
-  const size_t values = static_cast<size_t>(bounds.area()) * kPictureChannels * shape.ValueBytes();
+  const size_t values = static_cast<size_t>(bounds.area()) * shape.channels * shape.ValueBytes();
   std::string bytes = Head(Kind::kRegion, kRegionHeadBytes + values);
   for (const int number : {bounds.x0, bounds.y0, bounds.width(), bounds.height()})
     Append(bytes, static_cast<uint32_t>(number));
@@ -76,18 +79,18 @@ std::string RegionMessage(const PictureShape& shape, const PixelBounds& bounds) 
   return bytes;
 }
 
-void SetPixel(const PictureShape& shape, const PixelBounds& bounds, int x, int y, std::span<const float> rgb,
-              std::string& region) {
+void SetPixel(const PictureShape& shape, const PixelBounds& bounds, int x, int y,
+              std::span<const float> values, std::string& region) {
   const auto pixel = static_cast<size_t>(y - bounds.y0) * static_cast<size_t>(bounds.width()) +
                      static_cast<size_t>(x - bounds.x0);
   char* const place =
-      region.data() + kHeadBytes + kRegionHeadBytes + pixel * kPictureChannels * shape.ValueBytes();
+      region.data() + kHeadBytes + kRegionHeadBytes + pixel * shape.channels * shape.ValueBytes();
   if (shape.type == ExrType::kFloat) {
-    std::memcpy(place, rgb.data(), kPictureChannels * sizeof(float));
+    std::memcpy(place, values.data(), shape.channels * sizeof(float));
     return;
   }
-  for (size_t c = 0; c < kPictureChannels; ++c) {
-    const uint16_t bits = half(std::clamp(rgb[c], -kHalfMax, kHalfMax)).bits();
+  for (size_t c = 0; c < shape.channels; ++c) {
+    const uint16_t bits = half(std::clamp(values[c], -kHalfMax, kHalfMax)).bits();
     std::memcpy(place + c * sizeof bits, &bits, sizeof bits);
   }
 }

@@ -266,32 +266,29 @@ HttpResponse WebApi::WatchFarm(const Request& request) {
 
 // Whether the caller may see the picture depends on the owner of the job.
 HttpResponse WebApi::ShowPicture(const Request& request) {
-  uint64_t number = 0;
+  uint64_t number = 0, size = kSmallSize;
   if (!ReadNumber(request.query, "frame", kFramesPerJobMax, number))
     return HttpResponse::JsonError(400, "frame: expected a number");
+  if (!ReadNumber(request.query, "size", kMediumSize, size) || (size != kSmallSize && size != kMediumSize))
+    return HttpResponse::JsonError(400, fmt::format("size: expected {} or {}", kSmallSize, kMediumSize));
+  const auto named = request.query.find("layer");
+  const std::string layer = named != request.query.end() ? named->second : "";
   const FrameId frame{request.job, static_cast<uint32_t>(number)};
   const auto later = std::make_shared<LaterAnswer>();
   const WebAction action = request.route.action;
   const std::string owner = OwnerOf(request.visit);
-  const auto show = [=, this]() -> HttpResponse {
-    if (action == WebAction::kThumbnail) {
-      const auto png = boards_.Thumbnail(frame);
-      if (png == nullptr) return HttpResponse::JsonError(404, "the small picture is not made yet");
-      return HttpResponse::Bytes("image/png", png);
-    }
-    const auto stream = boards_.Watch(frame);
-    if (const auto* const error = std::get_if<WebError>(&stream)) return Refuse(*error);
-    HttpResponse response =
-        HttpResponse::Stream("application/octet-stream", std::get<std::shared_ptr<BodyStream>>(stream));
-    response.stream_owner = owner;
-    return response;
-  };
   farm_.admit_to_job(
       request.caller(), request.route.call, frame.job, [=, this](const WebResult<JobStatus>& admitted) {
         if (const auto* const error = std::get_if<WebError>(&admitted)) return later->Give(Refuse(*error));
         if (frame.frame >= std::get<JobStatus>(admitted).frames_total)
           return later->Give(HttpResponse::JsonError(404, "the job has no such frame"));
-        if (action != WebAction::kExr && action != WebAction::kPng) return later->Give(show());
+        if (action == WebAction::kPicture) return StreamLayer(frame, layer, owner, later);
+        if (action == WebAction::kThumbnail) {
+          const auto png = boards_.Thumbnail(frame, static_cast<int>(size));
+          return later->Give(png != nullptr
+                                 ? HttpResponse::Bytes("image/png", png)
+                                 : HttpResponse::JsonError(404, "the small picture is not made yet"));
+        }
         if (++waiting_ > kDownloadsWaitingMax) {
           --waiting_;
           return later->Give(HttpResponse::JsonError(503, "too many pictures are waiting to be sent"));
@@ -304,6 +301,27 @@ HttpResponse WebApi::ShowPicture(const Request& request) {
         });
       });
   return HttpResponse::Later(later);
+}
+
+// Every frame has colours; of another layer it is asked first.
+void WebApi::StreamLayer(FrameId frame, const std::string& layer, const std::string& owner,
+                         const std::shared_ptr<LaterAnswer>& later) {
+  const auto stream = [=, this] {
+    const auto body = boards_.Watch(frame, layer);
+    if (const auto* const error = std::get_if<WebError>(&body)) return later->Give(Refuse(*error));
+    HttpResponse response =
+        HttpResponse::Stream("application/octet-stream", std::get<std::shared_ptr<BodyStream>>(body));
+    response.stream_owner = owner;
+    later->Give(std::move(response));
+  };
+  if (layer.empty()) return stream();
+  farm_.detail(frame.job, frame.frame, [=](const WebResult<JobDetail>& found) {
+    if (const auto* const error = std::get_if<WebError>(&found)) return later->Give(Refuse(*error));
+    const auto& spec = std::get<JobDetail>(found).spec;
+    if (spec == nullptr || !FindLayer(spec->frames[frame.frame].spec, layer))
+      return later->Give(HttpResponse::JsonError(404, "the frame has no such layer"));
+    stream();
+  });
 }
 
 // The EXR file of a finished frame, or what there is of another.

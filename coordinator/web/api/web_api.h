@@ -48,6 +48,8 @@ class WebApi final : public WebContent {
   HttpResponse ChangeWorkers(const Request& request);
   HttpResponse WatchFarm(const Request& request);
   HttpResponse ShowPicture(const Request& request);
+  void StreamLayer(FrameId frame, const std::string& layer, const std::string& owner,
+                   const std::shared_ptr<LaterAnswer>& later);
   HttpResponse Download(FrameId frame, bool is_png) const;
 
   const WebFarm farm_;

@@ -125,10 +125,12 @@ TEST(PictureBoard, LargeFramesAreReduced) {
   spec.width = 16384;
   spec.height = 16384;
   spec.crop = {0, 0, 16384, 16384};
-  const PictureShape shape = ShapeOf(spec, kLivePixelsMax);
-  EXPECT_LE(int64_t{shape.width} * shape.height, kLivePixelsMax);
+  const PictureLayer colors = LayersOf(spec).front();
+  const PictureShape shape = ShapeOf(spec, colors, kLiveValuesMax);
+  EXPECT_LE(int64_t{shape.width} * shape.height * 3, kLiveValuesMax);
   EXPECT_EQ(shape.step, 12);
-  EXPECT_EQ(ShapeOf(SomeFrame(), kLivePixelsMax).step, 1);
+  EXPECT_EQ(ShapeOf(SomeFrame(), colors, kLiveValuesMax).step, 1);
+  EXPECT_EQ(ShapeOf(spec, colors, 0).width, 1) << "there is always a pixel";
 }
 
 TEST(PictureBoard, AnExtendedFrameBeginsAnewOnlyIfItsShapeDiffers) {

@@ -58,16 +58,18 @@ struct ShownPicture {
       shape.step = number(2);
       shape.crop = {number(3), number(4), 0, 0};
       shape.type = payload[28] == 1 ? ExrType::kHalf : ExrType::kFloat;
-      values.assign(static_cast<size_t>(shape.width * shape.height * 3), 0.0f);
+      shape.channels = static_cast<size_t>(payload[29]);
+      values.assign(static_cast<size_t>(shape.width * shape.height) * shape.channels, 0.0f);
     } else if (kind == 2) {
       const int x0 = number(0), y0 = number(1), width = number(2), height = number(3);
       ASSERT_LE(x0 + width, shape.width);
       ASSERT_LE(y0 + height, shape.height);
-      ASSERT_EQ(payload.size(), 16 + static_cast<size_t>(width * height * 3) * shape.ValueBytes());
+      const auto channels = static_cast<int>(shape.channels);
+      ASSERT_EQ(payload.size(), 16 + static_cast<size_t>(width * height * channels) * shape.ValueBytes());
       const char* next = payload.data() + 16;
       for (int y = y0; y < y0 + height; ++y) {
-        for (int i = 0; i < 3 * width; ++i, next += shape.ValueBytes())
-          values[static_cast<size_t>(3 * (y * shape.width + x0) + i)] = Value(next);
+        for (int i = 0; i < channels * width; ++i, next += shape.ValueBytes())
+          values[static_cast<size_t>(channels * (y * shape.width + x0) + i)] = Value(next);
       }
     } else {
       ASSERT_EQ(kind, 3);
