@@ -5,7 +5,16 @@ export const kCurves = {
   agx: "AgX",
   srgb: "sRGB, clipped",
   false: "False colour",
+  range: "Range, in colours",
+  vector: "Directions",
 };
+
+// The curve that suits a layer.
+export function curveOf(layer) {
+  if (!layer || layer.name === "" || layer.name === "~lights") return "neutral";
+  if (layer.channels.length === 1) return "range";
+  return layer.name.startsWith("normal") ? "vector" : "srgb";
+}
 
 // IEC 61966-2-1, by the root of the linear value: dark values have as many steps as bright ones.
 const kTableSize = 4096;
@@ -71,13 +80,29 @@ function falseColor(r, g, b, out) {
   for (let c = 0; c < 3; ++c) out[c] = low[c + 1] + (high[c + 1] - low[c + 1]) * t;
 }
 
-// Writes RGBA bytes of `count` pixels, from `values` (three floats each).
-export function toScreen(values, pixels, count, curve, exposure) {
+// From dark blue to yellow, evenly for the eye: nine colours of viridis (van der Walt and Smith 2015, CC0).
+const kRamp = [[68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141], [39, 173, 129], [92, 200, 99],
+  [170, 220, 50], [253, 231, 37]];
+
+export function rampColor(t, out) {
+  const place = Math.min(Math.max(t, 0), 1) * (kRamp.length - 1);
+  const i = Math.min(Math.floor(place), kRamp.length - 2);
+  for (let c = 0; c < 3; ++c) out[c] = kRamp[i][c] + (kRamp[i + 1][c] - kRamp[i][c]) * (place - i);
+}
+
+// Writes RGBA bytes of `count` pixels, from `values` (three floats each). `range`: of the values, for that curve.
+export function toScreen(values, pixels, count, curve, exposure, range) {
   const scale = 2 ** exposure;
   const out = new Float32Array(3);
+  const [low, high] = range || [0, 1];
   for (let i = 0, p = 0; i < 3 * count; i += 3, p += 4) {
     const r = values[i] * scale, g = values[i + 1] * scale, b = values[i + 2] * scale;
-    if (curve === "false") {
+    if (curve === "range") {
+      rampColor((values[i] - low) / (high - low), out);
+      pixels[p] = out[0]; pixels[p + 1] = out[1]; pixels[p + 2] = out[2];
+    } else if (curve === "vector") {
+      for (let c = 0; c < 3; ++c) pixels[p + c] = 127.5 * (1 + values[i + c]);
+    } else if (curve === "false") {
       falseColor(r, g, b, out);
       pixels[p] = out[0]; pixels[p + 1] = out[1]; pixels[p + 2] = out[2];
     } else if (curve === "agx") {

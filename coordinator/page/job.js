@@ -2,6 +2,7 @@
 
 import {get, mayControl, maySeePicture, post} from "./api.js";
 import {count, duration, h, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
+import {Strip} from "./strip.js";
 import {Viewer} from "./viewer.js";
 
 const kTimes = [
@@ -24,8 +25,9 @@ export class JobView {
     this.bar = progressBar("Progress");
     this.figures = h("dl", {class: "figures"});
     this.buttons = h("div", {class: "buttons"});
-    this.viewer = new Viewer();
-    this.frames = h("div", {class: "frames", hidden: true});
+    this.viewer = new Viewer((layer, of = job, index = frame) =>
+      `/api/v1/jobs/${of}/picture?frame=${index}${layer ? `&layer=${encodeURIComponent(layer)}` : ""}`, `job-${job}`);
+    this.strip = new Strip(job, frame, this.viewer.stage, (index) => { location.hash = `#/jobs/${job}/${index}`; });
     this.times = h("div", {class: "times"});
     this.log = h("ol", {class: "log", role: "log", "aria-label": "Messages"});
     this.missing = h("p", {class: "none", hidden: true});
@@ -33,7 +35,7 @@ export class JobView {
       h("p", {class: "crumb"}, h("a", {href: "#/jobs"}, "‹ All jobs")), this.missing,
       h("div", {class: "job-head"}, this.name, this.state),
       h("div", {class: "job-progress"}, this.bar, this.percent = h("span", {class: "figure"})),
-      this.buttons, this.frames, this.viewer.element,
+      this.buttons, this.viewer.element, this.strip.element,
       h("div", {class: "columns"},
         h("div", {class: "card"}, h("h2", {}, "Figures"), this.figures),
         h("div", {class: "card"}, h("h2", {}, "Where the time went"), this.times),
@@ -48,6 +50,7 @@ export class JobView {
     this.isClosed = true;
     clearTimeout(this.timer);
     this.viewer.close();
+    this.strip.close();
   }
 
   async loadDetail(isFirst = false) {
@@ -57,8 +60,9 @@ export class JobView {
       if (this.isClosed) return;
       this.detail = detail;
       this.show(detail);
+      this.viewer.tools.setLayers(detail.layers || []);
       if (isFirst) this.open(detail);
-      this.showFrames(detail);
+      this.strip.show(detail.frames);
       this.showTimes(detail.times);
       this.viewer.setUnits(detail.units);
       this.loadLog();
@@ -74,10 +78,9 @@ export class JobView {
   open(detail) {
     this.isOpened = true;
     this.buttons.replaceChildren(...this.makeButtons(detail));
-    if (maySeePicture(detail)) this.viewer.watch(`/api/v1/jobs/${this.job}/picture?frame=${this.frame}`);
+    if (maySeePicture(detail)) this.viewer.watch();
     else {
-      this.viewer.problem.hidden = false;
-      setText(this.viewer.problem, "Its owner, viewers and operators may see the picture.");
+      this.viewer.showProblem("Its owner, viewers and operators may see the picture.");
     }
     this.enable();
   }
@@ -144,22 +147,6 @@ export class JobView {
     } else {
       figures.forEach(([name, text], i) => { setText(rows[i].firstChild, name); setText(rows[i].lastChild, text); });
     }
-  }
-
-  showFrames(detail) {
-    if (detail.frames_total < 2) return;
-    this.frames.hidden = false;
-    const key = `${this.frame}:${detail.frames_finished}`;
-    if (this.framesKey === key) return;
-    this.framesKey = key;
-    const number = (i) => detail.frames[i][0];
-    const go = (i) => { location.hash = `#/jobs/${this.job}/${Math.min(Math.max(i, 0), detail.frames.length - 1)}`; };
-    this.frames.replaceChildren(
-      h("button", {type: "button", class: "quiet", "aria-label": "Previous frame", onclick: () => go(this.frame - 1)}, "‹"),
-      h("input", {type: "range", min: 0, max: detail.frames.length - 1, value: this.frame, "aria-label": "Frame",
-        "aria-valuetext": `frame ${number(this.frame)}`, onchange: (event) => go(Number(event.target.value))}),
-      h("button", {type: "button", class: "quiet", "aria-label": "Next frame", onclick: () => go(this.frame + 1)}, "›"),
-      h("span", {}, `Frame ${number(this.frame)}${detail.frames[this.frame][1] ? ", finished" : ""}`));
   }
 
   showTimes(times) {

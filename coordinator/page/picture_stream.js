@@ -2,7 +2,7 @@
 
 const kHeadBytes = 12;
 const kMagic = 0x58495054;  // "TPIX"
-const kMessageBytesMax = 1 << 20;
+const kMessageBytesMax = 1 << 22;  // a region of 64 light groups
 
 // Halves as floats, by their bits.
 const kHalves = (() => {
@@ -93,7 +93,7 @@ export class PictureStream {
     if (kind === 1) {
       this.isHalf = view.getUint8(at + 28) === 1;
       this.target.onFrame({width: number(0), height: number(1), step: number(2), x0: number(3), y0: number(4),
-        frameWidth: number(5), frameHeight: number(6), isHalf: this.isHalf});
+        frameWidth: number(5), frameHeight: number(6), isHalf: this.isHalf, channels: view.getUint8(at + 29)});
     } else if (kind === 2) {
       const values = this.isHalf ? halves(view, at + 16, size - 16) : floats(view, at + 16, size - 16);
       this.target.onRegion(number(0), number(1), number(2), number(3), values);

@@ -1,106 +1,170 @@
-// The picture: float pixels on a canvas, with exposure, tone curve, zoom, the value under the cursor, a histogram and the
-// units that workers have.
+// The picture: float pixels on a canvas, with layers, exposure, tone curve, zoom, the value under the cursor, a histogram,
+// the units that workers have, and another picture beside it, divided by a line that moves.
 
-import {PictureStream} from "./picture_stream.js";
-import {kCurves, luminance, toScreen} from "./color.js";
+import {PictureSource} from "./picture_source.js";
+import {curveOf, luminance, toScreen} from "./color.js";
 import {h, setText} from "./dom.js";
+import {drawLegend} from "./legend.js";
+import {drawUnits, markPixel} from "./viewer_overlay.js";
+import {layerText, ViewerTools} from "./viewer_tools.js";
 
 const kZoomMax = 64;
 const kPixelMarked = 6;  // from this size on, the pixel under the cursor has a frame
 const kHistogramBins = 96;
 const kHistogramStops = [-10, 6];
+const kWipeGrip = 14;  // pixels beside the line at which it can be moved
+
+// The canvas of a source.
+class Sheet {
+  constructor(name) {
+    this.canvas = h("canvas", {class: name});
+    this.context = this.canvas.getContext("2d");
+  }
+  resize(frame) {
+    if (this.canvas.width === frame.width && this.canvas.height === frame.height && this.image) return;
+    this.canvas.width = frame.width;
+    this.canvas.height = frame.height;
+    this.image = new ImageData(frame.width, frame.height);
+  }
+}
 
 export class Viewer {
-  constructor() {
-    this.frame = null;
-    this.values = new Float32Array(0);
+  // `urlOf(layer, job, frame)`: of a picture stream.
+  constructor(urlOf, fileName) {
+    this.urlOf = urlOf;
+    this.fileName = fileName;
     this.curve = "neutral";
     this.exposure = 0;
     this.zoom = 0;  // 0: as large as fits
     this.place = {x: 0, y: 0};
+    this.wipe = 0.5;
     this.units = [];
     this.cursor = null;
-    this.canvas = h("canvas", {class: "picture"});
+    this.source = null;
+    this.other = null;
+    this.sheet = new Sheet("picture");
+    this.otherSheet = new Sheet("picture other");
+    this.canvas = this.sheet.canvas;
+    this.behind = h("div", {class: "behind", hidden: true}, this.otherSheet.canvas);
+    this.line = h("div", {class: "wipe-line", hidden: true, "aria-hidden": "true"});
     this.overlay = h("canvas", {class: "overlay", "aria-hidden": "true"});
     this.stage = h("div", {class: "stage", tabindex: 0, role: "img", "aria-label": "The picture"}, this.canvas,
-      this.overlay);
+      this.behind, this.overlay, this.line);
     this.value = h("output", {class: "value", id: "pixel-value"}, "Point at a pixel");
     this.problem = h("p", {class: "problem", role: "status", hidden: true});
+    this.legend = h("canvas", {class: "legend", width: 480, height: 44, role: "img", hidden: true});
     this.histogram = h("canvas", {class: "histogram", width: 2 * kHistogramBins, height: 80, role: "img",
       "aria-label": "Histogram of the luminance, by stops"});
-    this.element = h("div", {class: "viewer"}, this.tools(), this.stage, this.problem,
-      h("div", {class: "below"}, this.value, this.histogram));
+    this.tools = new ViewerTools(this);
+    this.element = h("div", {class: "viewer"}, this.tools.element, this.stage, this.problem,
+      h("div", {class: "below"}, this.value, this.legend, this.histogram));
     this.listen();
   }
 
-  tools() {
-    const curve = h("select", {id: "curve", onchange: (event) => this.setCurve(event.target.value)},
-      ...Object.entries(kCurves).map(([value, text]) => h("option", {value}, text)));
-    this.exposureInput = h("input", {type: "range", id: "exposure", min: -10, max: 10, step: 0.25, value: 0,
-      oninput: (event) => this.setExposure(Number(event.target.value))});
-    this.exposureText = h("output", {for: "exposure"}, "0 EV");
-    this.showUnits = h("input", {type: "checkbox", id: "units", onchange: () => this.drawOverlay()});
-    this.zoomText = h("output", {}, "fit");
-    const button = (text, label, action) => h("button", {type: "button", class: "quiet", "aria-label": label,
-      title: label, onclick: action}, text);
-    return h("div", {class: "tools"},
-      h("label", {}, "Tone ", curve),
-      h("label", {}, "Exposure ", this.exposureInput, this.exposureText),
-      h("label", {}, this.showUnits, " Units"),
-      h("span", {class: "zoom"}, button("−", "Zoom out", () => this.zoomBy(0.5)), this.zoomText,
-        button("+", "Zoom in", () => this.zoomBy(2)), button("Fit", "Fit the picture", () => this.fit()),
-        button("1:1", "Show every pixel", () => this.zoomTo(1))));
-  }
+  // Begins to show the colours.
+  watch() { this.showLayer(""); }
 
-  watch(url) {
-    if (this.stream) this.stream.close();
-    this.stream = new PictureStream(url, this, (reason) => {
-      this.problem.hidden = reason === "";
-      setText(this.problem, reason);
+  showLayer(name) {
+    if (this.source) this.source.close();
+    const layer = this.tools.find(name);
+    this.setCurve(curveOf(layer));
+    this.source = new PictureSource(this, layerText(name), layer);
+    this.source.watch(this.urlOf(name), (reason) => this.showProblem(reason));
+    this.tools.showGains(name === "~lights" ? layer : null, (gains) => {
+      this.source.gains = gains;
+      this.repaint();
     });
   }
 
+  showProblem(reason) {
+    this.problem.hidden = reason === "";
+    setText(this.problem, reason);
+  }
+
   close() {
-    if (this.stream) this.stream.close();
+    for (const source of [this.source, this.other]) if (source) source.close();
     this.observer.disconnect();
     cancelAnimationFrame(this.painting);
   }
 
-  // ---- What the stream shows ----
-  onFrame(frame) {
-    const isSame = this.frame && this.frame.width === frame.width && this.frame.height === frame.height;
-    this.frame = frame;
-    this.values = new Float32Array(3 * frame.width * frame.height);
-    if (!isSame) {
-      this.canvas.width = frame.width;
-      this.canvas.height = frame.height;
-      this.stage.style.aspectRatio = `${frame.width} / ${frame.height}`;
-    }
-    this.image = new ImageData(frame.width, frame.height);
+  get frame() { return this.source && this.source.frame; }
+
+  // ---- Another picture beside it ----
+  keep() {
+    if (!this.frame) return null;
+    const done = this.source.state ? ` (${Math.round((100 * this.source.state.done) / Math.max(this.source.state.total, 1))} %)` : "";
+    return this.source.keep(`${new Date().toLocaleTimeString()}${done}, ${this.source.label}`);
+  }
+
+  compareWith(source) {
+    if (this.other && this.other !== source) this.other.close();
+    this.other = source;
+    this.behind.hidden = this.line.hidden = !source;
+    if (source && source.frame) this.otherSheet.resize(source.frame);
+    this.setWipe(this.wipe);
     this.repaint();
     this.layout();
   }
 
-  onRegion(x0, y0, width, height, values) {
-    const row = 3 * this.frame.width;
-    for (let y = 0; y < height; ++y)
-      this.values.set(values.subarray(3 * width * y, 3 * width * (y + 1)), row * (y0 + y) + 3 * x0);
-    const part = new ImageData(width, height);
-    toScreen(values, part.data, width * height, this.curve, this.exposure);
-    this.canvas.getContext("2d").putImageData(part, x0, y0);
+  compareWithLayer(layer) {
+    this.compareWith(new PictureSource(this, layerText(layer.name), layer).watch(this.urlOf(layer.name),
+      (reason) => this.showProblem(reason)));
   }
 
-  onState(state) {
-    this.state = state;
+  compareWithJob(job, frame) {
+    this.compareWith(new PictureSource(this, `job ${job}`).watch(this.urlOf("", job, frame),
+      (reason) => this.showProblem(reason && `Job ${job}: ${reason}`)));
+  }
+
+  // The share of the width that shows this picture; the other one is on the right.
+  setWipe(share) {
+    this.wipe = Math.min(Math.max(share, 0), 1);
+    this.behind.style.clipPath = `inset(0 0 0 ${100 * this.wipe}%)`;
+    this.line.style.left = `${100 * this.wipe}%`;
+    this.tools.wipe.value = 100 * this.wipe;
+  }
+
+  // ---- What the streams show ----
+  sheetOf(source) { return source === this.other ? this.otherSheet : this.sheet; }
+
+  onFrame(source) {
+    if (source !== this.source && source !== this.other) return;
+    this.sheetOf(source).resize(source.frame);
+    if (source === this.source) this.stage.style.aspectRatio = `${source.frame.width} / ${source.frame.height}`;
+    this.repaint();
+    this.layout();
+  }
+
+  onRegion(source, x0, y0, width, height) {
+    if (this.painting || (source !== this.source && source !== this.other)) return;
+    const part = new ImageData(width, height);
+    toScreen(source.rgbOf(x0, y0, width, height), part.data, width * height, this.curveFor(source), this.exposure, source.shownRange);
+    this.sheetOf(source).context.putImageData(part, x0, y0);
+  }
+
+  onState(source) {
+    if (source !== this.source && source !== this.other) return;
+    if (this.curveFor(source) === "range") this.fitRange(source);
+    if (source !== this.source) return;
+    const state = source.state;
     this.element.dataset.samplesDone = state.done;
     this.element.dataset.finished = state.isFinished;
+    this.element.dataset.layer = source.layer ? source.layer.name : "";
     this.showValue();
     const now = performance.now();
     if (now - (this.histogramAt || 0) > 700 || state.isFinished) {
       this.histogramAt = now;
       this.drawHistogram();
     }
-    if (this.onUpdate) this.onUpdate(state);
+  }
+
+  // The range of the colours follows the values, and stays while these change little.
+  fitRange(source) {
+    const range = source.range(), shown = source.shownRange;
+    const size = range[1] - range[0];
+    if (shown && Math.abs(range[0] - shown[0]) < 0.1 * size && Math.abs(range[1] - shown[1]) < 0.1 * size) return;
+    source.shownRange = range;
+    this.repaint();
   }
 
   setUnits(units) {
@@ -109,25 +173,39 @@ export class Viewer {
   }
 
   // ---- How it looks ----
+  // Another layer beside it has a curve of its own.
+  curveFor(source) {
+    if (source === this.source || !source.layer === !this.source.layer) return this.curve;
+    return curveOf(source.layer);
+  }
+
   setCurve(curve) {
     this.curve = curve;
+    this.tools.curve.value = curve;
+    if (curve === "range" && this.frame) this.fitRange(this.source);
     this.repaint();
   }
 
   setExposure(exposure) {
     this.exposure = exposure;
-    this.exposureInput.value = exposure;
-    setText(this.exposureText, `${exposure > 0 ? "+" : ""}${exposure} EV`);
+    this.tools.setExposure(exposure);
     this.repaint();
   }
 
   repaint() {
-    if (!this.frame || this.painting) return;
+    if (this.painting) return;
     this.painting = requestAnimationFrame(() => {
       this.painting = 0;
-      toScreen(this.values, this.image.data, this.frame.width * this.frame.height, this.curve, this.exposure);
-      this.canvas.getContext("2d").putImageData(this.image, 0, 0);
+      for (const source of [this.source, this.other]) if (source && source.frame) this.paint(source);
+      drawLegend(this.legend, this.curve === "range" && this.source ? this.source.shownRange : null);
     });
+  }
+
+  paint(source) {
+    const {width, height} = source.frame, sheet = this.sheetOf(source);
+    sheet.resize(source.frame);
+    toScreen(source.rgbOf(0, 0, width, height), sheet.image.data, width * height, this.curveFor(source), this.exposure, source.shownRange);
+    sheet.context.putImageData(sheet.image, 0, 0);
   }
 
   // ---- Zoom ----
@@ -164,10 +242,25 @@ export class Viewer {
     const clampTo = (place, size, room) => (size <= room ? (room - size) / 2 : Math.min(0, Math.max(room - size, place)));
     this.place.x = clampTo(this.place.x, this.frame.width * scale, box.width);
     this.place.y = clampTo(this.place.y, this.frame.height * scale, box.height);
-    this.canvas.style.transform = `translate(${this.place.x}px, ${this.place.y}px) scale(${scale})`;
-    this.canvas.style.imageRendering = scale >= 2 ? "pixelated" : "auto";
-    setText(this.zoomText, this.zoom === 0 ? "fit" : `${Math.round(100 * scale)} %`);
+    this.move(this.canvas, this.place.x, this.place.y, scale);
+    this.layoutOther(scale);
+    setText(this.tools.zoomText, this.zoom === 0 ? "fit" : `${Math.round(100 * scale)} %`);
     this.drawOverlay();
+  }
+
+  move(canvas, x, y, scale) {
+    canvas.style.transform = `translate(${x}px, ${y}px) scale(${scale})`;
+    canvas.style.imageRendering = scale >= 2 ? "pixelated" : "auto";
+  }
+
+  // Frames of another size are shown as wide as this one.
+  layoutOther(scale) {
+    if (!this.other || !this.other.frame) return;
+    const mine = this.frame, other = this.other.frame;
+    const unit = scale / mine.step;  // of the stage, for a pixel of the frame
+    const ratio = mine.frameWidth / other.frameWidth;
+    this.move(this.otherSheet.canvas, this.place.x + (other.x0 * ratio - mine.x0) * unit,
+      this.place.y + (other.y0 * ratio - mine.y0) * unit, unit * ratio * other.step);
   }
 
   // ---- Pixels ----
@@ -181,21 +274,26 @@ export class Viewer {
 
   showValue() {
     const pixel = this.cursor;
-    if (!pixel || !this.frame) return;
-    const i = 3 * (this.frame.width * pixel.y + pixel.x);
-    const rgb = [this.values[i], this.values[i + 1], this.values[i + 2]];
+    if (!pixel || !this.frame || pixel.x >= this.frame.width || pixel.y >= this.frame.height) return;
+    const values = this.source.at(pixel.x, pixel.y), names = this.source.channelNames();
     const x = this.frame.x0 + pixel.x * this.frame.step, y = this.frame.y0 + pixel.y * this.frame.step;
-    setText(this.value, `x ${x}  y ${y}   R ${number(rgb[0])}  G ${number(rgb[1])}  B ${number(rgb[2])}`);
-    Object.assign(this.value.dataset, {x, y, r: rgb[0], g: rgb[1], b: rgb[2]});
+    let text = `x ${x}  y ${y}   ${names.map((name, i) => `${name} ${number(values[i])}`).join("  ")}`;
+    const {other} = this, same = other && other.frame && other.frame.width === this.frame.width &&
+      other.frame.height === this.frame.height;
+    if (same) text += `   |  ${other.at(pixel.x, pixel.y).map(number).join("  ")}`;
+    setText(this.value, text);
+    Object.assign(this.value.dataset, {x, y, r: values[0], g: values[1], b: values[2]});
   }
 
   drawHistogram() {
     const bins = new Float64Array(kHistogramBins);
-    const count = this.values.length / 3;
-    const stride = Math.max(1, Math.floor(count / 200000));
+    const count = this.frame.width * this.frame.height;
+    const stride = Math.max(1, Math.floor(count / 100000));
+    const pixel = new Float32Array(3);
     const [low, high] = kHistogramStops;
     for (let i = 0; i < count; i += stride) {
-      const light = luminance(this.values[3 * i], this.values[3 * i + 1], this.values[3 * i + 2]);
+      this.source.rgb(i, 1, pixel);
+      const light = luminance(pixel[0], pixel[1], pixel[2]);
       if (!(light > 0)) continue;
       const bin = Math.floor((kHistogramBins * (Math.log2(light) - low)) / (high - low));
       ++bins[Math.min(Math.max(bin, 0), kHistogramBins - 1)];
@@ -214,40 +312,11 @@ export class Viewer {
 
   drawOverlay() {
     const box = this.stage.getBoundingClientRect();
-    this.overlay.width = box.width;
-    this.overlay.height = box.height;
+    Object.assign(this.overlay, {width: box.width, height: box.height});
     if (!this.frame) return;
-    const context = this.overlay.getContext("2d");
-    this.markPixel(context);
-    if (!this.showUnits.checked) return;
-    const scale = this.scale() / this.frame.step;
-    context.font = "11px system-ui, sans-serif";
-    context.textBaseline = "top";
-    for (const unit of this.units) {
-      const x = this.place.x + (unit.x0 - this.frame.x0) * scale, y = this.place.y + (unit.y0 - this.frame.y0) * scale;
-      const width = (unit.x1 - unit.x0) * scale, height = (unit.y1 - unit.y0) * scale;
-      const color = `hsl(${hue(unit.worker)} 90% 60%)`;
-      context.strokeStyle = color;
-      context.lineWidth = unit.running ? 2 : 1;
-      context.setLineDash(unit.running ? [] : [3, 3]);
-      context.strokeRect(x + 1, y + 1, Math.max(width - 2, 1), Math.max(height - 2, 1));
-      if (width < 44 || !unit.running) continue;
-      context.fillStyle = "rgb(0 0 0 / 60%)";
-      const text = unit.worker_name || unit.worker.slice(0, 6);
-      context.fillRect(x + 2, y + 2, Math.min(context.measureText(text).width + 6, width - 4), 14);
-      context.fillStyle = color;
-      context.fillText(text, x + 5, y + 3, width - 8);
-    }
-  }
-
-  markPixel(context) {
-    const scale = this.scale(), point = this.cursorPoint();
-    if (scale < kPixelMarked || !point) return;
-    for (const [color, width] of [["#000", 3], ["#fff", 1]]) {
-      context.strokeStyle = color;
-      context.lineWidth = width;
-      context.strokeRect(point.x - scale / 2, point.y - scale / 2, scale, scale);
-    }
+    const context = this.overlay.getContext("2d"), scale = this.scale(), point = this.cursorPoint();
+    if (scale >= kPixelMarked && point) markPixel(context, point, scale);
+    if (this.tools.units.checked) drawUnits(context, this.units, this.frame, this.place, scale);
   }
 
   // ---- Hands ----
@@ -258,6 +327,8 @@ export class Viewer {
     };
     const held = new Map();
     this.stage.addEventListener("pointerdown", (event) => {
+      const isLine = this.other && Math.abs(at(event).x - this.wipe * this.stage.clientWidth) < kWipeGrip;
+      this.isWiping = isLine && held.size === 0;
       held.set(event.pointerId, at(event));
       this.stage.setPointerCapture(event.pointerId);
     });
@@ -265,7 +336,8 @@ export class Viewer {
       this.stage.addEventListener(name, (event) => held.delete(event.pointerId));
     this.stage.addEventListener("pointermove", (event) => {
       const point = at(event), before = held.get(event.pointerId);
-      if (before) {
+      if (before && this.isWiping) this.setWipe(point.x / this.stage.clientWidth);
+      else if (before) {
         const other = [...held].find(([id]) => id !== event.pointerId);
         if (other) this.zoomBy(distance(point, other[1]) / Math.max(distance(before, other[1]), 1), other[1]);
         else this.panBy(point.x - before.x, point.y - before.y);
@@ -320,9 +392,3 @@ export class Viewer {
 const number = (value) => (Math.abs(value) >= 1000 || (value !== 0 && Math.abs(value) < 0.001)
   ? value.toExponential(4) : value.toPrecision(5));
 const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
-
-function hue(text) {
-  let sum = 0;
-  for (const letter of text) sum = (31 * sum + letter.charCodeAt(0)) % 360;
-  return sum;
-}

@@ -21,11 +21,11 @@ def text_of(browser, selector):
     return find(browser, selector).text
 
 
-def pixel_in_file(path, x, y):
-    """Red, green and blue of a pixel of an EXR file."""
-    out = subprocess.run(["oiiotool", path, "--ch", "R,G,B", "--cut", f"1x1+{x}+{y}", "--printstats"], check=True,
+def pixel_in_file(path, x, y, channels="R,G,B"):
+    """Channels of a pixel of an EXR file: red, green and blue."""
+    out = subprocess.run(["oiiotool", path, "--ch", channels, "--cut", f"1x1+{x}+{y}", "--printstats"], check=True,
                          capture_output=True, text=True).stdout
-    return [float(word) for word in re.search(r"Stats Avg: (\S+) (\S+) (\S+)", out).groups()]
+    return [float(word) for word in re.search(r"Stats Avg: ([-+.\de ]+?) ?\(", out).group(1).split()]
 
 
 def canvas_digest(browser):
@@ -96,6 +96,85 @@ def check_values(browser, farm, job):
         await_that(f"the tone curve {curve}", lambda: canvas_digest(browser) != before)
 
 
+def choose(browser, selector, value):
+    find(browser, f"{selector} option[value='{value}']").click()
+
+
+def shown_values(browser, count):
+    value = find(browser, "#pixel-value")
+    return [float(value.get_attribute(f"data-{c}")) for c in "rgb"[:count]]
+
+
+def check_layers(browser, farm, scenes):
+    """Layers have the values of the file, light groups are mixed, and two pictures are compared."""
+    job = farm.submit(f"{scenes}/box.pbrt", "--spp", "16", "--resolution", "96x54", "--aov", "albedo,depth,variance",
+                      "--light-group", "key=area", "--light-group", "sky=infinite")
+    await_that("the end of the job", lambda: farm.status(job)["state"] == "finished")
+    path = f"{farm.folder}/layers.exr"
+    farm.tessera("fetch", str(job), "-o", path)
+    browser.get(f"{farm.plain}#/jobs/{job}")
+    viewer = lambda: find(browser, ".viewer")
+    await_that("the finished picture", lambda: viewer().get_attribute("data-finished") == "true"
+               and f"/jobs/{job}/" in find(browser, "#exr").get_attribute("href"))
+    find(browser, ".stage").send_keys(*[Keys.ARROW_RIGHT] * 30, *[Keys.ARROW_DOWN] * 20)
+    for layer, channels in (("albedo", "albedo.R,albedo.G,albedo.B"), ("depth", "depth.Z"), ("light_key", "light_key.R,light_key.G,light_key.B")):
+        choose(browser, "#layer", layer)
+        await_that(f"the layer {layer}", lambda: viewer().get_attribute("data-layer") == layer)
+        find(browser, ".stage").send_keys(Keys.ARROW_RIGHT, Keys.ARROW_LEFT)
+        value = find(browser, "#pixel-value")
+        x, y = int(value.get_attribute("data-x")), int(value.get_attribute("data-y"))
+        expected = pixel_in_file(path, x, y, channels)
+        shown = shown_values(browser, len(expected))
+        assert all(abs(a - b) <= 1e-6 + 1e-3 * abs(b) for a, b in zip(shown, expected)), (layer, shown, expected)
+    choose(browser, "#layer", "~samples")
+    await_that("samples per pixel", lambda: viewer().get_attribute("data-layer") == "~samples")
+    find(browser, ".stage").send_keys(Keys.ARROW_RIGHT)
+    assert shown_values(browser, 1) == [16]
+    choose(browser, "#layer", "~noise")
+    await_that("the noise", lambda: viewer().get_attribute("data-layer") == "~noise")
+    find(browser, ".stage").send_keys(Keys.ARROW_RIGHT)
+    assert 0 <= shown_values(browser, 1)[0] < 1
+    choose(browser, "#layer", "~lights")
+    await_that("the light groups", lambda: viewer().get_attribute("data-layer") == "~lights")
+    before = canvas_digest(browser)
+    browser.execute_script("const g = document.querySelector('.gain'); g.value = 0.25; g.dispatchEvent(new Event('input'))")
+    await_that("another mixture", lambda: canvas_digest(browser) != before)
+    words = text_of(browser, "#relight").split()
+    assert words[:-1] == ["tessera", "relight", f"job-{job}.exr", "-o", f"job-{job}-relit.exr", "--gain"], words
+    assert words[-1].endswith("=0.25"), words
+    find(browser, "#keep").click()
+    await_that("the line between two pictures", lambda: find(browser, ".wipe-line").is_displayed())
+    choose(browser, "#compare", "layer albedo")
+    await_that("the other picture", lambda: browser.execute_script(
+        "const c = document.querySelector('.picture.other'); return c.width === 96 && "
+        "c.getContext('2d').getImageData(48, 27, 1, 1).data[3] === 255"))
+    choose(browser, "#compare", "")
+    assert not find(browser, ".wipe-line").is_displayed()
+    log = await_that("the log", lambda: text_of(browser, ".log"))
+    assert "submitted by local" in log and "finished" in log, log
+
+
+def check_sequence(browser, farm, scenes):
+    """The frames of a sequence are in a strip, and play."""
+    job = farm.submit(f"{scenes}/box.pbrt", "--spp", "1", "--resolution", "64x36", "--frames", "1-3")
+    await_that("the end of the sequence", lambda: farm.status(job)["state"] == "finished")
+    browser.get(f"{farm.plain}#/jobs/{job}")
+    await_that("the strip", lambda: len(browser.find_elements(By.CSS_SELECTOR, ".cell.finished")) == 3)
+    find(browser, "#play").click()
+    seen = set()
+
+    def all_played():
+        seen.add(browser.execute_script("const s = document.querySelector('.screen'); "
+                                        "return !s.hidden && s.naturalWidth > 0 && s.dataset.frame"))
+        return {"0", "1", "2"} <= seen
+
+    await_that("all frames", all_played)
+    find(browser, "#play").click()
+    browser.find_elements(By.CSS_SELECTOR, ".cell")[2].click()
+    await_that("the third frame", lambda: browser.current_url.endswith(f"#/jobs/{job}/2"))
+    await_that("its mark", lambda: find(browser, ".cell[aria-current]").text == "3")
+
+
 def check_extend_and_cancel(browser, farm, job):
     spp = find(browser, "#spp")
     spp.clear()
@@ -134,6 +213,7 @@ def check_viewer(browser, farm, job):
 def check_other_views(browser, farm):
     browser.get(f"{farm.plain}#/workers")
     await_that("the workers", lambda: "alpha" in text_of(browser, ".list") and "beta" in text_of(browser, ".list"))
+    await_that("their memory", lambda: "MB" in text_of(browser, ".w-memory"))
     for button in browser.find_elements(By.CSS_SELECTOR, ".w-act button"):
         if "alpha" in button.get_attribute("aria-label"):
             button.click()
@@ -159,6 +239,8 @@ def main():
         job = farm.submit(f"{scenes}/box.pbrt", "--spp", "64", "--resolution", "160x90")
         check_values(browser, farm, job)
         check_extend_and_cancel(browser, farm, job)
+        check_layers(browser, farm, scenes)
+        check_sequence(browser, farm, scenes)
         check_other_views(browser, farm)
         severe = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"
                   and "thumbnail.png" not in entry["message"]]

@@ -74,6 +74,10 @@ TEST_F(Interface, WrongParametersAreRefusedWithTheirNames) {
   EXPECT_EQ(Send("GET", "/api/v1/workers", "history=1&limit=201").status, 400);
   EXPECT_EQ(Send("GET", "/api/v1/jobs/1/picture", "frame=x").status, 400);
   EXPECT_EQ(Send("GET", "/api/v1/events", "job=-1").status, 400);
+  EXPECT_EQ(Send("GET", "/api/v1/jobs/1/thumbnail.png", "size=161").status, 400);
+  EXPECT_EQ(Send("GET", "/api/v1/jobs/1/thumbnail.png", "size=10000").status, 400);
+  EXPECT_EQ(Send("GET", "/api/v1/jobs/1/picture", "layer=unknown").status, 404);
+  EXPECT_EQ(Send("GET", "/api/v1/jobs/1/picture", "layer=a&layer=b").status, 400);
 }
 
 TEST_F(Interface, BodiesThatAreNotObjectsOfNumbersAreRefused) {
