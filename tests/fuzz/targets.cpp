@@ -12,6 +12,7 @@ constexpr FuzzTarget kTargets[] = {
     {"hdr", FuzzHdr, PrepareImages},
     {"http_request", FuzzHttpRequest},
     {"ies", FuzzIes},
+    {"job_message", FuzzJobMessage},
     {"join_token", FuzzJoinToken},
     {"journal", FuzzJournal},
     {"jpeg", FuzzJpeg, PrepareImages},
@@ -32,6 +33,7 @@ constexpr FuzzTarget kTargets[] = {
     {"text", FuzzText},
     {"tga", FuzzTga, PrepareImages},
     {"tiff", FuzzTiff, PrepareImages},
+    {"web_call", FuzzWebCall},
     {"web_form", FuzzWebForm},
     {"webp", FuzzWebp, PrepareImages},
 };

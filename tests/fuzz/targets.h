@@ -28,6 +28,7 @@ bool FuzzGzip(std::string_view bytes);
 bool FuzzHdr(std::string_view bytes);
 bool FuzzHttpRequest(std::string_view bytes);
 bool FuzzIes(std::string_view bytes);
+bool FuzzJobMessage(std::string_view bytes);
 bool FuzzJoinToken(std::string_view bytes);
 bool FuzzJournal(std::string_view bytes);
 bool FuzzJpeg(std::string_view bytes);
@@ -48,6 +49,7 @@ bool FuzzSpool(std::string_view bytes);
 bool FuzzText(std::string_view bytes);
 bool FuzzTga(std::string_view bytes);
 bool FuzzTiff(std::string_view bytes);
+bool FuzzWebCall(std::string_view bytes);
 bool FuzzWebForm(std::string_view bytes);
 bool FuzzWebp(std::string_view bytes);
 

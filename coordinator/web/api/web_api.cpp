@@ -8,7 +8,7 @@
 #include "coordinator/page/page_files.h"
 #include "coordinator/web/api/encoded_picture.h"
 #include "coordinator/web/api/file_stream.h"
-#include "coordinator/web/form.h"
+#include "coordinator/web/api/parameters.h"
 #include "coordinator/web/metrics_text.h"
 #include "proto/identity/subject.h"
 
@@ -35,35 +35,6 @@ HttpResponse Refuse(const WebError& error) {
 HttpResponse Show(const WebResult<json>& result) {
   const auto* const error = std::get_if<WebError>(&result);
   return error != nullptr ? Refuse(*error) : Show(std::get<json>(result));
-}
-
-// The members of a JSON object, numbers as text. Returns nullopt if the body is anything else.
-std::optional<Query> ReadBody(const HttpRequest& http) {
-  if (http.body.empty()) return Query();
-  if (!http.is_json) return std::nullopt;
-  const json body = json::parse(http.body, nullptr, false);
-  if (!body.is_object()) return std::nullopt;
-  Query members;
-  for (const auto& [name, value] : body.items()) {
-    if (!value.is_number_integer()) return std::nullopt;
-    members[name] = value.dump();
-  }
-  return members;
-}
-
-WebResult<Query> ReadParameters(const HttpRequest& http, const WebRoute& route) {
-  const bool is_change = route.method == "POST";
-  if (is_change && !http.query.empty()) return WebError{400, "the call takes no query"};
-  auto parameters = is_change ? ReadBody(http) : ParseForm(http.query);
-  if (!parameters)
-    return WebError{400,
-                    is_change ? "the body is not a JSON object of whole numbers" : "the query is malformed"};
-  for (const auto& [name, value] : *parameters) {
-    if (!IsListed(route.parameters, name))
-      return WebError{400, fmt::format("unknown parameter; expected {}",
-                                       route.parameters.empty() ? "none" : route.parameters)};
-  }
-  return std::move(*parameters);
 }
 
 // Gives what `show` makes of a value, or the error.
