@@ -37,7 +37,7 @@ std::string TextOf(const JobPriorityChanged& fact, const Job&) {
 }
 
 template <typename EachFact>
-MessageLevel LevelOf(const EachFact& fact) {
+MessageLevel LevelOf([[maybe_unused]] const EachFact& fact) {
   if constexpr (std::is_same_v<EachFact, JobEnded>) {
     if (fact.state == JobState::kFailed) return MessageLevel::kError;
   }

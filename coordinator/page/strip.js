@@ -14,14 +14,14 @@ export class Strip {
     Object.assign(this, {job, frame, stage, go});
     this.frames = [];
     this.cells = new Map();
-    this.loaded = new Map();  // address of the picture by frame
+    this.loaded = new Map();  // pictures as they came, by frame
     this.filler = h("div", {class: "strip-filler", role: "list", "aria-label": "Frames"});
     this.scroller = h("div", {class: "strip", tabindex: 0, onscroll: () => this.render()}, this.filler);
     this.button = h("button", {type: "button", class: "quiet", id: "play", onclick: () => this.toggle()}, "Play");
     this.rate = h("select", {"aria-label": "Frames per second"},
       ...kRates.map((rate) => h("option", {value: rate, selected: rate === 24}, `${rate} / s`)));
     this.status = h("span", {class: "soft", role: "status"});
-    this.screen = h("img", {class: "screen", alt: "The sequence", hidden: true});
+    this.screen = h("canvas", {class: "screen", role: "img", "aria-label": "The sequence", hidden: true});
     this.element = h("div", {class: "sequence", hidden: true},
       h("div", {class: "tools"},
         h("button", {type: "button", class: "quiet", "aria-label": "Previous frame", onclick: () => this.step(-1)}, "‹"),
@@ -38,7 +38,7 @@ export class Strip {
     this.isClosed = true;
     this.stop();
     this.observer.disconnect();
-    for (const address of this.loaded.values()) URL.revokeObjectURL(address);
+    this.loaded.clear();
   }
 
   // `frames`: [number, whether it is finished] each.
@@ -135,9 +135,17 @@ export class Strip {
     const all = this.finished().length;
     if (next === undefined) return setText(this.status, `No pictures yet: 0 of ${all}`);
     this.at = next;
-    this.screen.src = this.loaded.get(next);
-    this.screen.dataset.frame = next;
+    this.draw(next);
     setText(this.status, `Frame ${this.frames[next][0]}${there.length < all ? `, ${there.length} of ${all} loaded` : ""}`);
+  }
+
+  async draw(index) {
+    const picture = await createImageBitmap(this.loaded.get(index));
+    if (!this.isPlaying) return picture.close();
+    Object.assign(this.screen, {width: picture.width, height: picture.height});
+    this.screen.getContext("2d").drawImage(picture, 0, 0);
+    this.screen.dataset.frame = index;
+    picture.close();
   }
 
   // One after the other: each is made when it is asked for.
@@ -162,7 +170,7 @@ export class Strip {
       const response = await fetch(`/api/v1/jobs/${this.job}/thumbnail.png?frame=${index}&size=640`);
       if (!response.ok) return false;
       const blob = await response.blob();
-      if (!this.isClosed) this.loaded.set(index, URL.createObjectURL(blob));
+      if (!this.isClosed) this.loaded.set(index, blob);
       return true;
     } catch (error) {
       return false;

@@ -29,7 +29,7 @@ export class ViewerTools {
     this.gains = h("div", {class: "gains", hidden: true});
     this.layers = [];
     this.kept = [];
-    this.element = h("div", {},
+    this.element = h("div", {class: "viewer-tools"},
       h("div", {class: "tools"},
         h("label", {}, "Layer ", this.layer), h("label", {}, "Tone ", this.curve),
         h("label", {}, "Exposure ", this.exposure, this.exposureText), h("label", {}, this.units, " Units"),

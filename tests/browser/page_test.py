@@ -165,7 +165,7 @@ def check_sequence(browser, farm, scenes):
 
     def all_played():
         seen.add(browser.execute_script("const s = document.querySelector('.screen'); "
-                                        "return !s.hidden && s.naturalWidth > 0 && s.dataset.frame"))
+                                        "return !s.hidden && s.width === 64 && s.dataset.frame"))
         return {"0", "1", "2"} <= seen
 
     await_that("all frames", all_played)
@@ -213,7 +213,7 @@ def check_viewer(browser, farm, job):
 def check_other_views(browser, farm):
     browser.get(f"{farm.plain}#/workers")
     await_that("the workers", lambda: "alpha" in text_of(browser, ".list") and "beta" in text_of(browser, ".list"))
-    await_that("their memory", lambda: "MB" in text_of(browser, ".w-memory"))
+    await_that("their memory", lambda: "MB" in text_of(browser, ".row.worker:not(.heads) .w-memory"))
     for button in browser.find_elements(By.CSS_SELECTOR, ".w-act button"):
         if "alpha" in button.get_attribute("aria-label"):
             button.click()

@@ -33,7 +33,8 @@ FarmOutput Messages(uint64_t job, uint64_t submission, const std::vector<std::st
 
 std::vector<std::string> TextsOf(const JobLog& log, uint64_t job) {
   std::vector<std::string> texts;
-  for (const JobLogEntry& entry : log.Read(JobId{job}, 0)->entries) texts.push_back(entry.text);
+  const auto page = log.Read(JobId{job}, 0);
+  for (const JobLogEntry& entry : page->entries) texts.push_back(entry.text);
   return texts;
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "renderer/film/picture_file.h"
+#include "tests/coordinator/no_file_grows.h"
 #include "tests/coordinator/services_fixture.h"
 #include "tests/coordinator/web/api/shown_picture.h"
 #include "tests/coordinator/web/tls_client.h"
@@ -58,10 +59,10 @@ class WebInterface : public Services {
   }
   // Receives the picture until `is_enough`.
   template <typename Condition>
-  ShownPicture Watch(uint64_t job, Condition is_enough) {
+  ShownPicture Watch(uint64_t job, Condition is_enough, const std::string& query = "") {
     ShownPicture picture;
     std::string pending;
-    client->Get("/api/v1/" + JobPath(job, "/picture"), [&](const char* bytes, size_t size) {
+    client->Get("/api/v1/" + JobPath(job, "/picture" + query), [&](const char* bytes, size_t size) {
       pending.append(bytes, size);
       pending.erase(0, picture.Read(pending));
       return !is_enough(picture);
@@ -129,6 +130,44 @@ TEST_F(WebInterface, ThePictureRefinesToTheValuesOfItsFile) {
       EXPECT_EQ(done.values[3 * i + c], picture->values[channels * i + place]);
   }
   EXPECT_EQ(client->Get("/api/v1/" + JobPath(job, "/picture.png"))->body.substr(1, 3), "PNG");
+}
+
+TEST_F(WebInterface, LayersAreThoseOfTheFrameAndProgressIsShown) {
+  const uint64_t job = Submit();
+  proto::ResultsAnswer answer;
+  ASSERT_TRUE(Return(job, 0, {0, 4}, answer, 0.3f).ok());
+  const json detail = Get(JobPath(job));
+  ASSERT_EQ(detail["layers"].size(), 3u);
+  EXPECT_EQ(detail["layers"][0]["channels"], json::parse(R"(["R","G","B"])"));
+  EXPECT_EQ(client->Get("/api/v1/" + JobPath(job, "/picture?layer=albedo"))->status, 404);
+  const auto is_there = [](const ShownPicture& shown) { return shown.samples_done > 0; };
+  const ShownPicture samples = Watch(job, is_there, "?layer=~samples");
+  EXPECT_EQ(samples.shape.channels, 1u);
+  EXPECT_EQ(samples.values[0], 4);
+  EXPECT_EQ(samples.values[8], 0) << "the second tile has none";
+}
+
+// Reading goes on, and whoever changes something gets the reason.
+TEST_F(WebInterface, OnAFullDiskThePageShowsTheFarmAndTheReason) {
+  const uint64_t job = Submit();
+  proto::ResultsAnswer answer;
+  ASSERT_TRUE(Return(job, 0, {0, 4}, answer, 0.3f).ok());
+  {
+    const NoFileGrows full;
+    const auto refused = client->Post("/api/v1/" + JobPath(job, "/pause"), {{"X-Tessera-Proof", proof}}, "{}",
+                                      "application/json");
+    EXPECT_EQ(refused->status, 503);
+    EXPECT_THAT(refused->body, HasSubstr("the coordinator cannot write its data"));
+    EXPECT_EQ(client->Get("/")->status, 200);
+    EXPECT_EQ(client->Get("/api/v1/" + JobPath(job))->status, 200);
+    const ShownPicture shown = Watch(job, [](const ShownPicture& each) { return each.samples_done > 0; });
+    EXPECT_EQ(shown.values[0], 0.3f);
+    const auto download = client->Get("/api/v1/" + JobPath(job, "/picture.exr"));
+    EXPECT_EQ(download->status, 503) << "it needs a temporary file";
+    EXPECT_TRUE(json::parse(download->body)["error"].is_string());
+    EXPECT_EQ(client->Get("/api/v1/" + JobPath(job, "/log"))->status, 200);
+  }
+  EXPECT_TRUE(ComesTrue([&] { return Post(JobPath(job, "/resume")) == 200; })) << "there is space again";
 }
 
 TEST_F(WebInterface, ASmallPictureIsMadeSoonAfterItIsFirstAskedFor) {

@@ -189,6 +189,7 @@ bool FuzzAnswer(std::string_view bytes) {
   if (name == "Lease") return TryAnswer<proto::Lease>(bytes, with(ReadLease));
   if (name == "JobStatus") return TryAnswer<proto::JobStatus>(bytes, with(ReadJobStatus));
   if (name == "FramesAnswer") return TryAnswer<proto::FramesAnswer>(bytes, with(ReadFrameStatuses));
+  if (name == "JobLogAnswer") return TryAnswer<proto::JobLogAnswer>(bytes, with(ReadJobLog));
   if (name == "WorkerStatus") return TryAnswer<proto::WorkerStatus>(bytes, with(ReadWorkerStatus));
   return false;
 }

@@ -9,6 +9,7 @@
 #include "coordinator/web/api/encoded_picture.h"
 #include "coordinator/web/api/file_stream.h"
 #include "coordinator/web/api/parameters.h"
+#include "coordinator/web/api/picture_layers.h"
 #include "coordinator/web/metrics_text.h"
 #include "proto/identity/subject.h"
 

@@ -107,6 +107,7 @@ TEST_F(BusyFarm, EveryCallIsRepeatedWhileTheCoordinatorAsksToTryAgain) {
   const std::vector<Error> errors{
       ErrorOf(client->Status(job)),
       ErrorOf(client->Frames(job)),
+      ErrorOf(client->JobLog(job, 0)),
       ErrorOf(client->FetchPicture(job, 0, false)),
       ErrorOf(client->Watch(job, [](const JobStatus&) {})),
       ErrorOf(client->Cancel(job)),
