@@ -17,11 +17,12 @@
 #include "renderer/film/pixel_mask.h"
 #include "renderer/film/sample_range.h"
 #include "renderer/util/digest.h"
+#include "renderer/util/release.h"
 
 namespace tessera {
 
-constexpr uint32_t kProtocolVersion = 6;           // counts changes that older programs would misread
-constexpr const char* kSoftwareVersion = "0.1.0";  // one per farm: pictures are exact per release
+constexpr uint32_t kProtocolVersion = 6;  // counts changes that older programs would misread
+constexpr const char* kSoftwareVersion = kRelease;
 
 constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message
 constexpr int64_t kResultBytesMax = int64_t{16} << 20;  // of one unit's radiance tile

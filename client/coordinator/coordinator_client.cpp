@@ -197,7 +197,7 @@ Result<std::unique_ptr<CoordinatorClient>> CoordinatorClient::Connect(const Endp
   if (health.protocol() != kProtocolVersion || health.software_version() != kSoftwareVersion) {
     return Failed(
         fmt::format("{}: the coordinator has version {} (protocol {}) and this program version {} (protocol "
-                    "{}); use the same version of both",
+                    "{}); install the same release on both",
                     endpoint.address.Text(), CleanName(health.software_version()), health.protocol(),
                     kSoftwareVersion, kProtocolVersion));
   }

@@ -1,6 +1,6 @@
 // The kinds of one family (materials, shapes, samplers, ...) by the names that scenes and options use for
 // them. One table per family decides what is read, how a misspelled or unsupported name is answered, and
-// what the help, `info` and the README list.
+// what the help, `info` and the guide list.
 #pragma once
 
 #include <fmt/format.h>

@@ -18,6 +18,7 @@
 #include "renderer/scene/summary.h"
 #include "renderer/scene/version.h"
 #include "renderer/scene/world_builder.h"
+#include "renderer/util/release.h"
 
 namespace tessera {
 namespace {
@@ -63,8 +64,8 @@ Result<void> CheckOptions(const RenderOptions& options) {
 std::map<std::string, std::string> HeaderAttributes(const Scene::Data& data,
                                                     const IntegratorChoice& integrator) {
   std::map<std::string, std::string> attributes{
-      {kSoftwareAttribute, fmt::format("Tessera {}", kVersion)},
-      {kVersionAttribute, std::string(kVersion)},
+      {kSoftwareAttribute, fmt::format("Tessera {}", kRelease)},
+      {kVersionAttribute, kRelease},
       {"tessera:seed", std::to_string(data.sampler.seed)},
       {kSamplesAttribute, std::to_string(data.sampler.samples_per_pixel)},
       {kSamplerAttribute, data.summary.sampler},

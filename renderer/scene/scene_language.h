@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-// Every kind of every family, with how far it is supported: for the help, `info` and the README.
+// Every kind of every family, with how far it is supported: for the help, `info` and the guide.
 std::vector<KindList> SceneLanguageKinds();
 
 }  // namespace tessera

@@ -222,6 +222,14 @@ def check_guide(root, problems):
                     problems.append(f"{name}:{number}: {path} does not exist")
 
 
+def check_release(root, problems):
+    """The newest release in CHANGELOG.md is the one that the programs have."""
+    named = re.search(r'kRelease = "([^"]+)"', (root / "renderer/util/release.h").read_text(encoding="utf-8")).group(1)
+    newest = re.search(r"^## (\S+)", (root / "CHANGELOG.md").read_text(encoding="utf-8"), flags=re.M).group(1)
+    if named != newest:
+        problems.append(f"CHANGELOG.md:1: begins with {newest}, but renderer/util/release.h names {named}")
+
+
 def check_top_level(root, problems):
     allowed = {"proto", "coordinator", "worker", "renderer", "client", "deploy", "tests", "build"}
     for path in root.iterdir():
@@ -241,6 +249,7 @@ def main():
     check_boxes_registered(root, problems)
     check_tests_registered(root, problems)
     check_guide(root, problems)
+    check_release(root, problems)
     check_top_level(root, problems)
     print("\n".join(problems))
     print(f"{len(problems)} violations")

@@ -34,7 +34,8 @@ grpc::ByteBuffer Encoded(const google::protobuf::Message& message) {
 // then for good.
 class BusyCoordinator final : public grpc::CallbackGenericService {
  public:
-  BusyCoordinator(const Address& address, int refusals) : refusals_(refusals) {
+  BusyCoordinator(const Address& address, int refusals, std::string version = kSoftwareVersion)
+      : refusals_(refusals), version_(std::move(version)) {
     grpc::ServerBuilder builder;
     builder.AddListeningPort(address.Target(), grpc::InsecureServerCredentials());
     builder.RegisterCallbackGenericService(this);
@@ -64,7 +65,7 @@ class BusyCoordinator final : public grpc::CallbackGenericService {
   grpc::ServerGenericBidiReactor* CreateReactor(grpc::GenericCallbackServerContext* context) override {
     if (context->method().ends_with("/Health")) {
       proto::HealthAnswer health;
-      health.set_software_version(kSoftwareVersion);
+      health.set_software_version(version_);
       health.set_protocol(kProtocolVersion);
       health.set_farm(WriteFarmId(RandomFarmId()));
       return new Reactor(health);
@@ -76,6 +77,7 @@ class BusyCoordinator final : public grpc::CallbackGenericService {
   }
 
   const int refusals_;
+  const std::string version_;
   mutable std::mutex mutex_;
   std::map<std::string, int> calls_;  // guarded by mutex_
   std::unique_ptr<grpc::Server> server_;
@@ -149,6 +151,16 @@ TEST_F(BusyFarm, TheReasonIsReportedOncePatienceIsOver) {
   const int calls = coordinator.calls().at("/tessera.proto.Jobs/FetchPicture");
   EXPECT_GT(calls, 1);
   EXPECT_LT(calls, 12) << "the pauses grow";
+}
+
+TEST_F(BusyFarm, ACoordinatorOfAnotherReleaseIsNotUsedAndBothReleasesAreNamed) {
+  BusyCoordinator coordinator(address_, 0, "0.1.0");
+  const Error error = ErrorOf(CoordinatorClient::Connect(address_, {kLong, kLong}, {}));
+  EXPECT_EQ(error.kind, ErrorKind::kFailed);
+  EXPECT_THAT(error.message, HasSubstr("the coordinator has version 0.1.0"));
+  EXPECT_THAT(error.message, HasSubstr(std::string("this program version ") + kSoftwareVersion));
+  EXPECT_THAT(error.message, HasSubstr("install the same release on both"));
+  EXPECT_TRUE(coordinator.calls().empty()) << "nothing is sent to it";
 }
 
 TEST_F(BusyFarm, WithoutPatienceACallIsMadeOnce) {

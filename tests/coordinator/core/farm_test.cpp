@@ -277,8 +277,10 @@ TEST(Farm, ANewerCallAnswersTheOlder) {
 TEST(Farm, WorkersOfAnotherReleaseAreNotAdmitted) {
   const FarmStage stage;
   WorkerState state;
-  state.software_version = "0.0.1";
-  EXPECT_THAT(stage.farm.CheckAdmission(state).error().message, HasSubstr("0.0.1"));
+  state.software_version = "0.1.0";
+  EXPECT_THAT(stage.farm.CheckAdmission(state).error().message,
+              HasSubstr(std::string("has version 0.1.0, this coordinator ") + kSoftwareVersion +
+                        "; install the same release on both"));
   state = {};
   state.protocol = 99;
   EXPECT_THAT(stage.farm.CheckAdmission(state).error().message, HasSubstr("protocol 99"));
