@@ -175,8 +175,8 @@ export class Viewer {
   // ---- How it looks ----
   // Another layer beside it has a curve of its own.
   curveFor(source) {
-    if (source === this.source || !source.layer === !this.source.layer) return this.curve;
-    return curveOf(source.layer);
+    const own = curveOf(source.layer);
+    return source === this.source || own === curveOf(this.source.layer) ? this.curve : own;
   }
 
   setCurve(curve) {
