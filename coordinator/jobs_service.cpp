@@ -154,11 +154,10 @@ grpc::ServerWriteReactor<proto::JobStatus>* JobsService::Watch(grpc::CallbackSer
                                                                const proto::JobRequest* request) {
   using Reactor = grpc::ServerWriteReactor<proto::JobStatus>;
   return gate_.Serve<Reactor>(context, RuleFor("Jobs.Watch"), [=, this](const LastingCall& call) {
-    // The core thread asks whether the caller still may, so this call is not kept.
-    const Principal caller = call.caller();
     auto* const stream = new WatchStream;
     const auto link = stream->link();
-    gate_.core().Post([=, this, job = JobId{request->job()}](CoreContext& core) {
+    // The core thread asks whether the caller still may, so this call is not kept.
+    gate_.core().Post([=, this, job = JobId{request->job()}, caller = call.caller()](CoreContext& core) {
       if (!core.farm.Status(core.now, job)) return link->Finish(NoJob(job));
       core.answers.Watch(
           job, [link](const JobStatus* status, bool last) { return link->Offer(status, last); },

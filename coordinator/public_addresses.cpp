@@ -13,7 +13,7 @@ bool IsIpv4(const std::string& name) {
 
 std::vector<std::string> PublicAddresses(const std::vector<Address>& listen, std::vector<std::string> names,
                                          bool names_are_chosen) {
-  if (!names_are_chosen) std::ranges::stable_partition(names, IsIpv4);
+  if (!names_are_chosen) std::stable_partition(names.begin(), names.end(), IsIpv4);
   std::vector<std::string> found, local;
   for (const Address& address : listen) {
     if (address.kind != Address::Kind::kTcp) continue;

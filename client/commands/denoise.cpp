@@ -148,8 +148,8 @@ Result<std::vector<SavedPicture>> DenoiseFrames(const FrameDenoiser& denoiser,
     if (!picture) return picture.error();
     saved.push_back(std::move(*picture));
     if (after && !*after) return after->error();
-    before = is_blended ? std::move(frame) : std::nullopt;
-    frame.reset();
+    std::optional<DenoisedFrame> saved_frame = std::exchange(frame, std::nullopt);
+    before = is_blended ? std::move(saved_frame) : std::nullopt;
     if (after) frame = std::move(**after);
   }
   return saved;

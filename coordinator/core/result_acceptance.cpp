@@ -51,14 +51,13 @@ Verdict ResultAcceptance::Decide(Instant now, WorkerId worker, Job& job, Returne
   if (scheduler.IsComplete(job, unit.frame)) return Verdict::kDuplicate;
   if (!scheduler.IsKnown(unit)) {
     reason = "there is no such unit";
-  } else if (!scheduler.IsBegun(unit)) {
-    return Verdict::kObsolete;
-  } else if (scheduler.WorkOf(unit).IsDone({unit.tile, unit.range})) {
-    return Verdict::kDuplicate;
-  } else if (!scheduler.MayHaveLeased(worker, returned.lease, unit) ||
-             IsBeyondGoal(scheduler.WorkOf(unit).Goal(unit.tile), unit.range)) {
-    return Verdict::kObsolete;  // this worker was not asked for it
   } else {
+    if (!scheduler.IsBegun(unit)) return Verdict::kObsolete;
+    if (scheduler.WorkOf(unit).IsDone({unit.tile, unit.range})) return Verdict::kDuplicate;
+    // This worker was not asked for it.
+    if (!scheduler.MayHaveLeased(worker, returned.lease, unit) ||
+        IsBeyondGoal(scheduler.WorkOf(unit).Goal(unit.tile), unit.range))
+      return Verdict::kObsolete;
     reason = returned.tile ? Mismatch(job, returned) : returned.tile.error().message;
   }
   if (!reason.empty()) {

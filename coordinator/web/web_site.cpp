@@ -103,7 +103,7 @@ HttpResponse WebSite::Answer(const HttpRequest& request, const WebPeer& peer, Ti
   return WithRechecks(std::move(response), visit.session, peer, visit.visitor->member);
 }
 
-HttpResponse WebSite::Show(const HttpRequest& request, WebVisit visit, const WebPeer& peer) {
+HttpResponse WebSite::Show(const HttpRequest& request, const WebVisit& visit, const WebPeer& peer) {
   if (!IsGet(request)) {
     const std::string own_origin = (peer.own ? "https://" : "http://") + request.authority;
     if (!request.origin.empty() && request.origin != own_origin)

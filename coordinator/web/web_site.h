@@ -59,7 +59,7 @@ class WebSite {
   bool IsForUs(const HttpRequest& request, const WebPeer& peer) const;
   Visit Identify(const HttpRequest& request, const WebPeer& peer, TimePoint now);
   HttpResponse AnswerStranger(const HttpRequest& request, const Visit& visit) const;
-  HttpResponse Show(const HttpRequest& request, WebVisit visit, const WebPeer& peer);
+  HttpResponse Show(const HttpRequest& request, const WebVisit& visit, const WebPeer& peer);
   HttpResponse WithRechecks(HttpResponse response, const std::string& session, const WebPeer& peer,
                             MemberId member);
   HttpResponse LogIn(const HttpRequest& request, const WebPeer& peer, TimePoint now);

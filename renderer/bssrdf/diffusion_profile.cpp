@@ -115,7 +115,8 @@ float DiffusionProfile::Blend(const std::vector<float>& table, const AlbedoPlace
   float sum = 0;
   for (int i = 0; i < 4; ++i) {
     const float weight = albedo.weights[static_cast<size_t>(i)];
-    if (weight != 0) sum += weight * table[static_cast<size_t>((albedo.offset + i) * kRadii + radius_index)];
+    const int index = (albedo.offset + i) * kRadii + radius_index;
+    if (weight != 0) sum += weight * table[static_cast<size_t>(index)];
   }
   return sum;
 }
@@ -135,7 +136,8 @@ float DiffusionProfile::EffectiveAlbedo(const AlbedoPlace& albedo) const {
   float sum = 0;
   for (int i = 0; i < 4; ++i) {
     const float weight = albedo.weights[static_cast<size_t>(i)];
-    if (weight != 0) sum += weight * effective_[static_cast<size_t>(albedo.offset + i)];
+    const int index = albedo.offset + i;
+    if (weight != 0) sum += weight * effective_[static_cast<size_t>(index)];
   }
   return sum;
 }

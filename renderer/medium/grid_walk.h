@@ -79,8 +79,9 @@ inline bool GridWalk::Next(Step* step) {
   if (!(t_ < t_exit_)) return false;
   const int first = axes_[0].t_next < axes_[1].t_next ? 0 : 1;
   Axis& axis = axes_[first].t_next < axes_[2].t_next ? axes_[first] : axes_[2];
-  step->cell = static_cast<size_t>(axes_[0].cell * axes_[0].stride + axes_[1].cell * axes_[1].stride +
-                                   axes_[2].cell * axes_[2].stride);
+  const int cell =
+      axes_[0].cell * axes_[0].stride + axes_[1].cell * axes_[1].stride + axes_[2].cell * axes_[2].stride;
+  step->cell = static_cast<size_t>(cell);
   t_ = std::max(t_, std::min(axis.t_next, t_exit_));
   step->t_end = t_;
   axis.cell += axis.direction;

@@ -37,8 +37,9 @@ class MajorantGrid {
 
  private:
   size_t IndexOf(const GridSize& cell) const {
-    return static_cast<size_t>(((cell[2] >> shift_) * cells_[1] + (cell[1] >> shift_)) * cells_[0] +
-                               (cell[0] >> shift_));
+    const int index =
+        ((cell[2] >> shift_) * cells_[1] + (cell[1] >> shift_)) * cells_[0] + (cell[0] >> shift_);
+    return static_cast<size_t>(index);
   }
 
   int shift_ = 0;

@@ -38,7 +38,10 @@ class VoxelGrid {
   // The number of blocks of a grid, stored or not: each takes 8 bytes.
   static double BlockCount(const GridSize& size) {
     double count = 1;
-    for (const int side : size) count *= side / (1 << kBlockShift) + 1.0;
+    for (const int side : size) {
+      const int blocks = (side >> kBlockShift) + 1;
+      count *= blocks;
+    }
     return count;
   }
 

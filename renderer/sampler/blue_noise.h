@@ -16,7 +16,8 @@ class BlueNoise {
 
   // In [0, 1): each multiple of 1 / kBlueNoiseSide^2 once. x and y must not be negative.
   float At(int x, int y) const {
-    return values_[static_cast<size_t>(y % kBlueNoiseSide * kBlueNoiseSide + x % kBlueNoiseSide)];
+    const int index = y % kBlueNoiseSide * kBlueNoiseSide + x % kBlueNoiseSide;
+    return values_[static_cast<size_t>(index)];
   }
 
  private:

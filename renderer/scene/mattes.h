@@ -2,6 +2,7 @@
 // the asset of what a ray hits, and their names for the header of the picture.
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -45,10 +46,10 @@ class MatteTable {
   std::vector<std::string>& NamesOf(MatteKind kind) { return names_[static_cast<size_t>(kind)]; }
 
   const Geometry* geometry_ = nullptr;
-  std::vector<Ids> shapes_;            // by SurfaceProperties::name
-  std::vector<Ids> instances_;         // by index in the geometry
-  std::vector<float> materials_;       // by index
-  std::vector<std::string> names_[3];  // by kind, in the order of the scene
+  std::vector<Ids> shapes_;                        // by SurfaceProperties::name
+  std::vector<Ids> instances_;                     // by index in the geometry
+  std::vector<float> materials_;                   // by index
+  std::array<std::vector<std::string>, 3> names_;  // by kind, in the order of the scene
 };
 
 }  // namespace tessera

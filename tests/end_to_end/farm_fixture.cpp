@@ -51,6 +51,18 @@ bool EndToEnd::Exists(const std::string& name) const {
   return std::filesystem::exists(Path(name));
 }
 
+uint64_t EndToEnd::BytesBelow(const std::string& name) const {
+  uint64_t bytes = 0;
+  std::error_code error;
+  for (std::filesystem::recursive_directory_iterator it(Path(name), error), end; !error && it != end;
+       it.increment(error)) {
+    std::error_code gone;
+    const uint64_t size = it->is_regular_file(gone) ? it->file_size(gone) : 0;
+    bytes += gone ? 0 : size;
+  }
+  return bytes;
+}
+
 std::string EndToEnd::Oracle(const std::string& scene, std::vector<std::string> options) {
   options.insert(options.begin(), {"render", scene, "--in-process", "-o", "oracle.exr"});
   const Outcome outcome = Tessera(options);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
@@ -24,6 +25,8 @@ class EndToEnd : public testing::Test {
   // Writes a file in the folder.
   std::string Write(const std::string& name, const std::string& text) const;
   std::string Bytes(const std::string& name) const;
+  // The bytes of all files below a folder, which may change meanwhile; 0 if there is none.
+  uint64_t BytesBelow(const std::string& name) const;
   bool Exists(const std::string& name) const;
 
   Outcome Tessera(const std::vector<std::string>& arguments) const {

@@ -1,4 +1,5 @@
-// A farm that uses certificates of an organisation, made with openssl as the guide shows (client/guide/access.md).
+// A farm that uses certificates of an organisation, made with openssl as the guide shows
+// (client/guide/access.md).
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

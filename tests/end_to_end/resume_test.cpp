@@ -19,17 +19,7 @@ class Resume : public EndToEnd {
     const std::filesystem::directory_iterator entries(renders, error);
     return error ? 0 : static_cast<size_t>(std::distance(entries, std::filesystem::directory_iterator()));
   }
-  uint64_t KeptBytes() const {
-    uint64_t bytes = 0;
-    std::error_code error;
-    for (std::filesystem::recursive_directory_iterator it(Path("user-cache"), error), end;
-         !error && it != end; it.increment(error)) {
-      std::error_code gone;
-      const uint64_t size = it->is_regular_file(gone) ? it->file_size(gone) : 0;
-      bytes += gone ? 0 : size;
-    }
-    return bytes;
-  }
+  uint64_t KeptBytes() const { return BytesBelow("user-cache"); }
 };
 
 TEST_F(Resume, ContinuesAfterAnInterruptionAndAKillWithTheSameBits) {

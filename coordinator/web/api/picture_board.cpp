@@ -10,7 +10,8 @@ class PictureBoard::Painting {
   explicit Painting(PictureBoard& board) : board_(board) {}
 
   void Set(int x, int y, const float* values) {
-    const auto index = static_cast<size_t>(y / kRegionSize * board_.columns_ + x / kRegionSize);
+    const int region = y / kRegionSize * board_.columns_ + x / kRegionSize;
+    const auto index = static_cast<size_t>(region);
     const PixelBounds& bounds = board_.regions_[index].bounds;
     if (index != last_) message_ = &MessageOf(index);
     last_ = index;

@@ -56,8 +56,9 @@ std::vector<float> Smooth(const std::vector<double>& values, int width, int heig
       double sum = 0;
       int count = 0;
       for (int j = std::max(y - kReach, 0); j <= std::min(y + kReach, height - 1); ++j) {
+        const size_t row = static_cast<size_t>(j) * static_cast<size_t>(width);
         for (int i = std::max(x - kReach, 0); i <= std::min(x + kReach, width - 1); ++i, ++count)
-          sum += values[static_cast<size_t>(j * width + i)];
+          sum += values[row + static_cast<size_t>(i)];
       }
       smooth.push_back(static_cast<float>(std::sqrt(sum / count)));
     }
