@@ -29,6 +29,7 @@ Result<int> RunMan(const ManOptions& options, Cancellation&) {
   const auto command = std::ranges::find(commands, options.command, &CommandReference::name);
   if (command == commands.end()) {
     std::vector<std::string_view> names;
+    names.reserve(commands.size());
     for (const CommandReference& each : commands) names.push_back(each.name);
     return BadInput(fmt::format("COMMAND: there is no command \"{}\"{}", options.command,
                                 DidYouMean(options.command, names)));

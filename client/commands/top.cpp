@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <string_view>
+
 #include "client/commands/commands.h"
 #include "client/commands/connection.h"
 #include "client/commands/option_groups.h"
@@ -51,7 +53,7 @@ Result<int> RunTop(const TopOptions& options, Cancellation& cancellation) {
     screen.Show(TopScreen(*view, TerminalSizeOf(STDOUT_FILENO)));
     const auto key = screen.AwaitKey(std::chrono::seconds(options.interval_s), cancellation.token());
     if (cancellation.cancelled()) return cancellation.error();
-    if (key == 'q' || key == 'Q' || key == '\x1b') return 0;
+    if (key && std::string_view("qQ\x1b").find(*key) != std::string_view::npos) return 0;
     view = Look(**client, address);
     if (!view) return view.error();
   }

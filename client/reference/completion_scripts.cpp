@@ -22,6 +22,7 @@ std::string Brief(const std::string& help) {
 
 std::vector<std::string> NamesOf(const std::vector<CommandReference>& commands) {
   std::vector<std::string> names;
+  names.reserve(commands.size());
   for (const CommandReference& each : commands) names.push_back(each.name);
   return names;
 }

@@ -66,7 +66,7 @@ void Mesh::FillRing(uint32_t v, Ring* ring) const {
   ring->is_boundary = false;
   const uint32_t start = start_face[v];
   if (start == kNone) return;
-  uint32_t face = start, last = start;
+  uint32_t face = start, last;
   do {
     ring->points.push_back(PointAfter(face, v));
     last = face;

@@ -86,10 +86,12 @@ void VoteCounting::Relax(Instant now) {
   bool has_relaxed = false;
   for (const auto& [id, job] : state_.jobs.open()) {
     if (job->spec->verify_share <= 0) continue;
+    const auto& tags = job->spec->required_tags;
     for (auto& [index, frame] : job->schedule.active) {
-      has_relaxed |= frame.verification.Relax(now, [&](const Verification::Ballot& ballot, uint32_t tile) {
-        return CandidatesFor(ballot, frame.failures, tile, able_for(job->spec->required_tags));
-      });
+      has_relaxed |= frame.verification.Relax(
+          now, [&, &failures = frame.failures](const Verification::Ballot& ballot, uint32_t tile) {
+            return CandidatesFor(ballot, failures, tile, able_for(tags));
+          });
     }
   }
   if (has_relaxed) state_.idle.UnblockAll();
