@@ -184,9 +184,13 @@ TEST_F(Outputs, TheStandardOutputTakesOnePictureAndNothingElse) {
   refused({"-o", "-", "--frames", "1-2"}, "the standard output: two pictures");
   EXPECT_FALSE(Exists("a.exr"));
   // One frame is one picture.
-  const Outcome one = Tessera({"render", "plain.pbrt", "-o", "-", "--frames", "3", "--in-process"});
+  const auto frame = [&](const char* output) {
+    return Tessera({"render", "plain.pbrt", "-o", output, "--frames", "3", "--in-process"});
+  };
+  const Outcome one = frame("-");
   EXPECT_EQ(one.code, 0) << one.errors;
-  EXPECT_TRUE(one.output == Oracle("plain.pbrt", {"--frames", "3"}));
+  EXPECT_EQ(frame("a.exr").code, 0);
+  EXPECT_TRUE(one.output == Bytes("a.0003.exr"));
 }
 
 TEST_F(Outputs, ATerminalOrAClosedPipeOnTheStandardOutputIsAnError) {
