@@ -45,9 +45,10 @@ class WebCalls {
 
   std::optional<WebError> Admit(const WebCaller& caller, std::string_view call) const;
   WebReach Reach(const Visitor& visitor, std::string_view call) const;
-  void AdmitToJob(const WebCaller& caller, std::string_view call, JobId job, WebDone<JobStatus> done) const;
-  void Detail(JobId job, uint32_t frame, WebDone<JobDetail> done) const;
-  void ChangeJob(const WebCaller& caller, const JobChange& change, WebDone<JobStatus> done) const;
+  void AdmitToJob(const WebCaller& caller, std::string_view call, JobId job,
+                  const WebDone<JobStatus>& done) const;
+  void Detail(JobId job, uint32_t frame, const WebDone<JobDetail>& done) const;
+  void ChangeJob(const WebCaller& caller, const JobChange& change, const WebDone<JobStatus>& done) const;
   void ChangeWorkers(const WebCaller& caller, std::string_view call, const std::string& which,
                      WebDone<std::vector<WorkerStatus>> done) const;
   WebResult<FrameState> Frame(JobId job, uint32_t frame) const;
@@ -106,7 +107,7 @@ WebReach WebCalls::Reach(const Visitor& visitor, std::string_view call) const {
 }
 
 void WebCalls::AdmitToJob(const WebCaller& caller, std::string_view call, JobId job,
-                          WebDone<JobStatus> done) const {
+                          const WebDone<JobStatus>& done) const {
   core().Post([=, this, principal = PrincipalOf(caller)](CoreContext& context) {
     const grpc::Status admitted = parts_.gate.AdmitToJob(principal, *FindRule(call), context, job);
     if (!admitted.ok()) return done(ErrorOf(admitted));
@@ -114,7 +115,7 @@ void WebCalls::AdmitToJob(const WebCaller& caller, std::string_view call, JobId 
   });
 }
 
-void WebCalls::Detail(JobId job, uint32_t frame, WebDone<JobDetail> done) const {
+void WebCalls::Detail(JobId job, uint32_t frame, const WebDone<JobDetail>& done) const {
   core().Post([=](CoreContext& context) {
     const auto status = context.farm.Status(context.now, job);
     if (!status) return done(WebError{404, fmt::format("there is no job {}", Number(job))});
@@ -183,7 +184,8 @@ WebResult<JobStatus> WebCalls::Change(CoreContext& core, const JobChange& change
   return *changed;
 }
 
-void WebCalls::ChangeJob(const WebCaller& caller, const JobChange& change, WebDone<JobStatus> done) const {
+void WebCalls::ChangeJob(const WebCaller& caller, const JobChange& change,
+                         const WebDone<JobStatus>& done) const {
   const Principal principal = PrincipalOf(caller);
   const CallRule& rule = *FindRule(change.call);
   const bool is_extend = change.call == "Jobs.Extend", is_priority = change.call == "Jobs.SetPriority";
@@ -233,7 +235,7 @@ void WebCalls::ChangeWorkers(const WebCaller& caller, std::string_view call, con
     return changed;
   };
   Apply<Workers>(PrincipalOf(caller), *FindRule(call), fmt::format("worker={}", LogText(which)), change,
-                 done);
+                 std::move(done));
 }
 
 WebResult<FrameState> WebCalls::Frame(JobId job, uint32_t frame) const {
@@ -292,12 +294,12 @@ WebFarm MakeWebFarm(WebCallParts parts) {
   const auto calls = std::make_shared<const WebCalls>(std::move(parts));
   farm.admit = [calls](const auto& caller, auto call) { return calls->Admit(caller, call); };
   farm.reach = [calls](const auto& visitor, auto call) { return calls->Reach(visitor, call); };
-  farm.admit_to_job = [calls](const auto& caller, auto call, JobId job, auto done) {
-    calls->AdmitToJob(caller, call, job, std::move(done));
+  farm.admit_to_job = [calls](const auto& caller, auto call, JobId job, const auto& done) {
+    calls->AdmitToJob(caller, call, job, done);
   };
-  farm.detail = [calls](JobId job, uint32_t frame, auto done) { calls->Detail(job, frame, std::move(done)); };
-  farm.change_job = [calls](const auto& caller, const auto& change, auto done) {
-    calls->ChangeJob(caller, change, std::move(done));
+  farm.detail = [calls](JobId job, uint32_t frame, const auto& done) { calls->Detail(job, frame, done); };
+  farm.change_job = [calls](const auto& caller, const auto& change, const auto& done) {
+    calls->ChangeJob(caller, change, done);
   };
   farm.change_workers = [calls](const auto& caller, auto call, const auto& which, auto done) {
     calls->ChangeWorkers(caller, call, which, std::move(done));

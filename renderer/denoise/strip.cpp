@@ -145,7 +145,8 @@ void StripLoader::SmoothRow(int y, Strip& strip) const {
     std::fill_n(variance, width_, 0.0f);
     for (int dx = 0; dx <= 2 * kSmoothRadius; ++dx) {
       const float weight = kSmoothWeights[std::abs(dx - kSmoothRadius)];
-      for (int x = 0; x < width_; ++x) variance[x] += weight * column[static_cast<size_t>(x + dx)];
+      const float* const shifted = column.data() + dx;
+      for (int x = 0; x < width_; ++x) variance[x] += weight * shifted[x];
     }
     MirrorRow(strip.variance[c], y, width_, kStripMargin);
   }
@@ -155,7 +156,8 @@ Result<void> StripLoader::Load(int y0, int y1, int threads, const std::stop_toke
   Resize(y0, y1, strip);
   // Calls `body` for the rows within `margin` of the strip.
   const auto for_rows = [&](int margin, const auto& body) {
-    return ForEachItem(static_cast<size_t>(y1 - y0 + 2 * margin), threads, stop,
+    const int rows = y1 - y0 + 2 * margin;
+    return ForEachItem(static_cast<size_t>(rows), threads, stop,
                        [&](size_t i) { body(y0 - margin + static_cast<int>(i)); });
   };
   constexpr int kInner = kStripMargin + kSmoothRadius;

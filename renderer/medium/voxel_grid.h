@@ -111,7 +111,8 @@ void VoxelGrid<T>::Set(int x, int y, int z, const T& value) {
     }
     if (!belongs) continue;
     std::unique_ptr<T[]>& values = values_[BlockAt(block[0], block[1], block[2])];
-    if (!values) values = std::make_unique<T[]>(static_cast<size_t>(points_[0] * points_[1] * points_[2]));
+    const int count = points_[0] * points_[1] * points_[2];
+    if (!values) values = std::make_unique<T[]>(static_cast<size_t>(count));
     values[static_cast<size_t>(PointAt(point[0], point[1], point[2]))] = value;
   }
 }
