@@ -23,7 +23,7 @@ std::vector<std::string> EnvironmentWith(const Notice& notice) {
                                                               {"TESSERA_JOB_STATE=", notice.state},
                                                               {"TESSERA_JOB_REASON=", notice.reason}};
   for (const auto& [variable, value] : added) {
-    std::erase_if(all, [&](const std::string& each) { return each.starts_with(variable); });
+    std::erase_if(all, [&start = variable](const std::string& each) { return each.starts_with(start); });
     std::string clean = value;
     std::erase(clean, '\0');
     all.push_back(variable + clean);

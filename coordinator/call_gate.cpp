@@ -122,7 +122,9 @@ grpc::Status CallGate::Identify(const grpc::CallbackServerContext& context, Prin
     return grpc::Status::OK;
   }
   const std::vector<grpc::string_ref> uris = connection->FindPropertyValues(GRPC_PEER_URI_PROPERTY_NAME);
-  const auto text = [](grpc::string_ref value) { return std::string_view(value.data(), value.size()); };
+  const auto text = [](const grpc::string_ref& value) {
+    return std::string_view(value.data(), value.size());
+  };
   return IdentifyHolder(uris.size() == 1 ? text(uris.front()) : "", text(pems.front()), caller);
 }
 

@@ -113,6 +113,7 @@ Error UnknownSetting(const Setting& setting, const std::vector<const CommandRefe
 Result<void> CheckSettings(const std::vector<CommandReference>& commands,
                            const std::vector<Setting>& settings) {
   std::vector<std::string_view> names;
+  names.reserve(commands.size());
   for (const CommandReference& each : commands) names.push_back(each.name);
   for (const Setting& setting : settings) {
     std::vector<const CommandReference*> meant;

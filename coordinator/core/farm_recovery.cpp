@@ -228,10 +228,11 @@ void FarmRecovery::AppendControl(const Job& job, std::vector<Fact>& facts) {
   if (job.is_paused) facts.emplace_back(JobPaused{job.id, true});
   if (job.priority != job.submitted->priority) facts.emplace_back(JobPriorityChanged{job.id, job.priority});
   for (const auto& [index, frame] : job.schedule.active) {
-    frame.verification.VisitVotes([&](TileSamples samples, const Vote& vote) {
-      const WorkUnit unit{job.id, index, samples.tile, samples.range, frame.scene.key};
-      facts.emplace_back(VoteRecorded{unit, vote.worker, vote.name, vote.result, vote.machine});
-    });
+    frame.verification.VisitVotes(
+        [&, index = index, key = frame.scene.key](TileSamples samples, const Vote& vote) {
+          const WorkUnit unit{job.id, index, samples.tile, samples.range, key};
+          facts.emplace_back(VoteRecorded{unit, vote.worker, vote.name, vote.result, vote.machine});
+        });
   }
   if (job.submitted->verify_share > 0) facts.emplace_back(CountsOf(job));
 }

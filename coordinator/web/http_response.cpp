@@ -142,7 +142,7 @@ void LaterAnswer::Give(std::function<HttpResponse()> make) {
   if (notify) notify();
 }
 
-void LaterAnswer::OnGiven(std::function<void()> notify) {
+void LaterAnswer::OnGiven(const std::function<void()>& notify) {
   bool is_given = false;
   {
     const std::lock_guard lock(mutex_);

@@ -70,7 +70,7 @@ class LaterAnswer {
   void Give(std::function<HttpResponse()> make);
   void Give(HttpResponse response);
   // `notify` is called when the answer is there, from any thread or within this call.
-  void OnGiven(std::function<void()> notify);
+  void OnGiven(const std::function<void()>& notify);
   // Makes the answer, once, and returns what `finish` makes of it.
   std::optional<HttpResponse> Take();
   // Set before the answer is taken, by the thread that takes it.

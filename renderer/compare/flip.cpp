@@ -281,6 +281,7 @@ Result<FlipErrors> HdrFlip(const LoadedPicture& test, const LoadedPicture& refer
   const ExposureRange range = ExposuresFor(Luminances(reference));
   const double step = (range.stop - range.start) / std::max(range.count - 1, 1);
   std::vector<Tone> tones;
+  tones.reserve(static_cast<size_t>(range.count));
   for (int i = 0; i < range.count; ++i) tones.emplace_back(range.start + i * step);
   auto errors = FlipComparison(test, reference, std::move(tones)).Run(threads, stop);
   if (errors) errors->exposures = range;

@@ -101,7 +101,8 @@ class PictureDenoiser {
     for (int round = 0; round < 4; ++round) {
       const int column0 = round % 2, row0 = round / 2;
       const int columns_here = (columns - column0 + 1) / 2, rows_here = (rows - row0 + 1) / 2;
-      auto done = ForEachItem(static_cast<size_t>(columns_here * rows_here), threads_, stop_, [&](size_t i) {
+      const int tiles = columns_here * rows_here;
+      auto done = ForEachItem(static_cast<size_t>(tiles), threads_, stop_, [&](size_t i) {
         const int column = column0 + 2 * (static_cast<int>(i) % columns_here);
         const int row = row0 + 2 * (static_cast<int>(i) / columns_here);
         DenoiseTile(y0, column * kTile, row * kTile);

@@ -26,7 +26,8 @@ Luminances LuminancesOf(const Strip& strip, int width, int y) {
     const float* const r = planes[0].At(-kFireflyRadius, y);
     const float* const g = planes[1].At(-kFireflyRadius, y);
     const float* const b = planes[2].At(-kFireflyRadius, y);
-    luminances[half].resize(static_cast<size_t>(width + 2 * kFireflyRadius));
+    const int count = width + 2 * kFireflyRadius;
+    luminances[half].resize(static_cast<size_t>(count));
     for (size_t i = 0; i < luminances[half].size(); ++i)
       luminances[half][i] = std::max(0.0f, 0.2126f * r[i] + 0.7152f * g[i] + 0.0722f * b[i]);
   }

@@ -140,8 +140,9 @@ void LocalRegression::Fit(const Strip& strip, size_t half, const TilePlace& tile
     });
     row_->Solve();
     for_window(y, [&](int dx, int dy, const float* w) {
-      const auto row = static_cast<size_t>(y + dy + kWindowRadius);
-      const auto column = static_cast<size_t>(dx + kWindowRadius);
+      const int row_of_window = y + dy + kWindowRadius, column_of_window = dx + kWindowRadius;
+      const auto row = static_cast<size_t>(row_of_window);
+      const auto column = static_cast<size_t>(column_of_window);
       for (size_t s = 0; s < signals.size(); ++s) {
         const auto& solution = row_->solutions[s];
         Lanes fit = solution[0];

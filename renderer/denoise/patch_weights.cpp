@@ -50,7 +50,8 @@ void FindWeights(const PatchedRows& rows, int y, float* weights) {
   constexpr float kScale = 1.0f / (kPatchSide * kPatchSide * static_cast<float>(kColors) * kReach);
   std::array<float, kPatched> columns{};
   for (int j = 0; j < kPatchSide; ++j) {
-    const auto& row = rows[static_cast<size_t>(y + j)];
+    const int index = y + j;
+    const auto& row = rows[static_cast<size_t>(index)];
     for (size_t i = 0; i < kPatched; ++i) columns[i] += row[i];
   }
   std::array<float, kTile> sums{};

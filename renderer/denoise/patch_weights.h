@@ -27,7 +27,8 @@ class PatchWeights {
   // not in the picture.
   const float* Row(int dx, int dy, int y) const {
     const int shift = (dy + kWindowRadius) * kWindow + dx + kWindowRadius;
-    return &weights_[static_cast<size_t>((shift * kTile + y) * kTile)];
+    const int index = (shift * kTile + y) * kTile;
+    return &weights_[static_cast<size_t>(index)];
   }
 
  private:

@@ -11,7 +11,7 @@ namespace {
 unsigned char ToSrgb(float linear) {
   const float x = std::isfinite(linear) ? std::clamp(linear, 0.0f, 1.0f) : 0.0f;
   const float encoded = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-  return static_cast<unsigned char>(encoded * 255 + 0.5f);
+  return static_cast<unsigned char>(std::lround(encoded * 255));
 }
 
 // The first of the pixels that pixel `i` of `size` stands for.

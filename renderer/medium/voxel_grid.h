@@ -49,8 +49,9 @@ class VoxelGrid {
   uint64_t Bytes() const {
     const auto stored =
         std::count_if(values_.begin(), values_.end(), [](const auto& v) { return v != nullptr; });
-    const auto values = static_cast<uint64_t>(points_[0] * points_[1] * points_[2]);
-    return static_cast<uint64_t>(stored) * values * sizeof(T) + values_.size() * sizeof(values_[0]);
+    const int values = points_[0] * points_[1] * points_[2];
+    return static_cast<uint64_t>(stored) * static_cast<uint64_t>(values) * sizeof(T) +
+           values_.size() * sizeof(values_[0]);
   }
 
   const GridSize& size() const { return size_; }

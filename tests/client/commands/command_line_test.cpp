@@ -129,8 +129,8 @@ TEST(CommandLine, AcceptsEveryCommandWithItsFlags) {
         "compare a.exr b.exr --tolerance 0.5 --layer albedo --difference d.png --json",
         "denoise a.exr -o b.exr --png b.png --exr-type float --threads 2 --denoiser oidn --json",
         "denoise a.####.exr --frames 1-8 -o b.exr --no-temporal",
-        "submit s.pbrt --coordinator farm:99 --name film --priority -4 --watch --spp 8 --require gpu "
-        "--require linux-6 --verify 2.5% --json",
+        "submit s.pbrt --coordinator farm:99 --name film --priority -4 --watch --spp 8 --json",
+        "submit s.pbrt --require gpu --require linux-6 --verify 2.5%",
         "fetch 12 --preview -o a.exr --png a.png --frame 3 --json",
         "status 1 --json",
         "watch 1 --patience 3",

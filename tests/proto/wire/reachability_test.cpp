@@ -73,7 +73,7 @@ TEST(Reachability, NamesAMachineThatDoesNotAnswer) {
   name.sin_port = htons(static_cast<uint16_t>(listener.port()));
   for (int i = 0; i < 4; ++i) {
     queued.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-    ::connect(queued.back(), reinterpret_cast<sockaddr*>(&name), sizeof name);
+    static_cast<void>(::connect(queued.back(), reinterpret_cast<sockaddr*>(&name), sizeof name));
   }
   EXPECT_THAT(CheckReachability(Local(listener.port())).reason, HasSubstr("timed out: the machine"));
   for (const int each : queued) ::close(each);
