@@ -1,13 +1,18 @@
 #include "client/saved_picture.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "client/output/layer_files.h"
 #include "client/output/output_file.h"
+#include "client/output/output_target.h"
 #include "client/output/picture_encoder.h"
 #include "client/output/picture_format.h"
+#include "proto/shell/console.h"
+#include "renderer/denoise/denoise.h"
 #include "renderer/film/picture_file.h"
+#include "renderer/text/unicode.h"
 
 namespace tessera {
 namespace {
@@ -40,6 +45,19 @@ Result<std::string> EncodeAgain(const LoadedPicture& picture, int frame, const P
   return EncodeExr(picture, FormatOf(picture, names.exr()));
 }
 
+// A picture that is not what was asked for is saved all the same.
+void WarnIfNoisy(std::string_view exr, const std::string& path) {
+  const auto header = ReadExrHeader(exr, path);
+  if (!header) return;
+  const auto failed = std::ranges::find(header->attributes, std::string_view(kDenoiseFailedAttribute),
+                                        &PictureHeader::Attribute::name);
+  if (failed == header->attributes.end()) return;
+  PrintNote(
+      "tessera: warning: {}: could not be denoised: {}; the picture is noisy, tessera denoise may try "
+      "again\n",
+      ShownPath(path), CleanText(failed->text, kReasonBytesMax));
+}
+
 }  // namespace
 
 Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureNames& names,
@@ -47,6 +65,7 @@ Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureN
   const std::string path = names.Picture(frame), png = names.Png(frame);
   const auto format = PictureFormatOf(path);
   if (!format) return format.error();
+  WarnIfNoisy(exr, path);
   std::optional<LoadedPicture> picture;
   const bool is_whole = *format == PictureFormat::kExr && names.exr().IsAsFetched();
   if (!is_whole || !png.empty()) {

@@ -11,6 +11,7 @@
 
 #include "proto/package_names.h"
 #include "proto/shell/console.h"
+#include "renderer/denoise/finished_picture.h"
 #include "renderer/text/unicode.h"
 #include "renderer/util/cores.h"
 #include "renderer/util/threads.h"
@@ -129,6 +130,7 @@ Result<void> Pack(const SceneFrame& frame, const ReadFrame& read, SceneJob& job)
   FrameRequest request{PackagePath(frame.name()), EncodeRenderOptions(frame.options), read.spec, frame.number,
                        read.extendable};
   request.spec.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(alone)).Hex();
+  if (auto ok = CheckDenoiser(request.spec, frame.path); !ok) return ok;
   packed.frames.push_back(std::move(request));
   return {};
 }

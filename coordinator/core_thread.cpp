@@ -199,9 +199,12 @@ void CoreThread::WritePicture(FinishedPicture picture) {
   parts_.pictures->Write(std::move(picture), [this, frame](const Result<WrittenPicture>& written) {
     Post([=, this](CoreContext& core) {
       if (!written) {
+        // The coordinator stops, and the next one makes the picture.
+        if (written.error().kind == ErrorKind::kInterrupted) return;
         wants_space_ = true;
         return core.farm.PictureDelayed(core.now, frame, written.error().message);
       }
+      if (!written->denoise_failed.empty()) core.farm.PictureNotDenoised(frame, written->denoise_failed);
       core.farm.counters().picture_s += written->seconds;
       core.farm.PictureWritten(core.now, frame, written->file);
     });

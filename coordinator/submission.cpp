@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "proto/scene_package.h"
+#include "renderer/denoise/finished_picture.h"
 
 namespace tessera {
 
@@ -16,6 +17,9 @@ Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs) {
     if (!package->files.contains(frame.scene_file)) {
       return BadInput(fmt::format("{}: the scene file is not in the scene package", frame.scene_file));
     }
+    if (auto ok = CheckDenoiser(frame.spec, frame.scene_file); !ok) return ok;
+    if (auto ok = CheckInstalled(frame.spec.denoiser); !ok)
+      return Failed(fmt::format("the coordinator cannot denoise the pictures: {}", ok.error().message));
   }
   // Checks every file, so that the client can send all that are damaged before it tries again.
   Result<void> checked;

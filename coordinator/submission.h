@@ -7,8 +7,9 @@
 
 namespace tessera {
 
-// An error, naming the first file: kBadInput if the package lacks a scene file of the job, kFailed if a blob
-// is missing or corrupt. Looks at every file, and reads those that were not used since the start.
+// An error, naming the first file: kBadInput if the package lacks a scene file of the job or if a frame
+// cannot be denoised as it asks for, kFailed if a blob is missing or corrupt. Looks at every file, and reads
+// those that were not used since the start.
 Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs);
 
 }  // namespace tessera

@@ -41,6 +41,9 @@ Digest SceneKey(const Digest& package, const std::string& scene_file, const std:
     add_text(name);
     add_text(value);
   }
+  // Frames without one keep the key that earlier releases gave them.
+  if (frame.denoiser != Denoiser::kNone)
+    stream.Add(fmt::format("denoiser {}\n", static_cast<uint32_t>(frame.denoiser)));
   return stream.Finish();
 }
 

@@ -21,7 +21,7 @@
 
 namespace tessera {
 
-constexpr uint32_t kProtocolVersion = 6;  // counts changes that older programs would misread
+constexpr uint32_t kProtocolVersion = 7;  // counts changes that older programs would misread
 constexpr const char* kSoftwareVersion = kRelease;
 
 constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message

@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
-#include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
@@ -40,12 +38,6 @@ struct DenoiseOptions {
   int threads = 0;                  // 0: all cores
   bool json = false;
 };
-
-Result<Denoiser> ParseDenoiser(std::string_view flag, std::string_view word) {
-  const auto name = ParseChoice(flag, word, kDenoiserNames);
-  if (!name) return name.error();
-  return static_cast<Denoiser>(std::ranges::find(kDenoiserNames, *name) - std::begin(kDenoiserNames));
-}
 
 void AddDenoiseFlags(CLI::App& app, DenoiseOptions& options) {
   AddText(app, "PICTURE", "", "EXR file that was rendered with --aov denoise", options.picture,

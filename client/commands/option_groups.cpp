@@ -118,6 +118,16 @@ void AddFilmFlags(CLI::App& app, RenderOptions& render) {
            fmt::format("Layers to add to the picture, separated by commas: {}", fmt::join(AovNames(), ", ")),
            render.aovs,
            [](std::string_view flag, std::string_view word) { return ParseNames(flag, word, AovNames()); });
+  AddSwitch(
+      app, "--denoise",
+      "Denoise the picture when it is complete and keep the noisy colours in the layer noisy; adds --aov "
+      "denoise",
+      render.denoise);
+  AddValue(
+      app, "--denoiser", "NAME",
+      WithDefault("Denoise, as --denoise, with: regression, or oidn (Open Image Denoise, if it is installed)",
+                  "regression"),
+      render.denoiser, ParseDenoiser);
   AddRepeatedWord(
       app, "--light-group", "NAME=PATTERN",
       "Add the light of this group as a layer: the lights whose kind (point, area, ...), material or "

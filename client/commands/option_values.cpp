@@ -71,6 +71,13 @@ Result<ExrType> ParseExrType(std::string_view flag, std::string_view word) {
   return BadInput(fmt::format("{}: \"{}\" is neither half nor float", flag, word));
 }
 
+Result<Denoiser> ParseDenoiser(std::string_view flag, std::string_view word) {
+  const auto names = std::span(kDenoiserNames).subspan(1);  // without "none"
+  const auto name = ParseChoice(flag, word, names);
+  if (!name) return name.error();
+  return static_cast<Denoiser>(std::ranges::find(kDenoiserNames, *name) - std::begin(kDenoiserNames));
+}
+
 Result<ExrCompression> ParseCompression(std::string_view flag, std::string_view word) {
   const auto name = ParseChoice(flag, word, ExrCompressionNames());
   if (!name) return name.error();

@@ -28,6 +28,7 @@ Result<std::array<float, 4>> ParseCrop(std::string_view flag, std::string_view w
 Result<std::array<int, 4>> ParsePixelBounds(std::string_view flag, std::string_view word);
 // "half" or "float".
 Result<ExrType> ParseExrType(std::string_view flag, std::string_view word);
+Result<Denoiser> ParseDenoiser(std::string_view flag, std::string_view word);
 Result<ExrCompression> ParseCompression(std::string_view flag, std::string_view word);
 Result<ExrLayout> ParseExrLayout(std::string_view flag, std::string_view word);
 // "P%", from 0 to 100, as a fraction of 1. The percent sign may be left out.

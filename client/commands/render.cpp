@@ -24,7 +24,7 @@
 #include "client/scene_job.h"
 #include "proto/shell/console.h"
 #include "proto/shell/program.h"
-#include "renderer/film/picture_file.h"
+#include "renderer/denoise/finished_picture.h"
 #include "renderer/util/cores.h"
 #include "renderer/util/threads.h"
 
@@ -97,9 +97,14 @@ Result<void> CheckPictures(const SceneJob& job, const PictureNames& names) {
   std::vector<int> numbers;
   for (const SceneFrame& frame : job.frames) numbers.push_back(frame.number);
   const FrameSpec& first = job.packed.frames.front().spec;
-  const auto layers = names.exr().splits_layers ? FileLayersOf(first) : std::set<std::string>();
+  std::set<std::string> layers;
+  if (names.exr().splits_layers) {
+    layers = FileLayersOf(first);
+    for (const std::string& layer : LayersOfDenoising(first)) layers.insert(FileLayer(layer));
+  }
   if (auto good = names.Check(numbers, job.input_paths, layers); !good) return good;
   if (auto exact = CheckCompression(first, names.exr()); !exact) return exact;
+  if (auto installed = CheckInstalled(first.denoiser); !installed) return installed;
   for (const FrameRequest& frame : job.packed.frames) {
     if (auto fits = names.CheckSize(frame.spec.width, frame.spec.height); !fits) return fits;
   }
@@ -132,7 +137,7 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
     if (cancellation.cancelled()) return cancellation.error();
     const FrameSpec& spec = job->packed.frames[i].spec;
     Progress last;
-    const auto picture =
+    auto picture =
         RenderInProcess(*job->scene, spec, size.workers * size.threads, stop, [&](const Progress& progress) {
           last = progress;
           last.frames = count;
@@ -142,9 +147,9 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
     ++last.frames.finished;
     ++count.finished;
     line.Finish(last);
-    const auto exr = EncodeExr(spec, *picture);
-    if (!exr) return exr.error();
-    auto picture_saved = SavePicture(*exr, frame.number, names, stop);
+    const auto encoded = EncodeFinished(spec, std::move(picture).value(), size.workers * size.threads, stop);
+    if (!encoded) return encoded.error();
+    auto picture_saved = SavePicture(encoded->exr, frame.number, names, stop);
     if (!picture_saved) return picture_saved.error();
     saved.push_back(std::move(*picture_saved));
   }
@@ -246,6 +251,7 @@ Command RenderCommand() {
                     "tessera render scene.pbrt --spp 16 --resolution 640x360 --png draft.png"},
                    {"Render frames 1 to 240, one scene file each",
                     "tessera render shot.####.pbrt --frames 1-240 -o out.####.exr"},
+                   {"Render a draft without noise", "tessera render scene.pbrt --spp 64 --denoise"},
                    {"Stop sampling where the picture is clean",
                     "tessera render scene.pbrt --spp 4096 --noise-threshold 0.05"}},
       .add_flags = AddRenderFlags,

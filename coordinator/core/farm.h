@@ -110,6 +110,10 @@ class Farm {
   void PictureDelayed(Instant now, FrameId frame, const std::string& reason) {
     frames_.PictureDelayed(now, frame, reason);
   }
+  // The picture that PictureWritten names next is noisy, although its frame is to be denoised.
+  void PictureNotDenoised(FrameId frame, const std::string& reason) {
+    frames_.PictureNotDenoised(frame, reason);
+  }
   // The file of a finished frame is damaged or missing. Returns nullopt if it is made again from its sums,
   // otherwise why it is lost and what to do.
   std::optional<std::string> PictureDamaged(FrameId frame, const std::string& reason);

@@ -32,7 +32,8 @@ struct FinishedPicture {
   JobId job{};
   uint32_t frame = 0;
   std::shared_ptr<const JobSpec> spec;
-  FrameSnapshot snapshot;  // to be painted off the deciding thread
+  FrameSnapshot snapshot;   // to be painted off the deciding thread
+  bool is_complete = true;  // otherwise its job has ended before
 };
 
 // What to do after a batch of events, in this order: put `accepted` into the spool and the facts into the

@@ -89,6 +89,15 @@ void FrameCompletion::PictureDelayed(Instant now, FrameId id, const std::string&
   pictures_.Wait(id, SumsBytes(job->spec->frames[id.frame].spec), now + kPictureRetry);
 }
 
+void FrameCompletion::PictureNotDenoised(FrameId id, const std::string& reason) {
+  const Job* const job = state_.jobs.Find(id.job);
+  if (job == nullptr) return;
+  Log(fmt::format("denoise_failed job={} frame={} reason={}", Number(id.job), id.frame, LogText(reason)));
+  state_.Tell(MessageLevel::kWarning, id.job,
+              fmt::format("frame {} could not be denoised and its picture is noisy: {}",
+                          job->spec->frames[id.frame].number, reason));
+}
+
 bool FrameCompletion::PictureDamaged(FrameId id, const std::string& reason) {
   Job* const job = state_.jobs.Find(id.job);
   if (job == nullptr || !job->results.files.contains(id.frame)) return false;

@@ -22,6 +22,8 @@ class FrameCompletion {
   void PictureWritten(Instant now, FrameId frame, const PictureFile& file);
   // An attempt to write the picture failed: shows the reason and tries again later.
   void PictureDelayed(Instant now, FrameId frame, const std::string& reason);
+  // The picture that PictureWritten names next is noisy, although its frame is to be denoised.
+  void PictureNotDenoised(FrameId frame, const std::string& reason);
   // The file of a finished frame is damaged or missing. Returns whether it is made again from its sums; if
   // these are gone, the job shows that the picture is lost.
   bool PictureDamaged(FrameId frame, const std::string& reason);

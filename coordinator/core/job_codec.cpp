@@ -8,7 +8,8 @@
 namespace tessera {
 namespace {
 
-constexpr uint32_t kVersion = 1;  // of all three records
+constexpr uint32_t kVersion = 1;  // of JobSpec and FrameRequest
+constexpr uint32_t kFrameSpecVersion = 2;
 
 void AddFrameSpec(ByteWriter& out, const FrameSpec& spec) {
   ByteWriter body;
@@ -25,7 +26,10 @@ void AddFrameSpec(ByteWriter& out, const FrameSpec& spec) {
     body.AddText(value);
   }
   body.Add64(std::bit_cast<uint64_t>(spec.noise_threshold));
-  out.AddRecord(kVersion, kVersion, body.Take());
+  body.Add32(static_cast<uint32_t>(spec.denoiser));
+  // A release that does not know of denoisers makes the same pictures of frames that have none.
+  const uint32_t readable_by = spec.denoiser == Denoiser::kNone ? 1 : 2;
+  out.AddRecord(kFrameSpecVersion, readable_by, body.Take());
 }
 
 bool ReadSizes(ByteReader& in, FrameSpec& spec) {
@@ -57,13 +61,20 @@ void ReadAttributes(ByteReader& in, FrameSpec& spec) {
   }
 }
 
+bool ReadDenoiser(ByteReader& in, FrameSpec& spec) {
+  const uint32_t denoiser = in.Read32();
+  spec.denoiser = static_cast<Denoiser>(denoiser);
+  return denoiser <= static_cast<uint32_t>(kDenoiserLast);
+}
+
 bool ReadFrameSpec(ByteReader& in, FrameSpec& spec) {
-  auto record = in.ReadRecord(kVersion);
+  auto record = in.ReadRecord(kFrameSpecVersion);
   if (!record || !ReadSizes(record->body, spec)) return false;
   if (!ReadChannels(record->body, spec.channels)) return false;
   ReadAttributes(record->body, spec);
   spec.noise_threshold = std::bit_cast<double>(record->body.Read64());
-  return record->IsReadBy(kVersion) && spec.Check().has_value();
+  if (record->version >= 2 && !ReadDenoiser(record->body, spec)) return false;
+  return record->IsReadBy(kFrameSpecVersion) && spec.Check().has_value();
 }
 
 bool ReadFrameSpecByNames(ByteReader& in, FrameSpec& spec) {

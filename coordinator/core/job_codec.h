@@ -4,7 +4,7 @@
 //   JobSpec     record: version 1: submission, name, priority, package, frames, tags, verify share
 //   FrameRequest  record: version 1: scene file, options, number, extendable, FrameSpec
 //   FrameSpec   record: version 1: size, crop, samples, tile size, EXR type, channels (name, type, rule,
-//               written), attributes, noise threshold
+//               written), attributes, noise threshold; version 2: denoiser
 // A new member is appended to its record and gets a default where an older record is read.
 #pragma once
 

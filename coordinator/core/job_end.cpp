@@ -41,7 +41,7 @@ void JobEnd::KeepPictures(Job& job) {
     // While the earlier sums of an extended frame are loaded, its picture without the extension is the better
     // one.
     if (merger.samples_merged() == 0 || job.results.loading.contains(frame)) continue;
-    state_.output.partial_pictures.push_back({job.id, frame, job.spec, merger.Snapshot()});
+    state_.output.partial_pictures.push_back({job.id, frame, job.spec, merger.Snapshot(), false});
     job.results.writing.insert(frame);
   }
 }

@@ -115,13 +115,17 @@ Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message) {
   }
   spec.exr_type = message.exr_type() == proto::EXR_TYPE_FLOAT ? ExrType::kFloat : ExrType::kHalf;
   spec.noise_threshold = message.noise_threshold();
+  if (message.denoiser() > static_cast<uint32_t>(kDenoiserLast)) return BadField("denoiser", "is unknown");
+  spec.denoiser = static_cast<Denoiser>(message.denoiser());
   if (const auto checked = spec.Check(); !checked) return checked.error();
   static_assert(kTileBytesMax == kResultBytesMax);
   if (spec.tile_size > LargestTileSize(spec.Layout().shape())) {
     return BadField("tile_size", "times the number of channels is more than one message may hold");
   }
+  // Denoising needs the picture before and after it, and its file.
+  const size_t pictures = spec.denoiser == Denoiser::kNone ? 1 : 3;
   const auto values =
-      static_cast<int64_t>(spec.Layout().shape().stride() + PictureChannels(spec.channels).size());
+      static_cast<int64_t>(spec.Layout().shape().stride() + pictures * PictureChannels(spec.channels).size());
   if (spec.crop.area() * values * static_cast<int64_t>(sizeof(float)) > kFrameBytesMax) {
     return BadInput(
         fmt::format("message refused: a frame of {}x{} pixels with {} values each needs more memory than the "
@@ -147,6 +151,7 @@ void Write(const FrameSpec& value, proto::FrameSpec& message) {
   }
   message.set_exr_type(value.exr_type == ExrType::kFloat ? proto::EXR_TYPE_FLOAT : proto::EXR_TYPE_HALF);
   message.set_noise_threshold(value.noise_threshold);
+  message.set_denoiser(static_cast<uint32_t>(value.denoiser));
   for (const auto& [name, text] : value.attributes) (*message.mutable_attributes())[name] = text;
 }
 

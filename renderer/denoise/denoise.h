@@ -28,8 +28,8 @@
 
 #include <stop_token>
 #include <string>
+#include <vector>
 
-#include "renderer/denoise/denoiser.h"
 #include "renderer/film/picture_file.h"
 
 namespace tessera {
@@ -39,12 +39,16 @@ constexpr const char* kNoisyLayer = "noisy";
 // The same for a layer that is denoised beside them: "noisy_light_key" for "light_key".
 std::string NoisyLayerOf(const std::string& layer);
 
-// Attribute of the header: what the colours were denoised with.
+// Attributes of the header: what the colours were denoised with, and why they could not be.
 constexpr const char* kDenoiserAttribute = "tessera:denoiser";
+constexpr const char* kDenoiseFailedAttribute = "tessera:denoiseFailed";
 
 // Whether Denoise accepts the picture. The error names it `name` and lists the layers that are missing.
 Result<void> CheckDenoisable(const LoadedPicture& picture, const std::string& name,
                              Denoiser denoiser = Denoiser::kRegression);
+
+// The layers of three channels that Denoise adds to those that the picture has.
+std::vector<std::string> AddedLayers(const LoadedPicture& picture);
 
 // The picture with R, G, B and the light of groups denoised and the layers "noisy" and "noisy_light_..."
 // added; a layer of such a name that is there already is what is denoised, so that denoising twice is the

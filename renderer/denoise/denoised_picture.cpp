@@ -77,6 +77,7 @@ LoadedPicture WithColors(const LoadedPicture& picture, const InputLayers& layers
   result.format = picture.format;
   result.attributes = picture.attributes;
   result.attributes[kDenoiserAttribute] = colors.denoiser;
+  result.attributes.erase(kDenoiseFailedAttribute);
   Outputs outputs(picture, result);
   std::set<std::string> replaced;
   const auto add_layer = [&](const std::string& layer, const std::string& noisy,
@@ -107,6 +108,15 @@ LoadedPicture WithColors(const LoadedPicture& picture, const InputLayers& layers
 
 std::string NoisyLayerOf(const std::string& layer) {
   return std::string(kNoisyLayer) + "_" + layer;
+}
+
+std::vector<std::string> AddedLayers(const LoadedPicture& picture) {
+  std::vector<std::string> layers{kNoisyLayer};
+  for (const std::string& group : LightGroupsOf(picture)) layers.push_back(NoisyLayerOf("light_" + group));
+  std::erase_if(layers, [&](const std::string& layer) {
+    return std::ranges::find(picture.channels, layer + ".R") != picture.channels.end();
+  });
+  return layers;
 }
 
 }  // namespace tessera

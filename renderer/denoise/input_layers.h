@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "renderer/denoise/denoiser.h"
 #include "renderer/film/picture_file.h"
 
 namespace tessera {

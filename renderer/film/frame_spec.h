@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "renderer/film/channel.h"
@@ -36,6 +37,12 @@ struct PixelBounds {
 
 enum class ExrType { kHalf, kFloat };
 
+// How the colours of a complete frame lose their noise before they are written (renderer/denoise). The
+// numbers are stored and sent.
+enum class Denoiser : uint32_t { kNone = 0, kRegression = 1, kOidn = 2 };
+constexpr Denoiser kDenoiserLast = Denoiser::kOidn;
+inline constexpr std::string_view kDenoiserNames[] = {"none", "regression", "oidn"};  // by number
+
 constexpr double kNoiseThresholdMax = 1;  // no estimate is larger: film/adaptive.h
 
 // Immutable after Check.
@@ -48,6 +55,7 @@ struct FrameSpec {
   ExrType exr_type = ExrType::kHalf;
   // Pixels whose noise is below this stop early (film/adaptive.h); 0: every pixel gets all samples.
   double noise_threshold = 0;
+  Denoiser denoiser = Denoiser::kNone;
   std::map<std::string, std::string> attributes;  // of the EXR header; nothing that differs between runs
 
   bool operator==(const FrameSpec&) const = default;

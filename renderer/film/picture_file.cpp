@@ -29,8 +29,7 @@ constexpr int64_t kLoadedValuesMax = int64_t{1} << 30;
 // Values per byte of the file, and values that any file may have. ZIP packs up to 516 halves into a byte.
 constexpr int64_t kValuesPerByteMax = 5000;
 constexpr int64_t kValuesFloor = int64_t{1} << 22;
-// Floats that are not compressed, headers and tables.
-constexpr uint64_t kExrFileSizeMax = sizeof(float) * uint64_t{kLoadedValuesMax} + (uint64_t{64} << 20);
+static_assert(kExrFileSizeMax >= sizeof(float) * uint64_t{kLoadedValuesMax});
 
 Imath::Box2i ToBox(const PixelBounds& bounds) {
   return {Imath::V2i(bounds.x0, bounds.y0), Imath::V2i(bounds.x1 - 1, bounds.y1 - 1)};

@@ -26,6 +26,8 @@ struct LoadedPicture {
 };
 // The bytes of a file that holds the same picture.
 Result<std::string> EncodeExr(const LoadedPicture& picture, const ExrFormat& format);
+// Floats that are not compressed, headers and tables, of the largest picture that is read.
+constexpr uint64_t kExrFileSizeMax = (uint64_t{4} << 30) + (uint64_t{64} << 20);
 Result<LoadedPicture> LoadExr(const std::string& path);
 // Decodes the bytes of an OpenEXR file. Errors call them `name`.
 Result<LoadedPicture> DecodeExr(std::string_view bytes, const std::string& name);

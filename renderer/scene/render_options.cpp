@@ -93,6 +93,16 @@ std::optional<ExrType> FromText(std::string_view text, ExrType*) {
   return std::nullopt;
 }
 
+std::string ToText(Denoiser denoiser) {
+  return std::string(kDenoiserNames[static_cast<size_t>(denoiser)]);
+}
+
+std::optional<Denoiser> FromText(std::string_view text, Denoiser*) {
+  const auto* const found = std::ranges::find(kDenoiserNames, text);
+  if (found == std::end(kDenoiserNames)) return std::nullopt;
+  return static_cast<Denoiser>(found - std::begin(kDenoiserNames));
+}
+
 std::string ToText(const std::set<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ","));
 }
@@ -174,6 +184,8 @@ constexpr Line kLines[] = {
     LineOf<&RenderOptions::accelerator>("accelerator"),
     LineOf<&RenderOptions::aovs>("aov"),
     LineOf<&RenderOptions::crop>("crop"),
+    LineOf<&RenderOptions::denoise>("denoise"),
+    LineOf<&RenderOptions::denoiser>("denoiser"),
     LineOf<&RenderOptions::disable_image_textures>("disable-image-textures"),
     LineOf<&RenderOptions::disable_pixel_jitter>("disable-pixel-jitter"),
     LineOf<&RenderOptions::disable_texture_filtering>("disable-texture-filtering"),

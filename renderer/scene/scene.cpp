@@ -39,8 +39,19 @@ bool HasShutter(const Entity& camera) {
   });
 }
 
-bool WantsMotion(const Entity& film, const RenderOptions& options) {
+Denoiser DenoiserOf(const RenderOptions& options) {
+  return options.denoiser.value_or(options.denoise ? Denoiser::kRegression : Denoiser::kNone);
+}
+
+// Those that the options ask for; sets are not expanded.
+std::set<std::string> LayersOf(const RenderOptions& options) {
   std::set<std::string> names = options.aovs;
+  if (DenoiserOf(options) != Denoiser::kNone) names.insert("denoise");
+  return names;
+}
+
+bool WantsMotion(const Entity& film, const RenderOptions& options) {
+  std::set<std::string> names = LayersOf(options);
   for (const Parameter& parameter : film.parameters) {
     if (parameter.name == "layers") names.insert(parameter.strings.begin(), parameter.strings.end());
   }
@@ -236,9 +247,10 @@ Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const Integra
   data.frame.samples_per_pixel = data.sampler.samples_per_pixel;
   data.frame.exr_type = film.exr_type;
   data.frame.SetNoiseThreshold(options_.noise_threshold);
+  data.frame.denoiser = DenoiserOf(options_);
   data.frame.tile_size = options_.tile_size.value_or(kTileSizeDefault);
   data.layers = film.layers;
-  data.layers.insert(options_.aovs.begin(), options_.aovs.end());
+  data.layers.merge(LayersOf(options_));
   data.layers = ExpandLayers(data.layers, moves_, data.light_groups.any());
   if (!options_.light_groups.empty()) data.layers.emplace(kLightGroupsLayer);
   WarnOfEmptyLayers(data.layers, integrator);

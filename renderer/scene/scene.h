@@ -46,6 +46,10 @@ struct RenderOptions {
   std::optional<double> frames_per_second;
   double noise_threshold = 0;  // FrameSpec::noise_threshold
   std::set<std::string> aovs;  // of AovNames
+  // Denoise the frame when it is complete, with kRegression unless another is given, and add the layers that
+  // this needs.
+  bool denoise = false;
+  std::optional<Denoiser> denoiser;
   std::vector<LightGroupRule> light_groups;
   // Switch an Option of the scene on (SceneOptions).
   bool disable_pixel_jitter = false, disable_wavelength_jitter = false, disable_texture_filtering = false;

@@ -36,6 +36,18 @@ TEST_F(Services, AJobWhoseFilesAreMissingIsRefusedByName) {
   EXPECT_THAT(status.error_message(), HasSubstr("other.pbrt"));
 }
 
+TEST_F(Services, AJobThatCannotBeDenoisedAsItAsksForIsRefused) {
+  proto::JobSpec job = PrepareJob();
+  job.mutable_frames(0)->mutable_spec()->set_denoiser(1);
+  proto::SubmitAnswer answer;
+  const grpc::Status refused = Call(*jobs, &proto::Jobs::Stub::Submit, job, answer);
+  EXPECT_EQ(refused.error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(refused.error_message(),
+              HasSubstr("scene.pbrt: cannot be denoised without the layers albedo, normal, depth, halves"));
+  job.mutable_frames(0)->mutable_spec()->set_denoiser(77);
+  EXPECT_EQ(Call(*jobs, &proto::Jobs::Stub::Submit, job, answer).error_code(), StatusCode::INVALID_ARGUMENT);
+}
+
 TEST_F(Services, AJobGoesFromSubmissionToFile) {
   const uint64_t job = Submit();
   std::string bytes;

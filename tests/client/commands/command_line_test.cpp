@@ -60,8 +60,8 @@ TEST(SceneFlags, ReadEveryOption) {
       AddSceneFlags,
       "s.pbrt --frames 3-9x2 --fps 30 --spp 64 --resolution 640x480 --crop 0,0.5,0.25,1 "
       "--seed 18446744073709551615 --integrator volpath --accelerator bvh --max-depth 9 --tile-size 64 "
-      "--exr-type float --noise-threshold 0.05 --aov samples --pixelbounds 1,20,3,40 --quick "
-      "--disable-image-textures --disable-pixel-jitter --disable-wavelength-jitter "
+      "--exr-type float --noise-threshold 0.05 --aov samples --pixelbounds 1,20,3,40 --quick --denoise "
+      "--denoiser oidn --disable-image-textures --disable-pixel-jitter --disable-wavelength-jitter "
       "--disable-texture-filtering --force-diffuse "
       "--displacement-edge-scale 0.5");
   EXPECT_EQ(options.path, "s.pbrt");
@@ -82,6 +82,8 @@ TEST(SceneFlags, ReadEveryOption) {
   EXPECT_EQ(render.aovs, std::set<std::string>{"samples"});
   EXPECT_EQ(render.pixel_bounds, (std::array<int, 4>{1, 20, 3, 40}));
   EXPECT_TRUE(render.quick);
+  EXPECT_TRUE(render.denoise);
+  EXPECT_EQ(render.denoiser, Denoiser::kOidn);
   EXPECT_TRUE(render.disable_pixel_jitter);
   EXPECT_TRUE(render.disable_wavelength_jitter);
   EXPECT_TRUE(render.disable_texture_filtering);
@@ -237,7 +239,7 @@ TEST(CommandLine, RefusesWordsThatDenoiseCannotUse) {
       {"denoise a.exr --exr-type double", "--exr-type: \"double\""},
       {"denoise a.exr --threads 0", "--threads"},
       {"denoise a.exr --denoiser none", "--denoiser: \"none\" is not one of regression, oidn"},
-      {"denoise a.exr --denoiser oidm", "(did you mean \"oidn\"?)"},
+      {"render s.pbrt --denoiser oidm", "(did you mean \"oidn\"?)"},
       {"denoise a.exr -o - --json", "the standard output cannot take both"},
   };
   for (const auto& [words, message] : cases) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "renderer/util/hash.h"
 
 namespace tessera {
@@ -23,6 +25,7 @@ Fact Submitted() {
   frame.exr_type = ExrType::kFloat;
   frame.SetNoiseThreshold(0.07);
   AddChannel(frame.channels, SamplesChannel(true));
+  frame.denoiser = Denoiser::kRegression;
   frame.attributes = {{"a", "b"}, {"c", ""}};
   spec->frames = {{"x.pbrt", "spp=3\n", frame, -1, true}, {"y.pbrt", "", frame, 2}};
   return JobSubmitted{JobId{12}, spec};
@@ -142,6 +145,41 @@ TEST(Fact, APriorityHasItsLimits) {
 
 TEST(Fact, AJobThatEndedCannotBeRunning) {
   EXPECT_FALSE(DecodeFact(EncodeFact(JobEnded{JobId{3}, JobState::kRunning, ""})));
+}
+
+// Whatever the version of the record of a frame: releases before denoisers wrote version 1.
+TEST(Fact, AFrameWithoutADenoiserIsReadByAndOfOlderReleases) {
+  JobSpec spec = *std::get<JobSubmitted>(Submitted()).spec;
+  spec.frames.resize(1);
+  spec.required_tags.clear();
+  spec.frames[0].spec.denoiser = Denoiser::kNone;
+  std::string bytes = EncodeFact(JobSubmitted{JobId{12}, std::make_shared<const JobSpec>(spec)});
+  const auto number = [&bytes](size_t at) { return static_cast<unsigned char>(bytes[at]); };
+  // The records of the job, of its frame and of what the frame is are nested; behind the last there are the
+  // numbers of tags and the share of units that are verified.
+  const size_t end = bytes.size() - 2 * sizeof(uint64_t), denoiser = end - sizeof(uint32_t);
+  const std::string head{"\2\0\0\0\1\0\0\0", 8};
+  const size_t frame = bytes.rfind(head, denoiser);
+  ASSERT_NE(frame, std::string::npos) << "readers of version 1 may read it";
+  EXPECT_EQ(number(denoiser), 0);
+  const size_t job_size = 12 + 8,
+               request_size = bytes.find(std::string("\1\0\0\0\1\0\0\0", 8), job_size + 8) + 8;
+  bytes.erase(denoiser, sizeof(uint32_t));
+  for (const size_t size : {job_size, request_size, frame + 8}) {
+    uint64_t length = 0;
+    std::memcpy(&length, &bytes[size], sizeof length);
+    length -= sizeof(uint32_t);
+    std::memcpy(&bytes[size], &length, sizeof length);
+  }
+  bytes[frame] = 1;
+  const auto older = DecodeFact(bytes);
+  ASSERT_TRUE(older);
+  EXPECT_EQ(std::get<JobSubmitted>(*older).spec->frames[0].spec, spec.frames[0].spec);
+}
+
+TEST(Fact, AFrameToBeDenoisedIsRefusedByReleasesThatDoNotKnowOfIt) {
+  const std::string bytes = EncodeFact(Submitted());
+  EXPECT_NE(bytes.find(std::string{"\2\0\0\0\2\0\0\0", 8}), std::string::npos);
 }
 
 // Releases before farms had identities wrote it.

@@ -44,9 +44,12 @@ TEST(JobMessages, FollowAJobFromSubmissionToItsEnd) {
   EXPECT_THAT(delayed.texts,
               ElementsAre("the picture of frame 0 cannot be written: No space left on device"));
   EXPECT_THAT(delayed.levels, ElementsAre(MessageLevel::kWarning));
+  stage.farm.PictureNotDenoised({job, 0}, "not enough memory");
   stage.farm.PictureWritten(stage.now, {job, 0}, {Sha256("file"), 4});
   const Told end = Step(stage);
-  EXPECT_THAT(end.texts, ElementsAre("frame 0 is finished", "finished"));
+  EXPECT_THAT(end.texts,
+              ElementsAre("frame 0 could not be denoised and its picture is noisy: not enough memory",
+                          "frame 0 is finished", "finished"));
   EXPECT_EQ(stage.output.messages.back().change, JobMessage::Change::kEnds);
 }
 

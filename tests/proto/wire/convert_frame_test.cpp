@@ -32,6 +32,7 @@ TEST(Convert, RefusesHostileFrames) {
       {"nameless channel", [](auto& m) { m.mutable_channels(0)->clear_name(); }},
       {"channel of two lines", [](auto& m) { m.mutable_channels(0)->set_name("a\nb"); }},
       {"unknown type", [](auto& m) { m.set_exr_type(static_cast<proto::ExrType>(9)); }},
+      {"unknown denoiser", [](auto& m) { m.set_denoiser(static_cast<uint32_t>(kDenoiserLast) + 1); }},
       {"negative threshold", [](auto& m) { m.set_noise_threshold(-0.1); }},
       {"large threshold", [](auto& m) { m.set_noise_threshold(1.5); }},
       {"no threshold at all",

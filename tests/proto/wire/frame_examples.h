@@ -15,6 +15,7 @@ inline FrameSpec GoodFrame() {
   spec.exr_type = ExrType::kFloat;
   spec.SetNoiseThreshold(0.07);
   AddChannel(spec.channels, SamplesChannel(true));
+  spec.denoiser = Denoiser::kRegression;
   spec.attributes = {{"seed", "7"}, {"scene", "x"}};
   return spec;
 }

@@ -139,6 +139,7 @@ TEST(Denoise, KeepsWhatIsBrightInBothHalves) {
 TEST(Denoise, KeepsTheNoisyColorsAndAllOtherLayers) {
   LoadedPicture noisy = Rendered(20, 20, 0.5f, [](int, int) { return Point{}; });
   noisy.attributes["tessera:seed"] = "7";
+  noisy.attributes[kDenoiseFailedAttribute] = "for want of memory";
   LoadedPicture once = Denoised(noisy);
   for (const std::string& channel : kNoisyChannels) {
     const std::string kept = channel.size() == 1 ? "noisy." + channel : channel;
@@ -147,6 +148,9 @@ TEST(Denoise, KeepsTheNoisyColorsAndAllOtherLayers) {
   EXPECT_NE(Value(once, "R", 3, 3), Value(noisy, "R", 3, 3));
   EXPECT_EQ(once.attributes.at("tessera:seed"), "7");
   EXPECT_EQ(once.attributes.at(kDenoiserAttribute), "regression");
+  EXPECT_FALSE(once.attributes.contains(kDenoiseFailedAttribute));
+  EXPECT_EQ(once.channels.size(), noisy.channels.size() + 3 * AddedLayers(noisy).size());
+  EXPECT_TRUE(AddedLayers(once).empty());
   LoadedPicture twice = Denoised(once);
   EXPECT_EQ(twice.channels.size(), once.channels.size());
   for (const std::string& channel : once.channels)

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "renderer/denoise/denoise.h"
+#include "renderer/denoise/finished_picture.h"
 #include "tests/build_paths.h"
 #include "tests/renderer/denoise/noisy_picture.h"
 
@@ -95,6 +96,8 @@ TEST(OidnDenoiser, SaysWhatToInstallWhereThereIsNoLibrary) {
   EXPECT_THAT(denoised.error().message,
               AllOf(HasSubstr("p.exr: Open Image Denoise cannot be loaded (libOpenImageDenoise.so.2"),
                     HasSubstr("install Open Image Denoise 1.4 or 2"), HasSubstr("--denoiser regression")));
+  EXPECT_FALSE(CheckInstalled(Denoiser::kOidn));
+  EXPECT_TRUE(CheckInstalled(Denoiser::kRegression));
 }
 
 TEST(OidnDenoiser, NamesTheLayersThatAreMissing) {

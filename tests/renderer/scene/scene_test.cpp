@@ -284,6 +284,22 @@ TEST(Scene, RendersThePixelsAskedFor) {
     ASSERT_EQ(part->sums[i], chosen[i / channels] ? whole->sums[i] : 0.0f) << i;
 }
 
+TEST(Scene, AFrameToBeDenoisedHasTheLayersForIt) {
+  RenderOptions options;
+  const auto plain = LoadText(Room());
+  options.denoise = true;
+  const auto denoised = LoadText(Room(), options);
+  ASSERT_TRUE(plain && denoised);
+  EXPECT_EQ(plain->frame().denoiser, Denoiser::kNone);
+  EXPECT_EQ(denoised->frame().denoiser, Denoiser::kRegression);
+  options.denoiser = Denoiser::kOidn;
+  EXPECT_EQ(LoadText(Room(), options)->frame().denoiser, Denoiser::kOidn);
+  options.denoiser.reset();
+  options.denoise = false;
+  options.aovs = {"denoise"};
+  EXPECT_EQ(denoised->frame().channels, LoadText(Room(), options)->frame().channels);
+}
+
 TEST(Scene, RenderOptionsSurviveTheirCodec) {
   RenderOptions options;
   options.samples_per_pixel = 200;
@@ -297,6 +313,8 @@ TEST(Scene, RenderOptionsSurviveTheirCodec) {
   options.exr_type = ExrType::kFloat;
   options.noise_threshold = 0.1;
   options.aovs = {"samples"};
+  options.denoise = true;
+  options.denoiser = Denoiser::kOidn;
   options.pixel_bounds = {1, 30, 2, 40};
   options.disable_pixel_jitter = options.disable_wavelength_jitter = true;
   options.disable_texture_filtering = options.force_diffuse = options.disable_image_textures = true;
