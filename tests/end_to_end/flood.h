@@ -77,10 +77,10 @@ class Flood {
     sockaddr_in name{};
     name.sin_family = AF_INET;
     name.sin_addr.s_addr = ::inet_addr(source_.c_str());
-    ::bind(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name);
+    const bool is_bound = ::bind(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0;
     name.sin_port = htons(static_cast<uint16_t>(port_));
     name.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (::connect(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0) {
+    if (is_bound && ::connect(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0) {
       ++made_;
       ::fcntl(socket, F_SETFL, O_NONBLOCK);
       return socket;

@@ -58,7 +58,7 @@ struct ShownPicture {
       shape.step = number(2);
       shape.crop = {number(3), number(4), 0, 0};
       shape.type = payload[28] == 1 ? ExrType::kHalf : ExrType::kFloat;
-      shape.channels = static_cast<size_t>(payload[29]);
+      shape.channels = static_cast<unsigned char>(payload[29]);
       values.assign(static_cast<size_t>(shape.width * shape.height) * shape.channels, 0.0f);
     } else if (kind == 2) {
       const int x0 = number(0), y0 = number(1), width = number(2), height = number(3);
