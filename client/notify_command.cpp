@@ -35,6 +35,7 @@ std::vector<std::string> EnvironmentWith(const Notice& notice) {
 int Spawn(const std::string& command, const Notice& notice, pid_t& pid) {
   std::vector<std::string> variables = EnvironmentWith(notice);
   std::vector<char*> environment;
+  environment.reserve(variables.size() + 1);
   for (std::string& each : variables) environment.push_back(each.data());
   environment.push_back(nullptr);
   std::string shell = "sh", option = "-c", text = command;
