@@ -25,7 +25,8 @@ std::vector<std::string> PublicAddresses(const std::vector<Address>& listen, std
       named.host = name;
       found.push_back(named.Text());
     }
-    if (names_are_chosen) std::ranges::rotate(found, found.end() - static_cast<std::ptrdiff_t>(names.size()));
+    if (names_are_chosen)
+      std::rotate(found.begin(), found.end() - static_cast<std::ptrdiff_t>(names.size()), found.end());
   }
   found.insert(found.end(), local.begin(), local.end());
   return found;
