@@ -5,7 +5,8 @@
 namespace tessera {
 namespace {
 
-// Every fifth pixel counts: a tile of 32 x 32 has 200 of them, and the mean of a frame those of all its tiles.
+// Every fifth pixel counts: a tile of 32 x 32 has 200 of them, and the mean of a frame those of all its
+// tiles.
 constexpr size_t kPixelStep = 5;
 
 }  // namespace

@@ -1,6 +1,6 @@
 // What the shapes of a scene are called in mattes (--aov cryptomatte): the object that a shape is, and the
-// asset that it belongs to. client/guide/layers.md has the rules, which depend on the scene files alone: frames of a
-// sequence have the same names as long as they have the same directives in the same order.
+// asset that it belongs to. client/guide/layers.md has the rules, which depend on the scene files alone:
+// frames of a sequence have the same names as long as they have the same directives in the same order.
 #pragma once
 
 #include <cstdint>
