@@ -121,7 +121,8 @@ Point2 Warp2D<kParameters>::PointOf(const Cell& cell) const {
 
 template <int kParameters>
 float Warp2D<kParameters>::Value(const Blend& blend, int column, int row) const {
-  const auto offset = static_cast<size_t>(row * columns_ + column);
+  const int point = row * columns_ + column;
+  const auto offset = static_cast<size_t>(point);
   float sum = 0;
   for (size_t i = 0; i < blend.count; ++i)
     sum += blend.weight[i] * values_[blend.grid[i] * GridSize() + offset];
@@ -130,7 +131,8 @@ float Warp2D<kParameters>::Value(const Blend& blend, int column, int row) const 
 
 template <int kParameters>
 float Warp2D<kParameters>::BeforeColumn(const Blend& blend, int column, int row) const {
-  const auto offset = static_cast<size_t>(row * columns_ + column);
+  const int point = row * columns_ + column;
+  const auto offset = static_cast<size_t>(point);
   float sum = 0;
   for (size_t i = 0; i < blend.count; ++i) {
     sum += blend.weight[i] * before_column_[blend.grid[i] * GridSize() + offset];
