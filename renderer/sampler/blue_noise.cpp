@@ -35,7 +35,8 @@ class VoidAndCluster {
     for (int dy = -kReach; dy <= kReach; ++dy) {
       for (int dx = -kReach; dx <= kReach; ++dx) {
         const int y = (place / kSide + dy + kSide) % kSide, x = (place % kSide + dx + kSide) % kSide;
-        const int64_t influence = influence_[static_cast<size_t>(dx * dx + dy * dy)];
+        const int squared = dx * dx + dy * dy;
+        const int64_t influence = influence_[static_cast<size_t>(squared)];
         crowding_[y * kSide + x] += taken ? influence : -influence;
       }
     }
