@@ -25,7 +25,7 @@ class RefusedPictures {
   // Removes and returns the picture of the frame. Returns nullopt if there is none, or if it was made by
   // another specification: before its job was extended.
   std::optional<EncodedPicture> Take(FrameId frame, const std::shared_ptr<const JobSpec>& spec);
-  // Does nothing if there is no room. A single picture may be larger than the limit.
+  // Discards the picture if there is no room. While no other is kept, it may be larger than the limit.
   void Keep(FrameId frame, std::shared_ptr<const JobSpec> spec, EncodedPicture picture,
             Clock::time_point now);
   void Remove(JobId job);

@@ -21,7 +21,7 @@ struct Displacement {
 // `mesh` has P, uv, perhaps N, and indices of triangles, all in range. An edge is split in both of the
 // triangles that share it, so that the result has no cracks where the input has none. Normals are those of
 // the moved surface. Edges of the resolution of floats are not split. An error, without a place, if there
-// would be more than kMadeTrianglesMax triangles: at once if the area of the mesh shows it.
+// would be more than kMadeTrianglesMax triangles, before any is made if the area of the mesh shows it.
 Result<MeshData> Displace(MeshData mesh, const Displacement& displacement);
 
 }  // namespace tessera
