@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace tessera {
 
@@ -13,6 +14,24 @@ std::string WorkUnit::Text() const {
 
 std::string FarmId::Hex() const {
   return fmt::format("{:016x}{:016x}", high, low);
+}
+
+bool IsRegion(const Region& region) {
+  return region.x0 >= 0 && region.x0 < region.x1 && region.x1 <= 1 && region.y0 >= 0 &&
+         region.y0 < region.y1 && region.y1 <= 1;
+}
+
+PixelBounds PixelsOf(const Region& region, const FrameSpec& frame) {
+  const auto before = [](float share, int size) {
+    return static_cast<int>(std::floor(double{share} * size));
+  };
+  const auto after = [](float share, int size) { return static_cast<int>(std::ceil(double{share} * size)); };
+  return {before(region.x0, frame.width), before(region.y0, frame.height), after(region.x1, frame.width),
+          after(region.y1, frame.height)};
+}
+
+bool Overlap(const PixelBounds& a, const PixelBounds& b) {
+  return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
 }
 
 // Lengths go before texts and lists, so that no two requests give the same bytes. The spool names scenes by

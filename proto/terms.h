@@ -58,6 +58,17 @@ constexpr bool IsShare(double value) {
   return value >= 0 && value <= 1;
 }
 
+// A part of a picture, as fractions of its width and height.
+struct Region {
+  float x0 = 0, x1 = 1, y0 = 0, y1 = 1;
+  auto operator<=>(const Region&) const = default;
+};
+// Whether 0 <= x0 < x1 <= 1, and the same for y.
+bool IsRegion(const Region& region);
+// The pixels that the region touches, of the whole picture.
+PixelBounds PixelsOf(const Region& region, const FrameSpec& frame);
+bool Overlap(const PixelBounds& a, const PixelBounds& b);
+
 enum class JobId : uint64_t {};     // counted from 1 per data directory
 enum class WorkerId : uint64_t {};  // random, chosen by the worker process
 
@@ -198,6 +209,7 @@ struct JobSpec {
   std::vector<FrameRequest> frames;
   std::set<std::string> required_tags;  // only workers with all of them render its units
   double verify_share = 0;              // share of its units that two workers render; IsShare
+  std::optional<Region> first;          // of each frame: rendered before the rest; IsRegion
 };
 
 enum class JobState { kWaiting, kRunning, kPaused, kFinished, kFailed, kCancelled };

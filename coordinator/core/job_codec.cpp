@@ -8,8 +8,9 @@
 namespace tessera {
 namespace {
 
-constexpr uint32_t kVersion = 1;  // of JobSpec and FrameRequest
+constexpr uint32_t kVersion = 1;  // of FrameRequest
 constexpr uint32_t kFrameSpecVersion = 2;
+constexpr uint32_t kJobVersion = 2, kJobReadableBy = 1;
 
 void AddFrameSpec(ByteWriter& out, const FrameSpec& spec) {
   ByteWriter body;
@@ -138,6 +139,15 @@ bool ReadMembers(ByteReader& in, JobSpec& spec, ReadFrame read_frame) {
          spec.frames.size() <= static_cast<size_t>(kFramesPerJobMax);
 }
 
+// What version 2 of a job adds.
+bool ReadFirst(ByteReader& in, JobSpec& spec) {
+  const uint32_t has_first = in.Read32();
+  Region first;
+  for (float* side : {&first.x0, &first.x1, &first.y0, &first.y1}) *side = std::bit_cast<float>(in.Read32());
+  if (has_first == 1) spec.first = first;
+  return in.ok() && has_first <= 1 && IsRegion(first);
+}
+
 }  // namespace
 
 void AddDigest(ByteWriter& out, const Digest& digest) {
@@ -180,12 +190,17 @@ void AddJobSpec(ByteWriter& out, const JobSpec& spec) {
   body.Add64(spec.required_tags.size());
   for (const std::string& tag : spec.required_tags) body.AddText(tag);
   body.Add64(std::bit_cast<uint64_t>(spec.verify_share));
-  out.AddRecord(kVersion, kVersion, body.Take());
+  body.Add32(spec.first ? 1 : 0);
+  const Region first = spec.first.value_or(Region{});
+  for (const float side : {first.x0, first.x1, first.y0, first.y1}) body.Add32(std::bit_cast<uint32_t>(side));
+  out.AddRecord(kJobVersion, kJobReadableBy, body.Take());
 }
 
 bool ReadJobSpec(ByteReader& in, JobSpec& spec) {
-  auto record = in.ReadRecord(kVersion);
-  return record && ReadMembers(record->body, spec, ReadFrameRequest) && record->IsReadBy(kVersion);
+  auto record = in.ReadRecord(kJobVersion);
+  if (!record || !ReadMembers(record->body, spec, ReadFrameRequest)) return false;
+  if (record->version > 1 && !ReadFirst(record->body, spec)) return false;
+  return record->IsReadBy(kJobVersion);
 }
 
 bool ReadJobSpecByNames(ByteReader& in, JobSpec& spec) {

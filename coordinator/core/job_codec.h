@@ -2,6 +2,8 @@
 // (byte_codec.h).
 //   digest      text of 32 bytes
 //   JobSpec     record: version 1: submission, name, priority, package, frames, tags, verify share
+//               version 2, which readers of version 1 may ignore: whether there is a region that is rendered
+//               first, its x0, x1, y0, y1
 //   FrameRequest  record: version 1: scene file, options, number, extendable, FrameSpec
 //   FrameSpec   record: version 1: size, crop, samples, tile size, EXR type, channels (name, type, rule,
 //               written), attributes, noise threshold; version 2: denoiser

@@ -88,6 +88,10 @@ Result<JobSpec> ReadJobSpec(const proto::JobSpec& message) {
   spec.required_tags = std::move(*tags);
   spec.verify_share = message.verify_share();
   if (!IsShare(spec.verify_share)) return BadField("verify_share", "is not from 0 to 1");
+  if (!message.has_first()) return spec;
+  const proto::Region& first = message.first();
+  spec.first = Region{first.x0(), first.x1(), first.y0(), first.y1()};
+  if (!IsRegion(*spec.first)) return BadField("first", "is not a part of the picture");
   return spec;
 }
 
@@ -106,6 +110,12 @@ void Write(const JobSpec& value, proto::JobSpec& message) {
   }
   for (const std::string& tag : value.required_tags) message.add_required_tags(tag);
   message.set_verify_share(value.verify_share);
+  if (!value.first) return;
+  proto::Region& first = *message.mutable_first();
+  first.set_x0(value.first->x0);
+  first.set_x1(value.first->x1);
+  first.set_y0(value.first->y0);
+  first.set_y1(value.first->y1);
 }
 
 Result<JobStatus> ReadJobStatus(const proto::JobStatus& message) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 #include <utility>
 
 #include "renderer/film/adaptive.h"
@@ -17,14 +18,20 @@ uint32_t RangeSizeMax(const FrameSpec& spec, int64_t samples_max) {
 
 }  // namespace
 
-UnitQueue::UnitQueue(FrameSpec spec, int64_t samples_max)
-    : merger_(std::move(spec)), range_size_max_(RangeSizeMax(merger_.spec(), samples_max)) {}
+UnitQueue::UnitQueue(FrameSpec spec, int64_t samples_max, const ChooseTile& goes_first)
+    : merger_(std::move(spec)), range_size_max_(RangeSizeMax(merger_.spec(), samples_max)) {
+  tiles_.resize(static_cast<size_t>(merger_.spec().TileCount()));
+  std::iota(tiles_.begin(), tiles_.end(), 0);
+  if (!goes_first) return;
+  std::ranges::stable_partition(tiles_,
+                                [&](int tile) { return goes_first(merger_.spec().TileBounds(tile)); });
+}
 
 std::optional<UnitQueue::Unit> UnitQueue::Take() {
   if (!HasUnit()) return std::nullopt;
   if (open_.empty()) {
-    open_.push_back({tile_next_, 0, merger_.Goal(tile_next_).samples});
-    ++tile_next_;
+    const int tile = tiles_[started_++];
+    open_.push_back({tile, 0, merger_.Goal(tile).samples});
   }
   Open& open = open_.back();
   uint32_t size = std::min(range_size_max_, DyadicSizeMax(open.begin, open.end));

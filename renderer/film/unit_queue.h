@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -19,14 +20,16 @@ class UnitQueue {
     PixelMask pixels;  // of the tile: those whose samples are wanted
   };
 
-  // A unit has at most `samples_max` pixel samples, or one sample of each pixel of a tile.
-  UnitQueue(FrameSpec spec, int64_t samples_max);
+  using ChooseTile = std::function<bool(const PixelBounds& tile)>;
+  // A unit has at most `samples_max` pixel samples, or one sample of each pixel of a tile. Tiles for which
+  // `goes_first`, if given, is true go before all others.
+  UnitQueue(FrameSpec spec, int64_t samples_max, const ChooseTile& goes_first = {});
 
   // Takes the next unit. Returns nullopt if everything that is wanted by now is taken; of an adaptive frame
   // the results of units that are taken may make more samples wanted.
   std::optional<Unit> Take();
   // Whether Take would return a unit.
-  bool HasUnit() const { return !open_.empty() || tile_next_ < merger_.spec().TileCount(); }
+  bool HasUnit() const { return !open_.empty() || started_ < tiles_.size(); }
   // Merges the result of a unit that was taken.
   void Merge(const Unit& unit, RadianceTile sums);
   // Units that are taken and not merged.
@@ -43,7 +46,8 @@ class UnitQueue {
   Merger merger_;
   uint32_t range_size_max_;
   std::vector<Open> open_;  // a stack: a tile is finished before another is started
-  int tile_next_ = 0;       // the first tile that has not been started
+  std::vector<int> tiles_;  // all, in the order in which they are started
+  size_t started_ = 0;      // of them
   int taken_ = 0;
 };
 

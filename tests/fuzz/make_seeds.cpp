@@ -52,6 +52,7 @@ JobSpec Job() {
   job.frames = {{"scene.pbrt", "spp=4\n", SmallFrame(), 1, true}, {"b/scene.pbrt", "", RichFrame(), -2}};
   job.required_tags = {"gpu"};
   job.verify_share = 0.25;
+  job.first = Region{0.25f, 0.75f, 0, 0.5f};
   return job;
 }
 

@@ -4,17 +4,20 @@
 #include <bit>
 
 #include "coordinator/core/schedule/policy.h"
+#include "proto/terms.h"
 #include "renderer/util/check.h"
 
 namespace tessera {
 
-FrameWork::FrameWork(const FrameSpec& spec, uint32_t samples_done)
+FrameWork::FrameWork(const FrameSpec& spec, uint32_t samples_done, const PixelBounds& first)
     : samples_per_pixel_(spec.samples_per_pixel), first_unit_max_(FirstUnitMax(spec)) {
   TESSERA_CHECK(samples_done < spec.samples_per_pixel);
   tiles_.resize(static_cast<size_t>(spec.TileCount()));
   for (uint32_t t = 0; t < tiles_.size(); ++t) {
     Tile& tile = tiles_[t];
-    tile.area = tile.pixel_count = static_cast<uint32_t>(spec.TileBounds(static_cast<int>(t)).area());
+    const PixelBounds bounds = spec.TileBounds(static_cast<int>(t));
+    tile.area = tile.pixel_count = static_cast<uint32_t>(bounds.area());
+    tile.goes_first = Overlap(bounds, first);
     tile.goal.samples = samples_done;
     samples_left_ += samples_per_pixel_ - samples_done;
     if (samples_done > 0) tile.done.Add(SampleSet::Interval{0, samples_done});
@@ -35,7 +38,9 @@ void FrameWork::Extend(uint32_t samples_per_pixel) {
 template <typename Change>
 void FrameWork::ChangeOpen(uint32_t tile_index, Change change) {
   Tile& tile = tiles_[tile_index];
-  const auto level = [&] { return static_cast<int>(std::bit_width(tile.open.First().begin)); };
+  const auto place = [&] {
+    return Place{!tile.goes_first, static_cast<int>(std::bit_width(tile.open.First().begin)), tile_index};
+  };
   const auto account = [&](double sign) {
     const double pixel_samples = sign * tile.open.Count() * tile.pixel_count;
     if (tile.measured_samples > 0) {
@@ -44,12 +49,12 @@ void FrameWork::ChangeOpen(uint32_t tile_index, Change change) {
       open_unmeasured_samples_ += pixel_samples;
     }
   };
-  if (!tile.open.empty()) order_.erase({level(), tile_index});
+  if (!tile.open.empty()) order_.erase(place());
   account(-1);
   change(tile.open);
   account(+1);
   // While the frame begins, the place is the last one.
-  if (!tile.open.empty()) order_.emplace_hint(order_.end(), level(), tile_index);
+  if (!tile.open.empty()) order_.insert(order_.end(), place());
 }
 
 double FrameWork::CostPerPixelSample(const Tile& tile) const {
@@ -69,7 +74,7 @@ uint32_t FrameWork::PieceSize(const Tile& tile, double cost_max) const {
 }
 
 std::optional<TileSamples> FrameWork::Take(double cost_max, const std::function<bool(uint32_t tile)>& may) {
-  for (const auto& [level, index] : order_) {
+  for (const auto& [goes_later, level, index] : order_) {
     if (!may(index)) continue;
     const Tile& tile = tiles_[index];
     const TileSamples piece{index, {tile.open.First().begin, PieceSize(tile, cost_max)}};
@@ -80,7 +85,7 @@ std::optional<TileSamples> FrameWork::Take(double cost_max, const std::function<
 }
 
 bool FrameWork::HasOpen(const std::function<bool(uint32_t tile)>& may) const {
-  return std::any_of(order_.begin(), order_.end(), [&](const auto& each) { return may(each.second); });
+  return std::any_of(order_.begin(), order_.end(), [&](const auto& each) { return may(each.tile); });
 }
 
 void FrameWork::GiveBack(TileSamples samples, std::span<const SampleRange> held) {

@@ -28,12 +28,14 @@ struct TileSamples {
 // pixels only. Costs are in seconds that a worker of speed 1 takes on one slot.
 class FrameWork {
  public:
-  // The first `samples_done` samples of every tile are done already.
-  explicit FrameWork(const FrameSpec& spec, uint32_t samples_done = 0);
+  // The first `samples_done` samples of every tile are done already. Tiles that `first` overlaps go before
+  // all others.
+  explicit FrameWork(const FrameSpec& spec, uint32_t samples_done = 0, const PixelBounds& first = {});
   // Every tile gets more samples. The frame must not be adaptive.
   void Extend(uint32_t samples_per_pixel);
 
-  // Takes open samples of a tile that `may` allows: first those that complete the image at the fewest samples
+  // Takes open samples of a tile that `may` allows, of tiles that go first as long as there are any. Among
+  // equal tiles: first those that complete the image at the fewest samples
   // per pixel (a doubling), and as many as cost at most `cost_max` seconds, or one sample if nothing is
   // measured yet. Returns nullopt if there are none.
   std::optional<TileSamples> Take(double cost_max, const std::function<bool(uint32_t tile)>& may);
@@ -74,11 +76,19 @@ class FrameWork {
     TileGoal goal;             // samples [0, goal.samples) have been opened
     SampleSet open, done;
     bool has_stopped = false;
+    bool goes_first = false;
     double measured_samples = 0;  // pixel samples
     double measured_cost = 0;
   };
-  // Tiles with open samples by the doubling that the first of them belongs to.
-  using Order = std::set<std::pair<int, uint32_t>>;
+  // Tiles with open samples: those that go first before the others, by the doubling that the first of their
+  // samples belongs to.
+  struct Place {
+    bool goes_later;
+    int level;
+    uint32_t tile;
+    auto operator<=>(const Place&) const = default;
+  };
+  using Order = std::set<Place>;
 
   double CostPerPixelSample(const Tile& tile) const;
   void Stop(Tile& tile);

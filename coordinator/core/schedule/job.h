@@ -31,7 +31,7 @@ struct ActiveFrame {
               uint32_t samples_done, bool has_one_scene)
       : scene(RequestFor(submitted, submitted.frames[index], scene_key, has_one_scene)),
         layout(frame.Layout()),
-        work(frame, samples_done),
+        work(frame, samples_done, submitted.first ? PixelsOf(*submitted.first, frame) : PixelBounds{}),
         verification(submitted.verify_share, Hash(submitted.submission, index)) {}
 
   SceneRequest scene;

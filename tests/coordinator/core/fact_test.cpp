@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "renderer/util/hash.h"
@@ -17,6 +18,7 @@ Fact Submitted() {
   spec->package = Sha256("p");
   spec->required_tags = {"gpu", "linux-6"};
   spec->verify_share = 0.125;
+  spec->first = Region{0.25f, 0.5f, 0, 1};
   FrameSpec frame;
   frame.width = 40;
   frame.height = 30;
@@ -40,6 +42,7 @@ TEST(Fact, SurvivesItsBytes) {
   EXPECT_EQ(read.spec->package, Sha256("p"));
   EXPECT_EQ(read.spec->required_tags, (std::set<std::string>{"gpu", "linux-6"}));
   EXPECT_EQ(read.spec->verify_share, 0.125);
+  EXPECT_EQ(read.spec->first, (Region{0.25f, 0.5f, 0, 1}));
   ASSERT_EQ(read.spec->frames.size(), 2u);
   EXPECT_EQ(read.spec->frames[0].number, -1);
   EXPECT_TRUE(read.spec->frames[0].extendable);
@@ -116,6 +119,31 @@ TEST(Fact, AVoteOfAnOlderReleaseIsReadWithoutItsMachine) {
   EXPECT_EQ(std::get<VoteRecorded>(*read).machine, 0u);
 }
 
+// Its record of version 1 ends before the region, and an older release may read those of version 2.
+TEST(Fact, AJobOfAnOlderReleaseIsReadWithoutARegionThatGoesFirst) {
+  constexpr size_t kRecord = 4 + 8;  // the bytes before the record: the kind and the job
+  constexpr size_t kRegion = 5 * 4;  // and of what version 2 adds, at its end
+  std::string bytes = EncodeFact(Submitted());
+  EXPECT_EQ(bytes.substr(kRecord, 8), std::string("\2\0\0\0\1\0\0\0", 8));
+  bytes.resize(bytes.size() - kRegion);
+  bytes[kRecord] = 1;
+  const uint64_t length = bytes.size() - kRecord - 16;
+  for (size_t i = 0; i < 8; ++i) bytes[kRecord + 8 + i] = static_cast<char>(length >> (8 * i));
+  const auto read = DecodeFact(bytes);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(std::get<JobSubmitted>(*read).spec->verify_share, 0.125);
+  EXPECT_FALSE(std::get<JobSubmitted>(*read).spec->first);
+}
+
+TEST(Fact, ARegionBeyondThePictureIsRefused) {
+  for (const Region& bad : {Region{0.5f, 0.5f, 0, 1}, Region{0, 1.5f, 0, 1}, Region{0, 1, -1, 1},
+                            Region{0, std::nanf(""), 0, 1}}) {
+    JobSpec spec = *std::get<JobSubmitted>(Submitted()).spec;
+    spec.first = bad;
+    EXPECT_FALSE(DecodeFact(EncodeFact(JobSubmitted{JobId{1}, std::make_shared<const JobSpec>(spec)})));
+  }
+}
+
 TEST(Fact, BytesThatAreCutOrTooLongAreRefused) {
   const std::string bytes = EncodeFact(Submitted());
   for (size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(DecodeFact(bytes.substr(0, size))) << size;
@@ -155,9 +183,10 @@ TEST(Fact, AFrameWithoutADenoiserIsReadByAndOfOlderReleases) {
   spec.frames[0].spec.denoiser = Denoiser::kNone;
   std::string bytes = EncodeFact(JobSubmitted{JobId{12}, std::make_shared<const JobSpec>(spec)});
   const auto number = [&bytes](size_t at) { return static_cast<unsigned char>(bytes[at]); };
-  // The records of the job, of its frame and of what the frame is are nested; behind the last there are the
-  // numbers of tags and the share of units that are verified.
-  const size_t end = bytes.size() - 2 * sizeof(uint64_t), denoiser = end - sizeof(uint32_t);
+  // The records of the job, of its frame and of what the frame is are nested. The last is followed by the
+  // number of tags, the share of units that are verified and the region that goes first.
+  constexpr size_t kRest = 2 * sizeof(uint64_t) + 5 * sizeof(uint32_t);
+  const size_t denoiser = bytes.size() - kRest - sizeof(uint32_t);
   const std::string head{"\2\0\0\0\1\0\0\0", 8};
   const size_t frame = bytes.rfind(head, denoiser);
   ASSERT_NE(frame, std::string::npos) << "readers of version 1 may read it";

@@ -29,7 +29,8 @@ JobSpec GoodJob() {
           Sha256("package"),
           {{"scene.pbrt", "spp=4\n", GoodFrame(), 1}, {"b.pbrt", "", GoodFrame(), 2}},
           {"gpu", "linux-6"},
-          0.05};
+          0.05,
+          Region{0.25f, 0.5f, 0, 1}};
 }
 
 WorkUnit GoodUnit() {
@@ -75,6 +76,7 @@ TEST(Convert, JobSpecSurvives) {
   EXPECT_EQ(read->frames[1].number, 2);
   EXPECT_EQ(read->required_tags, GoodJob().required_tags);
   EXPECT_EQ(read->verify_share, 0.05);
+  EXPECT_EQ(read->first, GoodJob().first);
 }
 
 TEST(Convert, WorkerStateSurvives) {
@@ -291,6 +293,9 @@ TEST(Convert, RefusesHostileJobs) {
        [](auto& m) {
          for (size_t i = 0; i < kTagsMax; ++i) m.add_required_tags("t" + std::to_string(i));
        }},
+      {"first", [](auto& m) { m.mutable_first()->set_x0(0.5f); }},
+      {"first", [](auto& m) { m.mutable_first()->set_y1(1.01f); }},
+      {"first", [](auto& m) { m.mutable_first()->set_x0(std::nanf("")); }},
       {"verify_share", [](auto& m) { m.set_verify_share(1.01); }},
       {"verify_share", [](auto& m) { m.set_verify_share(-0.01); }},
       {"verify_share", [](auto& m) { m.set_verify_share(std::nan("")); }},

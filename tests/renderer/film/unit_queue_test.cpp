@@ -10,9 +10,9 @@ namespace tessera {
 namespace {
 
 // Renders a frame with `in_flight_max` units taken at a time. The latest is finished first if `latest_first`.
-FramePicture RenderFrame(const FrameSpec& spec, int64_t samples_max, size_t in_flight_max,
-                         bool latest_first) {
-  UnitQueue queue(spec, samples_max);
+FramePicture RenderFrame(const FrameSpec& spec, int64_t samples_max, size_t in_flight_max, bool latest_first,
+                         const UnitQueue::ChooseTile& goes_first = {}) {
+  UnitQueue queue(spec, samples_max, goes_first);
   std::deque<UnitQueue::Unit> in_flight;
   while (true) {
     while (in_flight.size() < in_flight_max) {
@@ -43,6 +43,18 @@ TEST(UnitQueue, GivesTheSamePictureHoweverUnitsAreCutAndFinished) {
         EXPECT_EQ(picture.values, reference.values) << threshold << ' ' << samples_max;
       }
     }
+  }
+}
+
+TEST(UnitQueue, RendersARegionFirstWithoutChangingThePicture) {
+  for (const double threshold : {0.0, 0.3}) {
+    const FrameSpec spec = AdaptiveSpec(200, threshold);
+    const auto last = [corner = spec.TileBounds(spec.TileCount() - 1)](const PixelBounds& tile) {
+      return tile == corner;
+    };
+    UnitQueue queue(spec, 1, last);
+    EXPECT_EQ(queue.Take()->tile, spec.TileCount() - 1);
+    EXPECT_EQ(RenderFrame(spec, 5000, 5, false, last).values, RenderFrame(spec, 1, 1, false).values);
   }
 }
 

@@ -50,6 +50,28 @@ TEST(FrameWork, CompletesTheImageInDoublings) {
   EXPECT_TRUE(work.Complete());
 }
 
+TEST(FrameWork, TilesThatGoFirstGetAllSamplesBeforeOthersGetAny) {
+  // Pixels of tiles 1 and 3.
+  FrameWork work(Frame(8), 0, {9, 7, 10, 9});
+  std::vector<uint32_t> tiles;
+  while (const auto samples = work.Take(kPlenty, kAnyTile)) {
+    tiles.push_back(samples->tile);
+    work.Finish(*samples);
+    work.RecordCost(*samples, samples->range.size * 10.0);
+  }
+  EXPECT_EQ(tiles, (std::vector<uint32_t>{1, 3, 1, 3, 1, 3, 1, 3, 0, 2, 0, 2, 0, 2, 0, 2}));
+  EXPECT_TRUE(work.Complete());
+}
+
+TEST(FrameWork, SamplesOfATileThatGoesFirstAreNextWhenTheyAreGivenBack) {
+  FrameWork work(Frame(1), 0, {9, 9, 10, 10});
+  const auto first = work.Take(kPlenty, kAnyTile);
+  EXPECT_EQ(first->tile, 3u);
+  EXPECT_EQ(work.Take(kPlenty, kAnyTile)->tile, 0u);
+  work.GiveBack(*first, {});
+  EXPECT_EQ(work.Take(kPlenty, kAnyTile), first);
+}
+
 TEST(FrameWork, TheFirstPassIsShortAndLaterUnitsAreAsLongAsRequested) {
   FrameWork work(Frame(1024));
   const auto first = work.Take(kPlenty, kAnyTile);

@@ -98,5 +98,27 @@ TEST(SchedulerFrames, NoMoreFramesAreBegunThanTheLimit) {
   EXPECT_FALSE(stage.IsComplete(job, 99));
 }
 
+// Tiles 10, 11, 14 and 15.
+TEST(SchedulerFrames, ARegionThatGoesFirstIsLeasedUntilItIsDoneAndThenTheRestIs) {
+  SchedulerStage stage;
+  stage.first = Region{0.5f, 1, 0.5f, 1};
+  const JobId job = stage.AddJob(16);
+  stage.Join(1, 2);
+  std::vector<uint32_t> tiles;
+  for (int round = 0; round < 1000 && !stage.IsComplete(job, 0); ++round) {
+    stage.Advance(milliseconds(100));
+    for (const Lease& lease : stage.Held(1)) {
+      tiles.push_back(lease.unit.tile);
+      stage.Finish(1, lease, 10.0 * lease.unit.range.size);
+    }
+    stage.Send(1);
+  }
+  ASSERT_TRUE(stage.IsComplete(job, 0));
+  const std::set<uint32_t> region{10, 11, 14, 15};
+  const auto is_first = [&](uint32_t tile) { return region.contains(tile); };
+  EXPECT_TRUE(std::ranges::is_partitioned(tiles, is_first));
+  EXPECT_EQ(std::set<uint32_t>(tiles.begin(), tiles.end()).size(), 16u);
+}
+
 }  // namespace
 }  // namespace tessera

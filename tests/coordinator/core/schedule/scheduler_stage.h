@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ class SchedulerStage {
     spec->package = Sha256(std::to_string(Number(id)));
     spec->required_tags = required_tags;
     spec->verify_share = verify_share;
+    spec->first = first;
     for (int f = 0; f < frames; ++f) {
       FrameSpec frame;
       frame.width = frame.height = 64;
@@ -137,6 +139,7 @@ class SchedulerStage {
   Instant now = std::chrono::hours(1);
   std::set<std::string> required_tags;  // of the jobs added from now on
   double verify_share = 0;              // likewise
+  std::optional<Region> first;          // likewise
   std::map<JobId, std::shared_ptr<const JobSpec>> specs;
   std::map<uint64_t, WorkerState> states;
   std::map<uint64_t, std::map<LeaseId, Lease>> held;
