@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <functional>
 
 #include "coordinator/call_gate.h"
 #include "coordinator/guarded.h"
+#include "coordinator/missing_blobs.h"
 #include "coordinator/task_pool.h"
 #include "proto/terms.h"
 #include "proto/wire/channel.h"
@@ -17,13 +16,7 @@
 namespace tessera {
 namespace {
 
-// Running at the same time, each with an open file and 2 MB of memory. They fill any network.
-constexpr int kTransfersMax = 64;
 constexpr const char* kTooManyTransfers = "too many transfers are running";
-// How long one call may check files. Clients try again, and what was checked is not checked again.
-constexpr std::chrono::seconds kFindMissingMax{10};
-// Syncing more takes long.
-constexpr uint64_t kBriefBytesMax = uint64_t{16} << 20;
 
 // Deletes itself when the call is over. Each step runs on a thread for files, one after the other.
 class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
@@ -247,30 +240,28 @@ grpc::ServerUnaryReactor* BlobService::FindMissing(grpc::CallbackServerContext* 
       return call.Finish(ToStatus(BadInput(
           fmt::format("message refused: too many digests in one call (limit {})", kDigestsPerCallMax))));
     }
+    std::vector<Digest> digests;
+    for (const std::string& bytes : request->digests()) {
+      const auto digest = ReadDigest(bytes, "digest");
+      if (!digest) return call.Finish(ToStatus(digest.error()));
+      digests.push_back(*digest);
+    }
     threads_.brief.Post([=, this] {
-      // Blobs that were not used since the start are read and hashed.
-      const bool is_known =
-          std::all_of(request->digests().begin(), request->digests().end(), [&](const std::string& bytes) {
-            const auto digest = ReadDigest(bytes, "digest");
-            return !digest || blobs_.Look(*digest) != BlobStore::Presence::kUnknown;
-          });
-      const auto list = [=, this] { call.Finish(ListMissing(*request, *answer)); };
-      is_known ? list() : threads_.lengthy.Post(list);
+      const auto list = [=, this] { call.Finish(ListMissing(digests, *answer)); };
+      IsQuickToFind(blobs_, digests) ? list() : threads_.lengthy.Post(list);
     });
   });
 }
 
-grpc::Status BlobService::ListMissing(const proto::FindMissingRequest& request,
+grpc::Status BlobService::ListMissing(const std::vector<Digest>& digests,
                                       proto::FindMissingAnswer& answer) const {
-  const auto deadline = std::chrono::steady_clock::now() + kFindMissingMax;
-  for (const std::string& bytes : request.digests()) {
-    const auto digest = ReadDigest(bytes, "digest");
-    if (!digest) return ToStatus(digest.error());
-    if (std::chrono::steady_clock::now() > deadline)
-      return TryAgain("the coordinator is still checking the files that it has");
-    if (blobs_.UseVerified(*digest)) continue;
-    answer.add_missing(bytes);
-    answer.add_held(blobs_.Arrived(*digest));
+  const auto missing = tessera::FindMissing(blobs_, digests);
+  if (!missing) return TryAgain(missing.error().message);
+  for (const Digest& digest : digests) {
+    const auto found = missing->find(digest);
+    if (found == missing->end()) continue;
+    answer.add_missing(WriteDigest(digest));
+    answer.add_held(found->second);
   }
   return grpc::Status::OK;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <vector>
 
 #include "coordinator/package_files.h"
 #include "coordinator/stall_watch.h"
@@ -14,6 +15,11 @@ namespace tessera {
 class CallGate;
 struct FileThreads;
 struct Principal;
+
+// Transfers that run at the same time, each with an open file and 2 MB of memory. They fill any network.
+constexpr int kTransfersMax = 64;
+// Syncing more takes long.
+constexpr uint64_t kBriefBytesMax = uint64_t{16} << 20;
 
 struct TransferLoad {
   std::atomic<int> transfers{0};  // running now
@@ -28,6 +34,8 @@ class BlobService final : public proto::Blobs::Service {
   // Bytes of blobs transferred since the start.
   uint64_t bytes_in() const { return load_.bytes_in; }
   uint64_t bytes_out() const { return load_.bytes_out; }
+  // For transfers by another way.
+  TransferLoad& load() { return load_; }
 
   grpc::ServerUnaryReactor* FindMissing(grpc::CallbackServerContext* context,
                                         const proto::FindMissingRequest* request,
@@ -41,7 +49,7 @@ class BlobService final : public proto::Blobs::Service {
   // Whether the caller may fetch the blob.
   grpc::Status AdmitFetch(const Principal& caller, const proto::DownloadRequest& request,
                           const Digest& digest);
-  grpc::Status ListMissing(const proto::FindMissingRequest& request, proto::FindMissingAnswer& answer) const;
+  grpc::Status ListMissing(const std::vector<Digest>& digests, proto::FindMissingAnswer& answer) const;
 
   const CallGate& gate_;
   const BlobStore& blobs_;

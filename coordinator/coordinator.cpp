@@ -176,8 +176,9 @@ Result<void> Coordinator::Parts::ServeWeb(const CoordinatorOptions& options, con
     return {};
   };
   if (options.http || options.https) {
-    api = std::make_shared<WebApi>(MakeWebFarm({*gate, blobs, pictures, job_log, downloads, options.data_dir,
-                                                policy, options.insecure, [this] { return LookAtAll(); }}));
+    api = std::make_shared<WebApi>(
+        MakeWebFarm({*gate, blobs, pictures, job_log, downloads, files, blob_service->load(),
+                     options.data_dir, policy, options.insecure, [this] { return LookAtAll(); }}));
   }
   if (options.http) {
     if (auto started = start(*options.http, {}, {}, web); !started) return started;

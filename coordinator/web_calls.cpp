@@ -7,8 +7,10 @@
 
 #include "coordinator/ask_core.h"
 #include "coordinator/guarded.h"
+#include "coordinator/missing_blobs.h"
 #include "coordinator/submission.h"
 #include "coordinator/web/api/routes.h"
+#include "coordinator/web_upload.h"
 #include "proto/wire/convert.h"
 #include "renderer/text/unicode.h"
 
@@ -54,6 +56,12 @@ class WebCalls {
   WebResult<FrameState> Frame(JobId job, uint32_t frame) const;
   WebResult<JobLogPage> Log(JobId job, uint64_t after, size_t limit) const;
   WebResult<std::string> Read(JobId job, uint32_t frame, const std::optional<PictureFile>& file) const;
+  void FindMissing(const std::vector<Digest>& digests, const WebDone<std::map<Digest, uint64_t>>& done) const;
+  std::shared_ptr<BodySink> ReceiveBlob(const WebCaller& caller, const Digest& digest, uint64_t size,
+                                        uint64_t offset) const {
+    return MakeWebUpload({parts_.blobs, parts_.files, parts_.transfers}, PrincipalOf(caller), digest, size,
+                         offset);
+  }
 
  private:
   // Applies a change, and answers when everything that it caused is on stable storage. The entry in the audit
@@ -282,6 +290,17 @@ WebResult<std::string> WebCalls::Read(JobId job, uint32_t frame,
   return WebError{503, bytes.error().message + "; it is made again if that is possible"};
 }
 
+void WebCalls::FindMissing(const std::vector<Digest>& digests,
+                           const WebDone<std::map<Digest, uint64_t>>& done) const {
+  const auto find = [=, this] {
+    auto found = GuardedResult([&] { return tessera::FindMissing(parts_.blobs, digests); });
+    if (!found) return done(WebError{503, found.error().message});
+    done(std::move(*found));
+  };
+  parts_.files.brief.Post(
+      [=, this] { IsQuickToFind(parts_.blobs, digests) ? find() : parts_.files.lengthy.Post(find); });
+}
+
 }  // namespace
 
 WebFarm MakeWebFarm(WebCallParts parts) {
@@ -307,6 +326,10 @@ WebFarm MakeWebFarm(WebCallParts parts) {
   farm.frame = [calls](JobId job, uint32_t frame) { return calls->Frame(job, frame); };
   farm.log = [calls](JobId job, uint64_t after, size_t limit) { return calls->Log(job, after, limit); };
   farm.read = [calls](JobId job, uint32_t frame, const auto& file) { return calls->Read(job, frame, file); };
+  farm.find_missing = [calls](const auto& digests, const auto& done) { calls->FindMissing(digests, done); };
+  farm.receive_blob = [calls](const auto& caller, const Digest& digest, uint64_t size, uint64_t offset) {
+    return calls->ReceiveBlob(caller, digest, size, offset);
+  };
   return farm;
 }
 

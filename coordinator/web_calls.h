@@ -7,6 +7,7 @@
 #include <string>
 
 #include "coordinator/access.h"
+#include "coordinator/blob_service.h"
 #include "coordinator/call_gate.h"
 #include "coordinator/job_log.h"
 #include "coordinator/store/picture_store.h"
@@ -23,6 +24,8 @@ struct WebCallParts {
   const PictureStore& pictures;
   const JobLog& job_log;
   TaskPool& background;
+  FileThreads& files;
+  TransferLoad& transfers;
   std::string folder;  // for temporary files
   AccessPolicy policy;
   // Whether programs of other users of this machine may do everything, as they may with the plain port of

@@ -12,7 +12,8 @@ namespace tessera {
 
 // Of the request line and all headers. Browsers send some hundred bytes.
 constexpr size_t kHttpHeadBytesMax = 8 << 10;
-// Of what follows the head: a form with a token has less than 1 KB.
+// Of a body that is kept until it is whole: a form with a token has less than 1 KB. Longer ones are taken in
+// pieces (BodySink).
 constexpr size_t kHttpBodyBytesMax = 4 << 10;
 
 struct HttpRequest {
@@ -28,7 +29,8 @@ struct HttpRequest {
   bool is_json = false;
   std::string proof;          // the header X-Tessera-Proof
   std::string if_none_match;  // the header If-None-Match
-  std::string body;
+  std::string body;           // empty if it is longer than kHttpBodyBytesMax
+  bool has_long_body() const { return body_size > kHttpBodyBytesMax; }
 };
 
 // Parses a head, up to and including the empty line; the body is left to the caller. Returns nullopt if it is

@@ -37,6 +37,7 @@ const char* PhraseOf(int status) {
     case 409: return "Conflict";
     case 413: return "Content Too Large";
     case 429: return "Too Many Requests";
+    case 507: return "Insufficient Storage";
     case 431: return "Request Header Fields Too Large";
     default: return "Service Unavailable";
   }
@@ -105,6 +106,14 @@ HttpResponse HttpResponse::Stream(std::string type, std::shared_ptr<BodyStream> 
 
 HttpResponse HttpResponse::Later(std::shared_ptr<LaterAnswer> later) {
   return {.body = nullptr, .later = std::move(later)};
+}
+
+HttpResponse HttpResponse::Receive(std::shared_ptr<BodySink> sink) {
+  return {.body = nullptr, .sink = std::move(sink)};
+}
+
+HttpResponse HttpResponse::Continue() {
+  return {.status = kContinue, .body = nullptr};
 }
 
 // The end of a stream whose size is not known is that of its connection.

@@ -13,7 +13,9 @@ namespace tessera {
 
 inline constexpr const char* kPlainText = "text/plain; charset=utf-8";
 inline constexpr const char* kJsonText = "application/json";
+inline constexpr int kContinue = 100;  // status
 
+class BodySink;
 class BodyStream;
 class LaterAnswer;
 
@@ -32,8 +34,10 @@ struct HttpResponse {
   std::string allow = {};      // with 405: the methods that are supported
   std::shared_ptr<BodyStream> stream = {};   // makes the body while it is sent
   std::optional<uint64_t> stream_size = {};  // in bytes, if it is known
-  std::string stream_owner = {};             // who has the stream: each may have a bounded number of them
-  std::shared_ptr<LaterAnswer> later = {};   // gives the answer that takes the place of this one
+  std::shared_ptr<BodySink> sink = {};       // takes the body of the request, then gives the answer
+  // Who has the stream or sends the body: each may have a bounded number of them.
+  std::string stream_owner = {};
+  std::shared_ptr<LaterAnswer> later = {};  // gives the answer that takes the place of this one
 
   static HttpResponse Plain(int status, std::string text);
   static HttpResponse Html(int status, std::string page, std::string style);
@@ -45,6 +49,10 @@ struct HttpResponse {
   static HttpResponse Redirect(std::string path);
   static HttpResponse Stream(std::string type, std::shared_ptr<BodyStream> stream);
   static HttpResponse Later(std::shared_ptr<LaterAnswer> later);
+  static HttpResponse Receive(std::shared_ptr<BodySink> sink);
+  // Of a BodySink: it can take another piece.
+  static HttpResponse Continue();
+  bool IsContinue() const { return status == kContinue; }
 
   // Status line and headers, up to and including the empty line. Every answer forbids browsers to load, run,
   // frame or store anything besides what it names.
@@ -83,5 +91,18 @@ class LaterAnswer {
   std::function<HttpResponse()> make_;
   std::function<void()> notify_;
 };
+
+// Takes a body that is too long to be kept, in pieces while it arrives. If it is destroyed before it has
+// given the answer, the rest of the body does not come. Used by the thread of the server, one piece after the
+// other.
+class BodySink {
+ public:
+  virtual ~BodySink() = default;
+  // Takes the next piece, of at least kBodyPieceBytes unless it is the last. Gives Continue() when it can
+  // take another, or the answer to the request: after the last piece, or earlier if it refuses the rest.
+  virtual void Take(std::string piece, bool is_last, std::shared_ptr<LaterAnswer> answer) = 0;
+};
+// Each upload keeps up to two pieces in memory, one that arrives and one that is stored.
+constexpr size_t kBodyPieceBytes = 128 << 10;
 
 }  // namespace tessera

@@ -1,5 +1,8 @@
 #include "coordinator/web/web_connection.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace tessera {
 namespace {
 
@@ -7,6 +10,8 @@ using std::chrono::seconds;
 
 constexpr seconds kRequestPatience{5};  // for the handshake and a whole request
 constexpr seconds kMakePatience{120};   // for an answer that another thread makes
+// For a piece of a body: 4 KB/s. Whoever sends less keeps others from sending.
+constexpr seconds kPiecePatience{30};
 constexpr seconds kAnswerPatience{10};  // for the peer to take an answer, or anything of a stream or download
 constexpr seconds kClosePatience{1};    // for the peer to close after it
 constexpr size_t kDroppedBytesMax = 1 << 20;
@@ -36,9 +41,49 @@ bool WebConnection::Read() {
   return true;
 }
 
+void WebConnection::Receive(HttpResponse response, size_t head_size, uint64_t body_size,
+                            std::function<void()> notify) {
+  sink_ = std::move(response.sink);
+  stream_owner_ = std::move(response.stream_owner);
+  notify_ = std::move(notify);
+  in_.erase(0, head_size);
+  body_left_ = body_size;
+  ReceiveMore();
+}
+
+void WebConnection::ReceiveMore() {
+  state_ = State::kReceiving;
+  awaited_ = POLLIN;
+  deadline_ = Clock::now() + kPiecePatience;
+  HandOver();
+}
+
+// Other connections are served between pieces.
+void WebConnection::ReadBody() {
+  const uint64_t wanted = std::min<uint64_t>(body_left_, kBodyPieceBytes);
+  while (in_.size() < wanted) {
+    if (!Read()) return;
+  }
+  HandOver();
+}
+
+// Nothing is read while the sink is busy, so that a peer sends no faster than its bytes are stored.
+void WebConnection::HandOver() {
+  if (in_.size() < std::min<uint64_t>(body_left_, kBodyPieceBytes)) return;
+  if (in_.size() > body_left_) in_.resize(static_cast<size_t>(body_left_));
+  body_left_ -= in_.size();
+  state_ = State::kAwaiting;
+  awaited_ = 0;
+  deadline_ = Clock::now() + kMakePatience;
+  later_ = std::make_shared<LaterAnswer>();
+  later_->OnGiven(notify_);
+  sink_->Take(std::exchange(in_, {}), body_left_ == 0, later_);
+}
+
 void WebConnection::Send(HttpResponse response, const std::function<void()>& notify) {
   in_.clear();
   later_.reset();
+  sink_.reset();
   if (response.later != nullptr) {
     later_ = std::move(response.later);
     state_ = State::kAwaiting;
@@ -57,7 +102,11 @@ void WebConnection::Send(HttpResponse response, const std::function<void()>& not
 
 void WebConnection::Resume(bool is_ready) {
   switch (state_) {
+    case State::kReceiving: return is_ready ? ReadBody() : void();
     case State::kAwaiting:
+      // Nothing is awaited from a peer whose body is being stored, so what there is is its end.
+      if (is_ready && sink_ != nullptr) return Close();
+      return is_ready ? Drop() : void();
     case State::kClosing: return is_ready ? Drop() : void();
     case State::kWriting: return is_ready ? Write() : void();
     case State::kStreaming:

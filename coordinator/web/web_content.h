@@ -23,6 +23,11 @@ class WebContent {
  public:
   virtual ~WebContent() = default;
   virtual HttpResponse Answer(const HttpRequest& request, const WebVisit& visit) = 0;
+  // The same for a request whose body is too long to be kept: an answer with a sink takes it, any other
+  // refuses it.
+  virtual HttpResponse Receive(const HttpRequest&, const WebVisit&) {
+    return HttpResponse::Plain(413, "The request is too long.\n");
+  }
 };
 
 }  // namespace tessera

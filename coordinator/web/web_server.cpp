@@ -27,6 +27,9 @@ constexpr size_t kWebConnectionsMax = 64;  // some browsers and monitoring syste
 // beside members' connections, and some 60 KB with TLS.
 constexpr ptrdiff_t kStreamsMax = 128;
 constexpr ptrdiff_t kStreamsOfOwnerMax = 64;
+// Bodies that are taken in pieces. A browser sends a few files at a time, and one sender fills most networks.
+constexpr ptrdiff_t kUploadsMax = 16;
+constexpr ptrdiff_t kUploadsOfOwnerMax = 4;
 constexpr milliseconds kPollInterval{500};
 constexpr milliseconds kStreamInterval{100};  // between looks at what streams have to send
 constexpr milliseconds kDescriptorPause{250};
@@ -153,7 +156,8 @@ void WebServer::Admit(int socket) {
     failed_.Warn("web_connections_refused", fmt::format("peer={}", LogText(PeerText(address))));
     return;
   }
-  const auto brief = std::ranges::count_if(connections_, [](const auto& each) { return !each.IsStream(); });
+  const auto brief = std::ranges::count_if(
+      connections_, [](const auto& each) { return !each.IsStream() && !each.IsUpload(); });
   if (static_cast<size_t>(brief) >= kWebConnectionsMax) MakeRoom();
   WebConnection& made = connections_.emplace_back(socket, server_ ? &*server_ : nullptr);
   made.peer.text = PeerText(address);
@@ -174,7 +178,8 @@ void WebServer::MakeRoom() {
     return each.IsWaitingForRequest() && each.peer.network == largest->first;
   });
   if (found == connections_.end())
-    found = std::ranges::find_if(connections_, [](const WebConnection& each) { return !each.IsStream(); });
+    found = std::ranges::find_if(
+        connections_, [](const WebConnection& each) { return !each.IsStream() && !each.IsUpload(); });
   connections_.erase(found);
 }
 
@@ -211,7 +216,7 @@ void WebServer::TakeRequest(WebConnection& connection) {
   const size_t head_size = end + kHeadEnd.size();
   auto request = ParseHttpRequest(std::string_view(received).substr(0, head_size));
   if (!request) return refuse(400, "The request is malformed.\n");
-  if (request->body_size > kHttpBodyBytesMax) return refuse(413, "The request is too long.\n");
+  if (request->has_long_body()) return Receive(connection, *request, head_size);
   if (received.size() - head_size < request->body_size) return;
   request->body = received.substr(head_size, request->body_size);
   Answer(connection, *request);
@@ -224,7 +229,19 @@ void WebServer::Answer(WebConnection& connection, const HttpRequest& request) {
   Deliver(connection, std::move(response));
 }
 
+// Whoever may not send the body is refused before it is read.
+void WebServer::Receive(WebConnection& connection, const HttpRequest& request, size_t head_size) {
+  HttpResponse response = site_->Answer(request, connection.peer, Clock::now());
+  if (response.is_for_member) handshakes_.GiveBack(connection.peer.network);
+  if (response.sink == nullptr) return Deliver(connection, std::move(response));
+  if (!HasPlaceForUpload(response.stream_owner))
+    return Deliver(connection,
+                   HttpResponse::JsonError(503, "too many uploads are running; wait for one to end"));
+  connection.Receive(std::move(response), head_size, request.body_size, Notification());
+}
+
 void WebServer::Deliver(WebConnection& connection, HttpResponse response) {
+  if (response.IsContinue()) return connection.ReceiveMore();
   if (response.stream != nullptr && !HasPlaceForStream(response.stream_owner))
     response = HttpResponse::JsonError(503, "too many streams are open; close some and try again");
   connection.Send(std::move(response), Notification());
@@ -236,6 +253,14 @@ bool WebServer::HasPlaceForStream(const std::string& owner) const {
     return each.IsStream() && each.stream_owner() == owner;
   });
   return all < kStreamsMax && own < kStreamsOfOwnerMax;
+}
+
+bool WebServer::HasPlaceForUpload(const std::string& owner) const {
+  const auto all = std::ranges::count_if(connections_, &WebConnection::IsUpload);
+  const auto own = std::ranges::count_if(connections_, [&](const WebConnection& each) {
+    return each.IsUpload() && each.stream_owner() == owner;
+  });
+  return all < kUploadsMax && own < kUploadsOfOwnerMax;
 }
 
 std::function<void()> WebServer::Notification() const {

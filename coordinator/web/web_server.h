@@ -34,7 +34,8 @@ struct WebTls {
 // bounded time. Whoever connects when all places are taken gets the place of a connection that is still
 // waiting for its request: of the network that has the most of these, the oldest. So slow and silent peers
 // cannot keep others from the pages. Streams have places of their own, a bounded number for each member, and
-// end when their reader takes nothing for some seconds. The farm is never delayed.
+// end when their reader takes nothing for some seconds; so have bodies that are taken in pieces, which end
+// when their sender is too slow. The farm is never delayed.
 class WebServer {
  public:
   // Without `tls`, connections are plain. An error that names the address if it cannot be listened on, or
@@ -64,8 +65,10 @@ class WebServer {
   void Handshake(WebConnection& connection);
   void TakeRequest(WebConnection& connection);
   void Answer(WebConnection& connection, const HttpRequest& request);
+  void Receive(WebConnection& connection, const HttpRequest& request, size_t head_size);
   void Deliver(WebConnection& connection, HttpResponse response);
   bool HasPlaceForStream(const std::string& owner) const;
+  bool HasPlaceForUpload(const std::string& owner) const;
   std::function<void()> Notification() const;
 
   Address address_;

@@ -49,6 +49,25 @@ HttpResponse ForeignForm() {
   return HttpResponse::Plain(403, "The form was not sent by a page of this server.\n");
 }
 
+// A body of which nothing more is taken when its sender may not send it any more.
+class CheckedSink final : public BodySink {
+ public:
+  CheckedSink(std::shared_ptr<BodySink> sink, std::function<bool()> is_admitted)
+      : sink_(std::move(sink)), is_admitted_(std::move(is_admitted)) {}
+  void Take(std::string piece, bool is_last, std::shared_ptr<LaterAnswer> answer) override {
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= due_ && !is_admitted_())
+      return answer->Give(HttpResponse::JsonError(401, "you are not logged in any more"));
+    if (now >= due_) due_ = now + kRecheckInterval;
+    sink_->Take(std::move(piece), is_last, std::move(answer));
+  }
+
+ private:
+  const std::shared_ptr<BodySink> sink_;
+  const std::function<bool()> is_admitted_;
+  std::chrono::steady_clock::time_point due_{};
+};
+
 // A stream that ends when its reader may not read it any more.
 class CheckedStream final : public BodyStream {
  public:
@@ -82,6 +101,8 @@ HttpResponse WebSite::Answer(const HttpRequest& request, const WebPeer& peer, Ti
                                 : Visitor{{}, "", ""};
     return Show(request, {visitor, peer.text, ProofFor("change", visitor.name), ""}, peer);
   }
+  if (request.has_long_body() && (request.path == "/login" || request.path == "/logout"))
+    return HttpResponse::Plain(413, "The request is too long.\n");
   if (request.query.find(kTokenPrefix) != std::string::npos) {
     return HttpResponse::Plain(400,
                                "A token does not belong into an address, which browsers remember and show. "
@@ -113,7 +134,7 @@ HttpResponse WebSite::Show(const HttpRequest& request, const WebVisit& visit, co
           403, "the header X-Tessera-Proof is missing or too old; /api/v1/me shows its value");
     }
   }
-  return content_->Answer(request, visit);
+  return request.has_long_body() ? content_->Receive(request, visit) : content_->Answer(request, visit);
 }
 
 // An answer that is made later may be a stream too.
@@ -124,6 +145,8 @@ HttpResponse WebSite::WithRechecks(HttpResponse response, const std::string& ses
   };
   if (response.stream != nullptr)
     response.stream = std::make_shared<CheckedStream>(std::move(response.stream), is_admitted);
+  if (response.sink != nullptr)
+    response.sink = std::make_shared<CheckedSink>(std::move(response.sink), is_admitted);
   if (response.later != nullptr) {
     response.later->SetFinish([is_admitted](HttpResponse made) {
       if (made.stream != nullptr)

@@ -44,7 +44,8 @@ class WebSite {
   using TimePoint = std::chrono::steady_clock::time_point;
   // Answers requests for `names`, see IsOwnHost, and over TLS for the names of the certificate.
   WebSite(std::vector<std::string> names, std::shared_ptr<WebContent> content, std::optional<WebGate> gate);
-  // For a HEAD too, whose answer goes out without its body.
+  // For a HEAD too, whose answer goes out without its body. If the body of the request is too long to be
+  // kept, the answer has a sink that takes it, or refuses it.
   HttpResponse Answer(const HttpRequest& request, const WebPeer& peer, TimePoint now);
 
  private:

@@ -31,7 +31,8 @@ class WebRoles : public ServicesForMembers {
   int Try(const JoinedFarm& member, const std::string& proof, const WebRoute& route, uint64_t job) const {
     std::string path(route.path);
     for (const auto& [word, value] : {std::pair<std::string, std::string>("{job}", std::to_string(job)),
-                                      {"{worker}", "0000000000000007"}}) {
+                                      {"{worker}", "0000000000000007"},
+                                      {"{blob}", Sha256("another file").Hex()}}) {
       if (const size_t at = path.find(word); at != std::string::npos) path.replace(at, word.size(), value);
     }
     std::string body;

@@ -28,11 +28,19 @@ bool ReadWorker(std::string_view text, std::string& worker) {
   return text.size() == kWorkerDigits && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
+bool ReadBlob(std::string_view text, Digest& blob) {
+  const auto digest = Digest::FromHex(text);
+  if (!digest || digest->Hex() != text) return false;
+  blob = *digest;
+  return true;
+}
+
 bool Matches(std::string_view pattern, std::string_view path, WebRouteMatch& match) {
   while (!pattern.empty() && !path.empty()) {
     const std::string_view expected = TakeSegment(pattern), segment = TakeSegment(path);
     const bool is_same = expected == "{job}"      ? ReadJob(segment, match.job)
                          : expected == "{worker}" ? ReadWorker(segment, match.worker)
+                         : expected == "{blob}"   ? ReadBlob(segment, match.blob)
                                                   : expected == segment;
     if (!is_same) return false;
   }
@@ -45,7 +53,7 @@ std::optional<WebRouteMatch> FindRoute(std::string_view method, std::string_view
   if (path.ends_with('/')) return std::nullopt;
   const std::string_view wanted = method == "HEAD" ? "GET" : method;
   for (const WebRoute& route : kWebRoutes) {
-    WebRouteMatch match{&route, {}, {}};
+    WebRouteMatch match{&route, {}, {}, {}};
     if (!Matches(route.path, path, match)) continue;
     if (route.method == wanted) return match;
     methods = route.method == "GET" ? "GET, HEAD" : std::string(route.method);

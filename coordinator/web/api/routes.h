@@ -27,16 +27,27 @@ enum class WebAction {
   kEvents,
   kOpenApi,
   kChangeJob,
-  kChangeWorkers
+  kChangeWorkers,
+  kMissingBlobs,
+  kUploadBlob
+};
+
+// What follows the head of a request, besides requests that read.
+enum class WebBody {
+  kNumbers,  // a JSON object of whole numbers
+  kJson,     // any JSON object, of at most kBodyPieceBytes
+  kBytes     // of any kind and number; the query has the parameters
 };
 
 struct WebRoute {
   std::string_view method;
-  std::string_view path;  // {job} stands for a number, {worker} for 16 hexadecimal digits
+  // {job} stands for a number, {worker} for 16 hexadecimal digits and {blob} for 64.
+  std::string_view path;
   // The call of the protocol whose rule decides who may ask for it (coordinator/access.h).
   std::string_view call;
   WebAction action;
   std::string_view parameters = "";  // of the query, or members of the body, separated by spaces
+  WebBody body = WebBody::kNumbers;
 };
 
 inline constexpr WebRoute kWebRoutes[] = {
@@ -61,12 +72,16 @@ inline constexpr WebRoute kWebRoutes[] = {
      "search state sort order offset limit history"},
     {"POST", "/api/v1/workers/{worker}/drain", "Jobs.DrainWorkers", WebAction::kChangeWorkers},
     {"POST", "/api/v1/workers/{worker}/release", "Jobs.ReleaseWorkers", WebAction::kChangeWorkers},
+    {"POST", "/api/v1/blobs/missing", "Blobs.FindMissing", WebAction::kMissingBlobs, "digests",
+     WebBody::kJson},
+    {"PUT", "/api/v1/blobs/{blob}", "Blobs.Upload", WebAction::kUploadBlob, "offset", WebBody::kBytes},
 };
 
 struct WebRouteMatch {
   const WebRoute* route = nullptr;
   JobId job{};
   std::string worker;  // 16 hexadecimal digits
+  Digest blob{};
 };
 
 // The route of a path; nullopt if there is none. If there are only routes with other methods, `methods` names

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "coordinator/page/page_files.h"
+#include "coordinator/web/api/body_routes.h"
 #include "coordinator/web/api/encoded_picture.h"
 #include "coordinator/web/api/file_stream.h"
 #include "coordinator/web/api/parameters.h"
@@ -88,6 +89,13 @@ HttpResponse WebApi::Answer(const HttpRequest& request, const WebVisit& visit) {
   return is_metrics ? ShowMetrics() : ShowFile(request);
 }
 
+HttpResponse WebApi::Receive(const HttpRequest& request, const WebVisit& visit) {
+  std::string methods;
+  const auto match = FindRoute(request.method, request.path, methods);
+  if (match && match->route->body != WebBody::kNumbers) return AnswerRoute(request, *match, visit);
+  return WebContent::Receive(request, visit);
+}
+
 HttpResponse WebApi::ShowFile(const HttpRequest& request) {
   const PageFile& file = *FindPageFile(request.path);
   HttpResponse response = HttpResponse::Bytes(file.type, file.bytes);
@@ -115,9 +123,24 @@ HttpResponse WebApi::ShowMetrics() {
 HttpResponse WebApi::AnswerRoute(const HttpRequest& http, const WebRouteMatch& match, const WebVisit& visit) {
   const WebRoute& route = *match.route;
   if (const auto refused = farm_.admit({visit.visitor, visit.peer}, route.call)) return Refuse(*refused);
+  if (route.body != WebBody::kNumbers) return TakeBody(http, match, visit);
   auto parameters = ReadParameters(http, route);
   if (const auto* const error = std::get_if<WebError>(&parameters)) return Refuse(*error);
   return Run({route, match.job, match.worker, std::get<Query>(std::move(parameters)), visit});
+}
+
+HttpResponse WebApi::TakeBody(const HttpRequest& http, const WebRouteMatch& match, const WebVisit& visit) {
+  const auto made = MakeBodySink(farm_, http, match, {visit.visitor, visit.peer});
+  if (const auto* const error = std::get_if<WebError>(&made)) return Refuse(*error);
+  const auto sink = std::get<std::shared_ptr<BodySink>>(made);
+  if (http.has_long_body()) {
+    HttpResponse response = HttpResponse::Receive(sink);
+    response.stream_owner = OwnerOf(visit);
+    return response;
+  }
+  const auto later = std::make_shared<LaterAnswer>();
+  sink->Take(http.body, true, later);
+  return HttpResponse::Later(later);
 }
 
 HttpResponse WebApi::Run(const Request& request) {
@@ -146,6 +169,8 @@ HttpResponse WebApi::Run(const Request& request) {
     case WebAction::kExr:
     case WebAction::kPng:
     case WebAction::kThumbnail: return ShowPicture(request);
+    case WebAction::kMissingBlobs:
+    case WebAction::kUploadBlob: break;  // TakeBody
   }
   return HttpResponse::JsonError(404, "there is no such path");
 }

@@ -24,6 +24,7 @@ class WebApi final : public WebContent {
   void Stop();
 
   HttpResponse Answer(const HttpRequest& request, const WebVisit& visit) override;
+  HttpResponse Receive(const HttpRequest& request, const WebVisit& visit) override;
 
  private:
   // A request of the interface.
@@ -39,6 +40,8 @@ class WebApi final : public WebContent {
   HttpResponse ShowMetrics();
   HttpResponse AnswerRoute(const HttpRequest& http, const WebRouteMatch& match, const WebVisit& visit);
   HttpResponse Run(const Request& request);
+  // Takes the body of a request in pieces, or the whole of it that is there already.
+  HttpResponse TakeBody(const HttpRequest& http, const WebRouteMatch& match, const WebVisit& visit);
   HttpResponse ShowMe(const Request& request) const;
   // `show` makes an answer of the farm as it is now, later.
   HttpResponse ShowFarm(std::function<WebResult<nlohmann::json>(const FarmMoment&)> show);

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 
 #include "coordinator/core/schedule/picture_file.h"
 #include "coordinator/web/farm_view.h"
+#include "coordinator/web/http_response.h"
 #include "coordinator/web/web_gate.h"
 #include "renderer/film/frame_snapshot.h"
 
@@ -90,6 +92,14 @@ struct WebFarm {
   // The bytes of the EXR file of a frame; without `file`, what was written of one whose job ended early.
   std::function<WebResult<std::string>(JobId job, uint32_t frame, const std::optional<PictureFile>& file)>
       read;
+  // Those of these blobs that the farm lacks, each with the number of its first bytes that need not be sent
+  // again.
+  std::function<void(const std::vector<Digest>& digests, WebDone<std::map<Digest, uint64_t>> done)>
+      find_missing;
+  // Receives a blob of `size` bytes from `offset` on, and enters that in the audit log.
+  std::function<std::shared_ptr<BodySink>(const WebCaller& caller, const Digest& digest, uint64_t size,
+                                          uint64_t offset)>
+      receive_blob;
   // Runs a task that may take long on another thread.
   std::function<void(std::function<void()> task)> run_later;
   std::string folder;  // for temporary files

@@ -1,0 +1,30 @@
+#include "coordinator/missing_blobs.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace tessera {
+namespace {
+
+// How long one call may check files. Clients try again.
+constexpr std::chrono::seconds kFindMissingMax{10};
+
+}  // namespace
+
+bool IsQuickToFind(const BlobStore& blobs, const std::vector<Digest>& digests) {
+  return std::ranges::all_of(
+      digests, [&](const Digest& digest) { return blobs.Look(digest) != BlobStore::Presence::kUnknown; });
+}
+
+Result<std::map<Digest, uint64_t>> FindMissing(const BlobStore& blobs, const std::vector<Digest>& digests) {
+  const auto deadline = std::chrono::steady_clock::now() + kFindMissingMax;
+  std::map<Digest, uint64_t> missing;
+  for (const Digest& digest : digests) {
+    if (std::chrono::steady_clock::now() > deadline)
+      return Failed("the coordinator is still checking the files that it has");
+    if (!blobs.UseVerified(digest)) missing.emplace(digest, blobs.Arrived(digest));
+  }
+  return missing;
+}
+
+}  // namespace tessera
