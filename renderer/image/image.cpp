@@ -148,6 +148,36 @@ Result<std::shared_ptr<const Image>> ImageCache::Get(const std::string& name,
   return shared;
 }
 
+RgbSummary Summarize(const Image& image) {
+  const std::optional<std::array<int, 3>> channels = image.RgbChannels();
+  RgbSummary summary;
+  double sum[3] = {};
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (size_t c = 0; c < 3; ++c) {
+        const float value = image.Get(x, y, (*channels)[c]);
+        summary.is_finite &= std::isfinite(value);
+        sum[c] += std::min(kEmissionMax, std::max(0.0f, value));
+      }
+    }
+  }
+  const double count = static_cast<double>(image.width) * image.height;
+  for (int c = 0; c < 3; ++c) summary.mean[c] = static_cast<float>(sum[c] / count);
+  return summary;
+}
+
+const RgbSummary& ImageCache::Summary(const std::shared_ptr<const Image>& image) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = summaries_.find(image);
+  return found != summaries_.end() ? found->second
+                                   : summaries_.emplace(image, Summarize(*image)).first->second;
+}
+
+size_t ImageCache::summaries() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return summaries_.size();
+}
+
 size_t ImageCache::bytes() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   size_t sum = 0;

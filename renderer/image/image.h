@@ -52,6 +52,16 @@ struct Image {
   std::optional<std::array<int, 3>> RgbChannels() const;
 };
 
+// The largest value of a pixel of a light that counts: the sum of the largest pictures stays finite.
+constexpr float kEmissionMax = 1e25f;
+
+// What lights need to know of a picture that they emit, which has R, G and B.
+struct RgbSummary {
+  bool is_finite = true;  // every value
+  Vec3 mean;              // negative values count as 0, those beyond kEmissionMax as that
+};
+RgbSummary Summarize(const Image& image);
+
 // Reads EXR, PNG, JPEG, TGA, HDR, TIFF, BMP, WebP, PFM and QOI, decided by content and checked against
 // `name`'s ending; sizes are bounded. Radiance and TIFF pictures of any orientation become upright.
 // `encoding` is for 8-bit data, which is sRGB without one.
@@ -68,12 +78,16 @@ class ImageCache {
   explicit ImageCache(FileSource& files) : files_(files) {}
   FileSource& files() { return files_; }
   Result<std::shared_ptr<const Image>> Get(const std::string& name, std::optional<ColorEncoding> encoding);
-  size_t bytes() const;  // of all pictures held
+  // That of a picture of this cache, computed once for all lights that emit it.
+  const RgbSummary& Summary(const std::shared_ptr<const Image>& image);
+  size_t summaries() const;  // computed
+  size_t bytes() const;      // of all pictures held
 
  private:
   FileSource& files_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const Image>> images_;
+  std::map<std::shared_ptr<const Image>, RgbSummary> summaries_;
   uint64_t file_bytes_ = 0, decoded_bytes_ = 0;  // of those decoded here
 };
 

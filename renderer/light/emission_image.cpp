@@ -28,13 +28,14 @@ RgbImage RgbImage::Read(ParameterReader& reader, ImageCache& images, Diagnostics
     reader.FailAt("filename", "\"" + name + "\" must have channels R, G and B");
     return {};
   }
-  for (const int channel : *channels) {
-    if (IsFinite(**image, channel)) continue;
+  const RgbSummary& summary = images.Summary(*image);
+  if (!summary.is_finite) {
     reader.FailAt("filename", "\"" + name + "\" contains infinite or NaN values, which a light cannot emit");
     return {};
   }
   RgbImage result;
   result.image_ = *image;
+  result.mean_ = summary.mean;
   result.channels_ = *channels;
   result.color_space_ = &ColorSpaceOf((*image)->chromaticities, reader, diagnostics);
   return result;
@@ -53,6 +54,7 @@ RgbImage RgbImage::OfTexels(const std::vector<Rgb>& texels, int width, const Col
   image->bytes.resize(texels.size() * sizeof(Rgb));
   std::memcpy(image->bytes.data(), texels.data(), image->bytes.size());
   RgbImage result;
+  result.mean_ = Summarize(*image).mean;
   result.image_ = std::move(image);
   result.channels_ = {0, 1, 2};
   result.color_space_ = &color_space;
@@ -72,19 +74,6 @@ Rgb RgbImage::Bilinear(Point2 uv) const {
   const int x1 = std::min(x0 + 1, width() - 1), y1 = std::min(y0 + 1, height() - 1);
   const float dx = x - static_cast<float>(x0), dy = y - static_cast<float>(y0);
   return Lerp(dy, Lerp(dx, At(x0, y0), At(x1, y0)), Lerp(dx, At(x0, y1), At(x1, y1)));
-}
-
-Rgb RgbImage::Mean() const {
-  double sum[3] = {};
-  for (int y = 0; y < height(); ++y) {
-    for (int x = 0; x < width(); ++x) {
-      const Rgb rgb = At(x, y);
-      for (int c = 0; c < 3; ++c) sum[c] += rgb[c];
-    }
-  }
-  const double count = static_cast<double>(width()) * height();
-  return {static_cast<float>(sum[0] / count), static_cast<float>(sum[1] / count),
-          static_cast<float>(sum[2] / count)};
 }
 
 EmissionMap::EmissionMap(const RgbImage& image, float scale)

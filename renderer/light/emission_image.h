@@ -11,9 +11,6 @@
 
 namespace tessera {
 
-// The largest value of a pixel that counts: the sum of the largest images stays finite.
-constexpr float kEmissionMax = 1e25f;
-
 // An image with channels R, G and B, all finite, in the colour space that its file names.
 class RgbImage {
  public:
@@ -34,10 +31,11 @@ class RgbImage {
   Rgb At(int x, int y) const;
   // Bilinear interpolation; edge values continue outside. uv is (0, 0) at the first value of the top row.
   Rgb Bilinear(Point2 uv) const;
-  Rgb Mean() const;
+  Rgb Mean() const { return mean_; }
 
  private:
   std::shared_ptr<const Image> image_;
+  Rgb mean_;
   std::array<int, 3> channels_{};
   const ColorSpace* color_space_ = &ColorSpace::Srgb();
 };

@@ -114,5 +114,21 @@ TEST(ImagesOfLights, AreReadFromEveryFormat) {
   }
 }
 
+TEST(ImagesOfLights, AreScannedOnceForAllShapesThatEmitThem) {
+  LightScene lights;
+  lights.files.files["image.exr"] = ExrOfOneColor(4, 0.8f, 0.3f, 0.1f, "");
+  constexpr int kShapes = 20;
+  std::string text;
+  std::vector<Shape> shapes;
+  for (int i = 0; i < kShapes; ++i) {
+    text += "AreaLightSource \"diffuse\" \"string filename\" \"image.exr\" \"float scale\" " +
+            std::to_string(i + 1) + " Shape \"sphere\"\n";
+    shapes.push_back(SphereShape({0, 0, 3.0f * static_cast<float>(i)}, 1));
+  }
+  lights.Build(text + "LightSource \"projection\" \"string filename\" \"image.exr\"\n", shapes);
+  ASSERT_EQ(lights.error, "");
+  EXPECT_EQ(lights.images.summaries(), 1u);
+}
+
 }  // namespace
 }  // namespace tessera::light_images
