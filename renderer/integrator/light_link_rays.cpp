@@ -6,11 +6,9 @@ namespace {
 
 // Whether a scattered ray to the light would end at a surface that shadow rays pass, if nothing else is in
 // the way.
-bool StopsScatteredRays(const PathContext& context, const ReferencePoint& reference,
-                        const LightSample& light) {
+bool StopsScatteredRays(const PathContext& context, const ReferencePoint& from, const LightSample& light) {
   const World& world = context.world;
-  Ray ray = SpawnRayTo(reference.p, reference.p_error, reference.n, light.p, light.p_error, light.n,
-                       reference.time);
+  Ray ray = SpawnRayTo(from.p, from.p_error, from.n, light.p, light.p_error, light.n, from.time);
   for (int passed = 0; passed < kInterfacesMax; ++passed) {
     Hit hit;
     ++context.counts.shadow;
@@ -25,13 +23,13 @@ bool StopsScatteredRays(const PathContext& context, const ReferencePoint& refere
 
 }  // namespace
 
-bool FollowLink(const PathContext& context, const ReferencePoint& reference, SampledLight& sampled) {
+bool FollowLink(const PathContext& context, const ReferencePoint& from, SampledLight& sampled) {
   const LightLinks& links = context.world.links;
-  if (!links.Illuminates(sampled.index, reference.light_links)) return false;
+  if (!links.Illuminates(sampled.index, from.light_links)) return false;
   sampled.casts_shadows = links.CastsShadows(sampled.index);
   LightSample& light = sampled.light;
   if (!sampled.casts_shadows) light.is_delta = true;
-  if (links.any_passed() && !light.is_delta) light.is_delta = StopsScatteredRays(context, reference, light);
+  if (links.any_passed() && !light.is_delta) light.is_delta = StopsScatteredRays(context, from, light);
   return true;
 }
 

@@ -59,7 +59,7 @@ Ray RayFrom(const Ray& ray, Vec3 wi) {
 std::optional<MixtureSample> SampleMixture(const LightDirections& lights,
                                            const SurfaceInteraction& interaction, const Bsdf& bsdf,
                                            float u_choice, Point2 u, const SampledWavelengths& wavelengths) {
-  const MixtureVertex vertex{lights, wavelengths, ReferenceAt(interaction), LightShare(lights, bsdf)};
+  const MixtureVertex vertex{lights, wavelengths, ReferenceAt(interaction, bsdf), LightShare(lights, bsdf)};
   if (u_choice < vertex.light_share) {
     const auto drawn = vertex.DrawLight(u_choice, u);
     if (!drawn) return std::nullopt;
@@ -78,7 +78,7 @@ std::optional<MixtureSample> SampleMixture(const LightDirections& lights,
 
 float MixturePdf(const LightDirections& lights, const SurfaceInteraction& interaction, const Bsdf& bsdf,
                  Vec3 wi, const SampledWavelengths& wavelengths) {
-  const MixtureVertex vertex{lights, wavelengths, ReferenceAt(interaction), LightShare(lights, bsdf)};
+  const MixtureVertex vertex{lights, wavelengths, ReferenceAt(interaction, bsdf), LightShare(lights, bsdf)};
   return vertex.Density(interaction.SpawnRay(wi), bsdf.Evaluate(interaction.wo, wi).pdf, 0);
 }
 

@@ -166,6 +166,7 @@ bool PathTracer<Transport, Sink>::ScatterOnSurface(SurfaceInteraction& interacti
   const bool had_all_wavelengths = !context_.wavelengths.SecondaryTerminated();
   const Bsdf bsdf = BsdfAt(context_, interaction, context_.settings.regularize && was_spread_);
   if (had_all_wavelengths && context_.wavelengths.SecondaryTerminated()) transport_.FollowFirstWavelength();
+  previous_ = ReferenceAt(interaction, bsdf);
   if (bsdf.HasNonSpecular()) AddSurfaceLight(interaction, bsdf);
   return SampleDirection(interaction, bsdf) && SurvivesRoulette();
 }
@@ -192,7 +193,6 @@ void PathTracer<Transport, Sink>::Leave(const SurfaceInteraction& interaction, c
   weigh_ = !sample.IsSpecular();
   was_spread_ |= weigh_;
   if (sample.IsTransmission()) eta_scale_ *= Sqr(sample.eta);
-  previous_ = ReferenceAt(interaction);
   ray_ = interaction.SpawnRay(sample.wi);
 }
 
@@ -207,6 +207,7 @@ bool PathTracer<Transport, Sink>::ComeOut(const SurfaceInteraction& entry, const
     // Radiance is compressed by eta^2 inside; where it comes out it is no more.
     const float factor = AbsDot(entered.wi, entry.shading.n) * Sqr(entered.eta) / entered.pdf;
     transport_.ScatterBelow(entered.f * exit->weight * factor, exit->densities);
+    previous_ = ReferenceAt(exit->interaction, exit->bsdf);
     AddSurfaceLight(exit->interaction, exit->bsdf);
     const float u_component = context_.sampler.Get1D();
     const Point2 u_direction = context_.sampler.Get2D();
@@ -258,7 +259,7 @@ void PathTracer<Transport, Sink>::AddEmission(const SurfaceInteraction& interact
 
 template <typename Transport, typename Sink>
 void PathTracer<Transport, Sink>::AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
-  const std::optional<SampledLight> sampled = SampleOneLight(context_, ReferenceAt(interaction));
+  const std::optional<SampledLight> sampled = SampleOneLight(context_, previous_, ReferenceAt(interaction));
   if (!sampled) return;
   const LightSample& light = sampled->light;
   const BsdfEvaluation evaluation = bsdf.Evaluate(interaction.wo, light.wi);

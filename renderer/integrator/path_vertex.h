@@ -18,6 +18,20 @@ inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
           interaction.shading.n, interaction.time,    interaction.light_links};
 }
 
+// The point that `bsdf` is lit at. Rays leave a curve from outside its width. What scatters light of one side
+// only is lit where the rays of that side start, as in pbrt: near lights are elsewhere than seen from the
+// axis.
+inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
+  ReferencePoint reference = ReferenceAt(interaction);
+  if (!interaction.faces_rays) return reference;
+  const bool reflects = HasFlag(bsdf.flags(), BxdfFlags::kReflection);
+  if (reflects == HasFlag(bsdf.flags(), BxdfFlags::kTransmission)) return reference;
+  reference.p = OffsetRayOrigin(interaction.p, interaction.p_error, interaction.n,
+                                reflects ? interaction.wo : -interaction.wo);
+  reference.p_error = {};
+  return reference;
+}
+
 // A Lambertian surface with the albedo of another, estimated from one sample. Takes three dimensions of the
 // sampler.
 inline Bsdf DiffuseEquivalent(const PathContext& context, const SurfaceInteraction& interaction,
@@ -61,13 +75,15 @@ struct SampledLight {
   bool casts_shadows = true;
 };
 
-// Heeds LightLinks. Returns false if the light does not illuminate the point. Sets is_delta if light sampling
-// alone finds the light there, whatever scattered rays hit.
-bool FollowLink(const PathContext& context, const ReferencePoint& reference, SampledLight& sampled);
+// Heeds LightLinks. `from`: where the shadow ray leaves the surface. Returns false if the light does not
+// illuminate the point. Sets is_delta if light sampling alone finds the light there, whatever scattered rays
+// hit.
+bool FollowLink(const PathContext& context, const ReferencePoint& from, SampledLight& sampled);
 
-// Samples one light from a point. Takes three dimensions of the sampler. Returns nullopt if no light arrives.
-inline std::optional<SampledLight> SampleOneLight(const PathContext& context,
-                                                  const ReferencePoint& reference) {
+// Samples one light as seen from `reference`, for a shadow ray that starts at `from`. Takes three dimensions
+// of the sampler. Returns nullopt if no light arrives.
+inline std::optional<SampledLight> SampleOneLight(const PathContext& context, const ReferencePoint& reference,
+                                                  const ReferencePoint& from) {
   const float u_choice = context.sampler.Get1D();
   const Point2 u_light = context.sampler.Get2D();
   const LightTable& lights = context.world.lights;
@@ -77,8 +93,12 @@ inline std::optional<SampledLight> SampleOneLight(const PathContext& context,
       lights.Sample(chosen->light, reference, u_light, context.wavelengths);
   if (!light || light->pdf <= 0 || light->IsDark()) return std::nullopt;
   SampledLight sampled{chosen->light, *light, chosen->pmf * light->pdf};
-  if (context.world.links.any() && !FollowLink(context, reference, sampled)) return std::nullopt;
+  if (context.world.links.any() && !FollowLink(context, from, sampled)) return std::nullopt;
   return sampled;
+}
+inline std::optional<SampledLight> SampleOneLight(const PathContext& context,
+                                                  const ReferencePoint& reference) {
+  return SampleOneLight(context, reference, reference);
 }
 
 // Whether a ray passes the surface, after `depth` scattering events.

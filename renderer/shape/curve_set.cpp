@@ -124,6 +124,7 @@ void CurveSet::FillInteraction(const Hit& hit, const HitRay& ray, SurfaceInterac
   const Vec3 error{place.width, place.width, place.width};
   interaction->p = place.p.ToFloat();
   interaction->p_error = error;
+  interaction->faces_rays = true;
   if (render_from_object) {
     const PointWithError point = TransformPointWithError(*render_from_object, place.p, error);
     interaction->p = point.p;

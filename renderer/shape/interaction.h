@@ -48,6 +48,8 @@ struct SurfaceInteraction {
   int area_light = -1;                          // index into the scene's lights, or -1
   int inside_medium = -1, outside_medium = -1;  // -1: vacuum
   uint8_t hidden_from = 0;                      // HiddenFrom
+  // Of curves: the surface depends on the ray, and p_error is its width.
+  bool faces_rays = false;
   uint64_t light_links = kAllLightLinks;
 
   // A ray that leaves this point along d without hitting the surface here again.

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "tests/renderer/scene/moving_pictures.h"
 
@@ -194,6 +195,54 @@ TEST(HairPicture, UnderOneLightAHairHasTheRadianceOfItsLobes) {
           << light.tilt << " " << light.theta_i << " " << light.around << " " << column;
     }
   }
+}
+
+// ---- Near lights
+
+// The middle of the picture of a band of width 1 at z = 5 in front of the viewer, or of a wall at `wall_z`.
+struct Lit {
+  std::string light, material;
+  double Band() const {
+    return Middle("Shape \"curve\" \"float width\" 1 \"point3 P\" [ 0 -9 5  0 -3 5  0 3 5  0 9 5 ]");
+  }
+  double Wall(double wall_z) const {
+    return Middle(
+        fmt::format("Shape \"bilinearmesh\" \"point3 P\" [ -9 -9 {0} 9 -9 {0} -9 9 {0} 9 9 {0} ]", wall_z));
+  }
+
+ private:
+  double Middle(const std::string& shape) const {
+    const std::vector<double> columns = ColumnMeans(GreenOf(Head() + light + material + shape));
+    return columns[kMovingSize / 2 - 1] + columns[kMovingSize / 2];
+  }
+};
+
+constexpr std::string_view kPointLight = "LightSource \"point\" \"point3 from\" [ 1.5 0 {} ]\n";
+constexpr std::string_view kSphereLight =
+    "AttributeBegin Translate 1.5 0 {} AreaLightSource \"diffuse\" Material \"diffuse\" "
+    "Shape \"sphere\" \"float radius\" 0.4 AttributeEnd\n";
+
+// Rays leave a curve at the distance of its width.
+TEST(CurvePicture, WhatReflectsIsLitWhereRaysLeaveTheCurve) {
+  for (const std::string_view light : {kPointLight, kSphereLight}) {
+    for (const char* material : {"\"diffuse\"", "\"coateddiffuse\" \"float roughness\" 0.5"}) {
+      const Lit lit{fmt::format(fmt::runtime(light), 3), fmt::format("Material {}\n", material)};
+      EXPECT_NEAR(lit.Band(), lit.Wall(4), 0.01 * lit.Wall(4)) << light << material;
+    }
+  }
+}
+
+TEST(CurvePicture, WhatTransmitsIsLitBehindTheCurve) {
+  for (const std::string_view light : {kPointLight, kSphereLight}) {
+    const Lit lit{fmt::format(fmt::runtime(light), 7),
+                  "Material \"diffusetransmission\" \"rgb reflectance\" [ 0 0 0 ]\n"};
+    EXPECT_NEAR(lit.Band(), lit.Wall(6), 0.01 * lit.Wall(6)) << light;
+  }
+}
+
+TEST(CurvePicture, WhatReflectsAndTransmitsIsLitAtTheAxis) {
+  const Lit lit{fmt::format(fmt::runtime(kPointLight), 3), "Material \"diffusetransmission\"\n"};
+  EXPECT_NEAR(lit.Band(), lit.Wall(5), 0.01 * lit.Wall(5));
 }
 
 }  // namespace
