@@ -60,9 +60,11 @@ Digest SceneKey(const Digest& package, const std::string& scene_file, const std:
     add_text(name);
     add_text(value);
   }
-  // Frames without one keep the key that earlier releases gave them.
+  // Frames without these keep the key that earlier releases gave them.
   if (frame.denoiser != Denoiser::kNone)
     stream.Add(fmt::format("denoiser {}\n", static_cast<uint32_t>(frame.denoiser)));
+  if (frame.cryptomatte_levels != kCryptomatteLevelsDefault)
+    stream.Add(fmt::format("cryptomatte levels {}\n", frame.cryptomatte_levels));
   return stream.Finish();
 }
 

@@ -118,6 +118,13 @@ void AddFilmFlags(CLI::App& app, RenderOptions& render) {
            fmt::format("Layers to add to the picture, separated by commas: {}", fmt::join(AovNames(), ", ")),
            render.aovs,
            [](std::string_view flag, std::string_view word) { return ParseNames(flag, word, AovNames()); });
+  AddValue(
+      app, "--cryptomatte-levels", "N",
+      WithDefault(fmt::format("Levels of the mattes, 1 to {}: each holds two ids of a pixel; Blender and "
+                              "Arnold count the ids",
+                              kCryptomatteLevelsMax),
+                  fmt::format("{}", kCryptomatteLevelsDefault)),
+      render.cryptomatte_levels, WholeNumber<uint32_t>(1, kCryptomatteLevelsMax));
   AddSwitch(
       app, "--denoise",
       "Denoise the picture when it is complete and keep the noisy colours in the layer noisy; adds --aov "

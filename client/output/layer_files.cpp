@@ -91,7 +91,7 @@ std::string FileLayer(const std::string& layer) {
 std::set<std::string> FileLayersOf(const FrameSpec& frame) {
   const std::vector<std::string> mattes = MattesOf(frame.attributes);
   std::set<std::string> layers;
-  for (const PictureChannel& channel : PictureChannels(frame.channels)) {
+  for (const PictureChannel& channel : frame.PictureChannels()) {
     const std::string layer = LayerOf(channel.name, mattes);
     if (!layer.empty()) layers.insert(FileLayer(layer));
   }
@@ -114,7 +114,7 @@ Result<std::vector<LayerPicture>> SplitLayers(const LoadedPicture& picture) {
 }
 
 Result<void> CheckCompression(const FrameSpec& frame, const ExrOutput& output) {
-  for (const PictureChannel& channel : PictureChannels(frame.channels)) {
+  for (const PictureChannel& channel : frame.PictureChannels()) {
     if (auto ok = CheckChannel(channel.name, channel.is_exact ? ExrType::kFloat : frame.exr_type, output);
         !ok)
       return ok;

@@ -9,8 +9,14 @@ namespace tessera {
 namespace {
 
 constexpr uint32_t kVersion = 1;  // of FrameRequest
-constexpr uint32_t kFrameSpecVersion = 2;
+constexpr uint32_t kFrameSpecVersion = 3;
 constexpr uint32_t kJobVersion = 2, kJobReadableBy = 1;
+
+// Releases that do not know of a member make the same pictures of frames that have its default.
+uint32_t ReadableBy(const FrameSpec& spec) {
+  if (spec.cryptomatte_levels != kCryptomatteLevelsDefault) return 3;
+  return spec.denoiser == Denoiser::kNone ? 1 : 2;
+}
 
 void AddFrameSpec(ByteWriter& out, const FrameSpec& spec) {
   ByteWriter body;
@@ -28,9 +34,8 @@ void AddFrameSpec(ByteWriter& out, const FrameSpec& spec) {
   }
   body.Add64(std::bit_cast<uint64_t>(spec.noise_threshold));
   body.Add32(static_cast<uint32_t>(spec.denoiser));
-  // A release that does not know of denoisers makes the same pictures of frames that have none.
-  const uint32_t readable_by = spec.denoiser == Denoiser::kNone ? 1 : 2;
-  out.AddRecord(kFrameSpecVersion, readable_by, body.Take());
+  body.Add32(spec.cryptomatte_levels);
+  out.AddRecord(kFrameSpecVersion, ReadableBy(spec), body.Take());
 }
 
 bool ReadSizes(ByteReader& in, FrameSpec& spec) {
@@ -75,6 +80,7 @@ bool ReadFrameSpec(ByteReader& in, FrameSpec& spec) {
   ReadAttributes(record->body, spec);
   spec.noise_threshold = std::bit_cast<double>(record->body.Read64());
   if (record->version >= 2 && !ReadDenoiser(record->body, spec)) return false;
+  if (record->version >= 3) spec.cryptomatte_levels = record->body.Read32();
   return record->IsReadBy(kFrameSpecVersion) && spec.Check().has_value();
 }
 

@@ -6,7 +6,7 @@
 //               first, its x0, x1, y0, y1
 //   FrameRequest  record: version 1: scene file, options, number, extendable, FrameSpec
 //   FrameSpec   record: version 1: size, crop, samples, tile size, EXR type, channels (name, type, rule,
-//               written), attributes, noise threshold; version 2: denoiser
+//               written), attributes, noise threshold; version 2: denoiser; version 3: levels of Cryptomatte
 // A new member is appended to its record and gets a default where an older record is read.
 #pragma once
 

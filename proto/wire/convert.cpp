@@ -117,6 +117,7 @@ Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message) {
   spec.noise_threshold = message.noise_threshold();
   if (message.denoiser() > static_cast<uint32_t>(kDenoiserLast)) return BadField("denoiser", "is unknown");
   spec.denoiser = static_cast<Denoiser>(message.denoiser());
+  if (message.has_cryptomatte_levels()) spec.cryptomatte_levels = message.cryptomatte_levels();
   if (const auto checked = spec.Check(); !checked) return checked.error();
   static_assert(kTileBytesMax == kResultBytesMax);
   if (spec.tile_size > LargestTileSize(spec.Layout().shape())) {
@@ -125,7 +126,7 @@ Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message) {
   // Denoising needs the picture before and after it, and its file.
   const size_t pictures = spec.denoiser == Denoiser::kNone ? 1 : 3;
   const auto values =
-      static_cast<int64_t>(spec.Layout().shape().stride() + pictures * PictureChannels(spec.channels).size());
+      static_cast<int64_t>(spec.Layout().shape().stride() + pictures * spec.PictureChannels().size());
   if (spec.crop.area() * values * static_cast<int64_t>(sizeof(float)) > kFrameBytesMax) {
     return BadInput(
         fmt::format("message refused: a frame of {}x{} pixels with {} values each needs more memory than the "
@@ -152,6 +153,7 @@ void Write(const FrameSpec& value, proto::FrameSpec& message) {
   message.set_exr_type(value.exr_type == ExrType::kFloat ? proto::EXR_TYPE_FLOAT : proto::EXR_TYPE_HALF);
   message.set_noise_threshold(value.noise_threshold);
   message.set_denoiser(static_cast<uint32_t>(value.denoiser));
+  message.set_cryptomatte_levels(value.cryptomatte_levels);
   for (const auto& [name, text] : value.attributes) (*message.mutable_attributes())[name] = text;
 }
 

@@ -21,14 +21,14 @@ LoadedPicture AsLoaded(const FrameSpec& spec, FramePicture picture) {
   loaded.channels = std::move(picture.channels);
   loaded.values = std::move(picture.values);
   loaded.attributes = spec.attributes;
-  for (const PictureChannel& channel : PictureChannels(spec.channels))
+  for (const PictureChannel& channel : spec.PictureChannels())
     loaded.types.push_back(channel.is_exact ? ExrType::kFloat : spec.exr_type);
   return loaded;
 }
 
 LoadedPicture WithoutPixels(const FrameSpec& spec) {
   FramePicture empty;
-  for (const PictureChannel& channel : PictureChannels(spec.channels)) empty.channels.push_back(channel.name);
+  for (const PictureChannel& channel : spec.PictureChannels()) empty.channels.push_back(channel.name);
   return AsLoaded(spec, std::move(empty));
 }
 

@@ -61,12 +61,12 @@ Result<void> CheckOperands(const std::vector<Channel>& channels) {
   return {};
 }
 
-Result<void> CheckNamesDiffer(const std::vector<Channel>& channels) {
+Result<void> CheckNamesDiffer(const std::vector<Channel>& channels, uint32_t cryptomatte_levels) {
   std::set<std::string> names;
   for (const Channel& channel : channels) names.insert(channel.name);
   if (names.size() != channels.size()) return BadInput("a channel's name appears twice in the frame");
   std::set<std::string> written;
-  for (const PictureChannel& channel : PictureChannels(channels)) {
+  for (const PictureChannel& channel : PictureChannels(channels, cryptomatte_levels)) {
     if (channel.name.size() > kNameBytesMax || !written.insert(channel.name).second) {
       return BadInput(
           fmt::format("channel \"{}\" of the picture is there twice, or its name too long", channel.name));
@@ -122,7 +122,7 @@ bool IsColorChannel(const std::string& name) {
   return name == "R" || name == "G" || name == "B";
 }
 
-Result<void> CheckChannels(const std::vector<Channel>& channels) {
+Result<void> CheckChannels(const std::vector<Channel>& channels, uint32_t cryptomatte_levels) {
   if (channels.size() < 2 || channels.size() > kChannelsMax)
     return BadInput(fmt::format(
         "a frame has 2 to {} channels, not {}: ask for fewer layers (--aov), light groups or spectral "
@@ -141,7 +141,7 @@ Result<void> CheckChannels(const std::vector<Channel>& channels) {
   if (std::ranges::none_of(channels, &Channel::is_written))
     return BadInput("no channel of the frame is written");
   if (auto ok = CheckOperands(channels); !ok) return ok;
-  return CheckNamesDiffer(channels);
+  return CheckNamesDiffer(channels, cryptomatte_levels);
 }
 
 }  // namespace tessera

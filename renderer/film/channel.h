@@ -51,13 +51,19 @@ enum class MergeRule : uint32_t {
   kIdWeights = 2,
 };
 
-// Enough for a pixel of hair or leaves: what is dropped has less than 1/33 of its node, while a file holds
-// the kIdRanks largest only.
+// Enough for a pixel of hair or leaves: what is dropped has less than 1/33 of its node.
 constexpr uint32_t kIdsPerPixelMax = 32;
-constexpr uint32_t kIdRanks = 6;  // written for each channel of ids: three layers of Cryptomatte
+// Of a channel of ids, those of the largest weights are written, by rank. A level is four channels of the
+// picture with two ranks.
+constexpr uint32_t kRanksPerCryptomatteLevel = 2;
+constexpr uint32_t kCryptomatteLevelsDefault = 3;  // what the specification and most renderers have
+// 16 ids, the most that Blender writes. As twice as many are kept, an id is written with its whole weight
+// unless a pixel has more than kIdsPerPixelMax.
+constexpr uint32_t kCryptomatteLevelsMax = 8;
+static_assert(2 * kRanksPerCryptomatteLevel * kCryptomatteLevelsMax <= kIdsPerPixelMax);
 
 struct Channel {
-  std::string name;  // as in the file; a channel of ids NAME is written as NAME00.R ... NAME02.A
+  std::string name;  // as in the file; a channel of ids NAME is written as NAME00.R, NAME00.G ...
   ChannelType type = ChannelType::kColor;
   MergeRule rule = MergeRule::kSum;
   bool is_written = true;
@@ -85,7 +91,7 @@ bool IsColorChannel(const std::string& name);
 
 // Names are unique and legal in OpenEXR; type and rule go together; there is one weight, one depth if any
 // channel is that of the nearest sample, and at most one count, which is called "samples". What a channel is
-// written with the help of is there.
-Result<void> CheckChannels(const std::vector<Channel>& channels);
+// written with the help of is there. `cryptomatte_levels` is that of the frame.
+Result<void> CheckChannels(const std::vector<Channel>& channels, uint32_t cryptomatte_levels);
 
 }  // namespace tessera

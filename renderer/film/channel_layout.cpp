@@ -77,24 +77,30 @@ void AddValue(const std::vector<Channel>& channels, size_t index, std::vector<Pi
   picture.push_back(std::move(value));
 }
 
-// Two ranks to a layer, each an id and its coverage.
-void AddRanks(const Channel& channel, size_t index, std::vector<PictureChannel>& picture) {
-  constexpr std::array<const char*, 4> kComponents{"R", "G", "B", "A"};
-  for (uint32_t i = 0; i < 2 * kIdRanks; ++i) {
+// Each rank is an id and its coverage.
+void AddRanks(const Channel& channel, size_t index, uint32_t levels, std::vector<PictureChannel>& picture) {
+  constexpr std::array<const char*, 2 * kRanksPerCryptomatteLevel> kComponents{"R", "G", "B", "A"};
+  for (uint32_t i = 0; i < kComponents.size() * levels; ++i) {
     const Source source = i % 2 == 0 ? Source::kRankedId : Source::kRankedCoverage;
-    picture.push_back(
-        {fmt::format("{}{:02}.{}", channel.name, i / 4, kComponents[i % 4]), source, index, i / 2, true, {}});
+    const auto* const component = kComponents[i % kComponents.size()];
+    picture.push_back({fmt::format("{}{:02}.{}", channel.name, i / kComponents.size(), component),
+                       source,
+                       index,
+                       i / 2,
+                       true,
+                       {}});
   }
 }
 
 }  // namespace
 
-std::vector<PictureChannel> PictureChannels(const std::vector<Channel>& channels) {
+std::vector<PictureChannel> PictureChannels(const std::vector<Channel>& channels,
+                                            uint32_t cryptomatte_levels) {
   std::vector<PictureChannel> picture;
   for (size_t i = 0; i < channels.size(); ++i) {
     if (!channels[i].is_written) continue;
     if (channels[i].type == ChannelType::kIds) {
-      AddRanks(channels[i], i, picture);
+      AddRanks(channels[i], i, cryptomatte_levels, picture);
     } else {
       AddValue(channels, i, picture);
     }

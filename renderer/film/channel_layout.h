@@ -60,8 +60,10 @@ struct PictureChannel {
   std::array<size_t, 3> operands{};  // other channels that the value depends on, as `channel`
 };
 
-// The channels that a picture of the frame has, in the order of the frame's list.
-std::vector<PictureChannel> PictureChannels(const std::vector<Channel>& channels);
+// The channels that a picture of the frame has, in the order of the frame's list. Channels of ids have
+// `cryptomatte_levels` levels of ranks.
+std::vector<PictureChannel> PictureChannels(const std::vector<Channel>& channels,
+                                            uint32_t cryptomatte_levels);
 
 // What a channel is written with the help of and the frame does not have, for a message; empty if it has all.
 std::string MissingOperand(const std::vector<Channel>& channels, const Channel& channel);

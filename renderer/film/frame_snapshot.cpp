@@ -42,7 +42,7 @@ std::vector<float> FramePicture::Channel(const std::string& name) const {
 
 FramePicture FrameSnapshot::PictureOf(const FrameSpec& spec, int step) const {
   const ChannelLayout layout = spec_.Layout();
-  const TilePainter painter(spec_.channels, layout);
+  const TilePainter painter(spec_.PictureChannels(), layout);
   FramePicture picture;
   picture.bounds = spec.crop;
   picture.channels = painter.Names();
@@ -55,7 +55,7 @@ FramePicture FrameSnapshot::PictureOf(const FrameSpec& spec, int step) const {
 }
 
 FrameSnapshot::Preview FrameSnapshot::MakePreview(int64_t values_max) const {
-  const auto channels = static_cast<int64_t>(PictureChannels(spec_.channels).size());
+  const auto channels = static_cast<int64_t>(spec_.PictureChannels().size());
   const auto reduced = [](int size, int step) { return (size + step - 1) / step; };
   Preview preview;
   preview.spec = spec_;
@@ -87,7 +87,7 @@ bool FrameSnapshot::IsSameTile(int tile, const FrameSnapshot& other) const {
 
 FramePicture FrameSnapshot::TilePicture(int tile, int step) const {
   const ChannelLayout layout = spec_.Layout();
-  const TilePainter painter(spec_.channels, layout);
+  const TilePainter painter(spec_.PictureChannels(), layout);
   const auto reduced = [step](int position) { return (position + step - 1) / step; };
   PixelBounds bounds = spec_.TileBounds(tile);
   bounds = {reduced(bounds.x0 - spec_.crop.x0), reduced(bounds.y0 - spec_.crop.y0),

@@ -80,7 +80,11 @@ Result<void> FrameSpec::Check() const {
     return BadInput(fmt::format("tiles of {} pixels cut the frame into {}, more than the limit of {}",
                                 tile_size, tiles, kTileCountMax));
   }
-  if (auto channels_ok = CheckChannels(channels); !channels_ok) return channels_ok;
+  if (cryptomatte_levels < 1 || cryptomatte_levels > kCryptomatteLevelsMax) {
+    return BadInput(fmt::format("{} levels of Cryptomatte; there must be 1 to {}", cryptomatte_levels,
+                                kCryptomatteLevelsMax));
+  }
+  if (auto channels_ok = CheckChannels(channels, cryptomatte_levels); !channels_ok) return channels_ok;
   if (auto adaptive_ok = CheckAdaptive(*this); !adaptive_ok) return adaptive_ok;
   return CheckAttributes(attributes);
 }
@@ -89,6 +93,10 @@ void FrameSpec::SetNoiseThreshold(double threshold) {
   noise_threshold = threshold;
   if (IsAdaptive() && std::ranges::find(channels, kSamplesChannel, &Channel::name) == channels.end())
     AddChannel(channels, SamplesChannel(false));
+}
+
+std::vector<PictureChannel> FrameSpec::PictureChannels() const {
+  return tessera::PictureChannels(channels, cryptomatte_levels);
 }
 
 int FrameSpec::TileCount() const {

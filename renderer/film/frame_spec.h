@@ -56,6 +56,7 @@ struct FrameSpec {
   // Pixels whose noise is below this stop early (film/adaptive.h); 0: every pixel gets all samples.
   double noise_threshold = 0;
   Denoiser denoiser = Denoiser::kNone;
+  uint32_t cryptomatte_levels = kCryptomatteLevelsDefault;  // of the channels of ids, if there are any
   std::map<std::string, std::string> attributes;  // of the EXR header; nothing that differs between runs
 
   bool operator==(const FrameSpec&) const = default;
@@ -65,6 +66,7 @@ struct FrameSpec {
   // Makes the frame adaptive if the threshold is above 0: it then counts the samples of its pixels.
   void SetNoiseThreshold(double threshold);
   ChannelLayout Layout() const { return {channels, IsAdaptive()}; }
+  std::vector<PictureChannel> PictureChannels() const;
   // Tiles cover the crop row by row; the last of a row or column may be smaller.
   int TileCount() const;
   PixelBounds TileBounds(int tile) const;

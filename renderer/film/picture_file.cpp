@@ -57,7 +57,7 @@ Result<void> CheckPicture(const FrameSpec& spec, const FramePicture& picture) {
   if (picture.bounds != spec.crop) return Failed("the picture is not of the frame's crop");
   const size_t count = static_cast<size_t>(picture.bounds.area()) * picture.channels.size();
   if (picture.values.size() != count) return Failed("the picture's values do not fill its window");
-  if (!std::ranges::equal(picture.channels, PictureChannels(spec.channels), {}, {}, &PictureChannel::name))
+  if (!std::ranges::equal(picture.channels, spec.PictureChannels(), {}, {}, &PictureChannel::name))
     return Failed("the picture's channels are not those that the frame writes");
   return spec.Check();
 }
@@ -263,7 +263,7 @@ Error CannotBeRead(const std::string& name, const std::exception& e) {
 Result<std::string> EncodeExr(const FrameSpec& spec, const FramePicture& picture) {
   if (auto ok = CheckPicture(spec, picture); !ok) return ok.error();
   std::vector<ExrType> types;
-  for (const PictureChannel& channel : PictureChannels(spec.channels))
+  for (const PictureChannel& channel : spec.PictureChannels())
     types.push_back(channel.is_exact ? ExrType::kFloat : spec.exr_type);
   return EncodeGuarded({spec.width, spec.height, picture.bounds, picture.channels, std::move(types),
                         picture.values, spec.attributes},

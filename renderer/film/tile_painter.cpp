@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace tessera {
 namespace {
@@ -60,8 +61,8 @@ void PixelSource::Next() {
   }
 }
 
-TilePainter::TilePainter(const std::vector<Channel>& channels, const ChannelLayout& layout)
-    : layout_(layout), channels_(PictureChannels(channels)) {
+TilePainter::TilePainter(std::vector<PictureChannel> channels, const ChannelLayout& layout)
+    : layout_(layout), channels_(std::move(channels)) {
   for (const PictureChannel& channel : channels_) {
     slots_.push_back(layout.SlotOf(channel.channel).value_or(0));
     for (size_t i = 0; i < channel.operands.size(); ++i)

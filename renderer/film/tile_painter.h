@@ -37,8 +37,8 @@ class PixelSource {
 
 class TilePainter {
  public:
-  // Both must outlive this.
-  TilePainter(const std::vector<Channel>& channels, const ChannelLayout& layout);
+  // `channels` are those of the picture. The layout must outlive this.
+  TilePainter(std::vector<PictureChannel> channels, const ChannelLayout& layout);
   const ChannelLayout& layout() const { return layout_; }
   std::vector<std::string> Names() const;
   // Writes one value for each name.

@@ -124,6 +124,7 @@ Result<void> ApplyOptions(const RenderOptions& options, const SourceLocation& lo
   }
   if (film->crop.width() < 1 || film->crop.height() < 1) return BadInput("the crop holds no pixel");
   if (options.exr_type) film->exr_type = *options.exr_type;
+  if (options.cryptomatte_levels) film->cryptomatte_levels = options.cryptomatte_levels;
   return {};
 }
 
@@ -138,6 +139,18 @@ std::set<std::string> ReadLayers(ParameterReader& reader) {
     layers.insert(name);
   }
   return layers;
+}
+
+// A parameter of ours, too.
+std::optional<uint32_t> ReadCryptomatteLevels(ParameterReader& reader) {
+  constexpr const char* kName = "cryptomattelevels";
+  const std::optional<int> levels = reader.FindInteger(kName);
+  if (!levels) return std::nullopt;
+  if (*levels < 1 || *levels > static_cast<int>(kCryptomatteLevelsMax)) {
+    reader.FailAt(kName,
+                  fmt::format("{} must lie between 1 and {}, not {}", kName, kCryptomatteLevelsMax, *levels));
+  }
+  return static_cast<uint32_t>(*levels);
 }
 
 FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options, Diagnostics& diagnostics) {
@@ -158,6 +171,7 @@ FilmSettings ReadRgbFilm(ParameterReader& reader, const RenderOptions& options, 
   sensors.insert(sensors.end(), SensorNames().begin(), SensorNames().end());
   film.sensor = reader.Choice("sensor", kObserver, sensors);
   film.layers = ReadLayers(reader);
+  film.cryptomatte_levels = ReadCryptomatteLevels(reader);
   if (!(film.diagonal_mm > 0)) reader.FailAt("diagonal", "diagonal must be above 0");
   if (!(film.iso > 0)) reader.FailAt("iso", "iso must be above 0");
   if (film.white_balance < 0 || film.white_balance > 40000) {

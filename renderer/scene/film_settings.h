@@ -1,6 +1,8 @@
 // What the Film directive asks for, with the overrides of the command line.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -27,6 +29,7 @@ struct FilmSettings {
   SpectralBuckets buckets;
   GbufferSpace gbuffer = GbufferSpace::kNone;
   std::set<std::string> layers;  // of AovNames
+  std::optional<uint32_t> cryptomatte_levels;
 
   // `exposure_time` in seconds. The colour space must outlive the sensor.
   FilmSensor MakeSensor(const ColorSpace& color_space, float exposure_time) const;

@@ -184,6 +184,7 @@ constexpr Line kLines[] = {
     LineOf<&RenderOptions::accelerator>("accelerator"),
     LineOf<&RenderOptions::aovs>("aov"),
     LineOf<&RenderOptions::crop>("crop"),
+    LineOf<&RenderOptions::cryptomatte_levels>("cryptomatte-levels"),
     LineOf<&RenderOptions::denoise>("denoise"),
     LineOf<&RenderOptions::denoiser>("denoiser"),
     LineOf<&RenderOptions::disable_image_textures>("disable-image-textures"),

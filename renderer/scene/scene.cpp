@@ -68,6 +68,9 @@ Result<void> CheckOptions(const RenderOptions& options) {
   }
   if (!(options.noise_threshold >= 0 && options.noise_threshold <= kNoiseThresholdMax))
     return BadInput(fmt::format("--noise-threshold: must lie between 0 and {}", kNoiseThresholdMax));
+  if (options.cryptomatte_levels &&
+      (*options.cryptomatte_levels < 1 || *options.cryptomatte_levels > kCryptomatteLevelsMax))
+    return BadInput(fmt::format("--cryptomatte-levels: must lie between 1 and {}", kCryptomatteLevelsMax));
   return {};
 }
 
@@ -107,7 +110,8 @@ class SceneBuilder {
   Result<std::vector<EmittingShape>> BuildNamedWorld(const IntegratorChoice& integrator,
                                                      const std::string& name);
   void LimitTileSize();
-  void WarnOfEmptyLayers(const std::set<std::string>& layers, const IntegratorChoice& integrator);
+  void WarnOfEmptyLayers(const std::set<std::string>& layers, const IntegratorChoice& integrator,
+                         bool counts_levels);
   Result<void> BuildAccelerator();
   void SurveyAccelerators();
   Result<void> CheckLights(const std::string& name);
@@ -205,8 +209,12 @@ Result<void> SceneBuilder::ReadSettings(const std::string& name) {
   return CheckLightsFor(data.estimator, scene_, *emitters, data.world, scene_.diagnostics);
 }
 
-void SceneBuilder::WarnOfEmptyLayers(const std::set<std::string>& layers,
-                                     const IntegratorChoice& integrator) {
+// `counts_levels`: the scene or the options have a number of Cryptomatte levels.
+void SceneBuilder::WarnOfEmptyLayers(const std::set<std::string>& layers, const IntegratorChoice& integrator,
+                                     bool counts_levels) {
+  if (counts_levels && !HasMattes(layers))
+    scene_.diagnostics.Warn(scene_.film.location,
+                            "the number of Cryptomatte levels has no effect: the picture has no mattes");
   if (layers.contains("motion") && !moves_)
     scene_.diagnostics.Warn(scene_.film.location,
                             "layer \"motion\" is zero: nothing moves while the shutter is open");
@@ -253,7 +261,9 @@ Result<void> SceneBuilder::DescribeFrame(const FilmSettings& film, const Integra
   data.layers.merge(LayersOf(options_));
   data.layers = ExpandLayers(data.layers, moves_, data.light_groups.any());
   if (!options_.light_groups.empty()) data.layers.emplace(kLightGroupsLayer);
-  WarnOfEmptyLayers(data.layers, integrator);
+  WarnOfEmptyLayers(data.layers, integrator, film.cryptomatte_levels.has_value());
+  if (HasMattes(data.layers) && film.cryptomatte_levels)
+    data.frame.cryptomatte_levels = *film.cryptomatte_levels;
   AddLayers(data.layers, data.frame.channels);
   if (data.layers.contains(std::string(kLightGroupsLayer)))
     data.light_groups.AddChannels(data.frame.channels);

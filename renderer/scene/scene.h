@@ -50,6 +50,7 @@ struct RenderOptions {
   // this needs.
   bool denoise = false;
   std::optional<Denoiser> denoiser;
+  std::optional<uint32_t> cryptomatte_levels;  // FrameSpec::cryptomatte_levels
   std::vector<LightGroupRule> light_groups;
   // Switch an Option of the scene on (SceneOptions).
   bool disable_pixel_jitter = false, disable_wavelength_jitter = false, disable_texture_filtering = false;

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
+
 #include "tests/build_paths.h"
 #include "tests/end_to_end/farm_fixture.h"
 
@@ -43,6 +45,45 @@ TEST_F(MattePictures, AreTheSameForAnyNumberOfWorkersAndTiles) {
   const Outcome decoded = Decode("picture.exr");
   EXPECT_EQ(decoded.code, 0) << decoded.errors;
   EXPECT_THAT(decoded.output, HasSubstr("\"sphere.3\""));
+}
+
+TEST_F(MattePictures, OfAnyNumberOfLevelsAreTheSameOnEveryFarm) {
+  for (const std::string levels : {"1", "8"}) {
+    const std::vector<std::string> options = Plus(kMattes, {"--cryptomatte-levels", levels});
+    const std::string oracle = Oracle(BoxScene(), options);
+    const Outcome outcome = Tessera(
+        Plus({"render", BoxScene(), "-o", "picture.exr", "--workers", "3", "--tile-size", "16"}, options));
+    ASSERT_EQ(outcome.code, 0) << outcome.errors;
+    EXPECT_TRUE(Bytes("picture.exr") == oracle) << levels;
+    const Outcome decoded = Decode("picture.exr");
+    EXPECT_EQ(decoded.code, 0) << decoded.errors;
+    const std::string info = Tessera({"info", "picture.exr", "--json"}).output;
+    EXPECT_THAT(info, HasSubstr("CryptoObject00.A"));
+    EXPECT_EQ(info.find("CryptoObject01.A") != std::string::npos, levels == "8") << info;
+    EXPECT_EQ(info.find("CryptoObject07.A") != std::string::npos, levels == "8") << info;
+    EXPECT_THAT(info, testing::Not(HasSubstr("CryptoObject08")));
+  }
+}
+
+// The frame has them, not the coordinator: what renders it later does not choose again.
+TEST_F(MattePictures, OfAJobKeepTheirLevelsWhenTheCoordinatorRestartsAndTheJobIsExtended) {
+  const std::string scene = Write("extendable.pbrt",
+                                  "Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 24\n"
+                                  "Sampler \"independent\" \"integer pixelsamples\" 4\n"
+                                  "Camera \"perspective\" WorldBegin LightSource \"infinite\"\n"
+                                  "Translate 0 0 4 Shape \"sphere\" Shape \"disk\" \"float radius\" 2\n");
+  const std::vector<std::string> options = Plus(kMattes, {"--cryptomatte-levels", "5"});
+  StartCoordinator();
+  StartWorker("first");
+  const std::string job = Submit(scene, options);
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  coordinator().Signal(SIGKILL);
+  ASSERT_EQ(coordinator().Wait(), -SIGKILL);
+  StartCoordinator();
+  ASSERT_EQ(Ask({"extend", job, "--spp", "16"}).code, 0);
+  ASSERT_EQ(Ask({"watch", job}).code, 0);
+  ASSERT_EQ(Ask({"fetch", job, "-o", "extended.exr"}).code, 0);
+  EXPECT_TRUE(Bytes("extended.exr") == Oracle(scene, Plus(options, {"--spp", "16"})));
 }
 
 TEST_F(MattePictures, SurviveKilledWorkersAndCoordinator) {
@@ -129,12 +170,14 @@ TEST_F(MattePictures, ACompressionThatWouldChangeThemIsRefusedUnlessTheyHaveFile
 TEST_F(MattePictures, LayersFetchedFromAFarmAreTheFilesOfOneProcess) {
   StartCoordinator();
   StartWorker("only");
-  const std::string job = Submit(BoxScene(), kMattes);
+  const std::vector<std::string> options = Plus(kMattes, {"--cryptomatte-levels", "4"});
+  const std::string job = Submit(BoxScene(), options);
   ASSERT_EQ(Ask({"watch", job}).code, 0);
   ASSERT_EQ(Ask({"fetch", job, "-o", "farm.exr", "--aov-split"}).code, 0);
   ASSERT_EQ(
-      Tessera(Plus({"render", BoxScene(), "--in-process", "--aov-split", "-o", "here.exr"}, kMattes)).code,
+      Tessera(Plus({"render", BoxScene(), "--in-process", "--aov-split", "-o", "here.exr"}, options)).code,
       0);
+  EXPECT_EQ(Decode("here.CryptoObject.exr").code, 0);
   for (const std::string ending : {".exr", ".CryptoObject.exr", ".CryptoMaterial.exr", ".CryptoAsset.exr"})
     EXPECT_TRUE(Bytes("farm" + ending) == Bytes("here" + ending)) << ending;
   EXPECT_EQ(Ask({"fetch", job, "-o", "-", "--aov-split"}).code, 2);

@@ -86,8 +86,7 @@ void SavePictures() {
   for (const auto& [name, frame] : {std::pair("half", SmallFrame()), std::pair("float", RichFrame())}) {
     FramePicture picture;
     picture.bounds = frame.crop;
-    for (const PictureChannel& channel : PictureChannels(frame.channels))
-      picture.channels.push_back(channel.name);
+    for (const PictureChannel& channel : frame.PictureChannels()) picture.channels.push_back(channel.name);
     picture.values.resize(static_cast<size_t>(frame.crop.area()) * picture.channels.size());
     for (size_t i = 0; i < picture.values.size(); ++i) picture.values[i] = static_cast<float>(i) * 0.25f;
     const auto bytes = EncodeExr(frame, picture);

@@ -4,10 +4,13 @@
   cryptomatte.py PICTURE.exr                  checks all that the specification demands and lists the names
   cryptomatte.py PICTURE.exr SAMPLES.txt      compares the mattes with those that follow from every sample: lines of
                                               "X Y FILTER-WEIGHT LAYER=ID LAYER=ID ..." with ids of 8 hex digits
+  cryptomatte.py PICTURE.exr --levels         counts levels and the pixels whose mattes add up to less than alpha, of
+                                              a picture whose filter has no negative weights
   cryptomatte.py PICTURE.exr --matte LAYER NAME   prints the mean of a matte over the picture
   cryptomatte.py PICTURE.exr --pgm LAYER NAME OUT.pgm   writes a matte as a grey picture
 
-The mattes of a pixel must add up to its alpha if the picture has that. Exits with 1 and says what is wrong.
+The mattes of a pixel must add up to its alpha if the picture has that and no id was left out. Exits with 1 and says
+what is wrong.
 """
 import collections
 import json
@@ -84,6 +87,9 @@ class Layer:
             self.levels += 1
         if self.levels == 0:
             fail(f"{self.name}: there are no layers of ranks")
+        ranked = re.compile(re.escape(self.name) + r"\d\d\.[RGBA]")
+        if sum(ranked.fullmatch(name) is not None for name in names) != 4 * self.levels:
+            fail(f"{self.name}: layers of ranks are missing or lack channels")
         self.pixels = []
         for i in range(picture.width * picture.height):
             ranks = [(ids[i], coverages[i]) for ids, coverages in columns]
@@ -124,6 +130,18 @@ def check_sums(picture, layers):
                 if abs(total - alpha[i]) > 1e-3 * max(1, abs(alpha[i])):
                     fail(f"{layer.name}: the mattes of pixel {i} add up to {total}, its alpha is {alpha[i]}")
     return compared
+
+
+def count_levels(picture, layers):
+    alpha = picture.values["A"]
+    for layer in layers.values():
+        short = 0
+        for i, ranks in enumerate(layer.pixels):
+            missing = alpha[i] - sum(coverage for _, coverage in ranks)
+            if missing < -1e-3:
+                fail(f"{layer.name}: the mattes of pixel {i} add up to more than its alpha")
+            short += missing > 1e-3
+        print(f"{layer.name}: {layer.levels} levels, {short} of {len(layer.pixels)} pixels short of alpha")
 
 
 def read_samples(path):
@@ -181,6 +199,8 @@ def main(arguments):
     if not rest:
         for layer in layers.values():
             print(f"{layer.name}: {json.dumps(list(layer.manifest), ensure_ascii=False)}")
+    elif rest[0] == "--levels":
+        count_levels(picture, layers)
     elif rest[0] == "--matte":
         matte = layers[rest[1]].matte(rest[2])
         print(sum(matte) / len(matte))

@@ -124,6 +124,7 @@ TEST(SceneKey, CoversEverySettingOfTheFrame) {
   add([](FrameSpec& f) { f.exr_type = ExrType::kFloat; });
   add([](FrameSpec& f) { f.noise_threshold = 0.5; });
   add([](FrameSpec& f) { f.denoiser = Denoiser::kRegression; });
+  add([](FrameSpec& f) { f.cryptomatte_levels = 5; });
   add([](FrameSpec& f) { f.channels.pop_back(); });
   add([](FrameSpec& f) { f.channels[0].name = "X"; });
   add([](FrameSpec& f) { f.channels[0].type = ChannelType::kFloat; });
@@ -132,7 +133,7 @@ TEST(SceneKey, CoversEverySettingOfTheFrame) {
   add([](FrameSpec& f) { f.attributes["sampler"] = "halton"; });
   add([](FrameSpec& f) { f.attributes = {{"samplers", "obol"}}; });
   add([](FrameSpec& f) { f.attributes["more"] = ""; });
-  EXPECT_EQ(keys.size(), 20u);
+  EXPECT_EQ(keys.size(), 21u);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ WebResult<std::string> EncodedPicture(const WebFarm& farm, FrameId frame, const 
   if (!state.snapshot && !state.file && !HasEnded(state.status.state))
     return WebError{409, "the picture is being written"};
   const FrameSpec& spec = state.spec->frames[frame.frame].spec;
-  const auto channels = static_cast<int64_t>(PictureChannels(spec.channels).size());
+  const auto channels = static_cast<int64_t>(spec.PictureChannels().size());
   if (is_png && spec.crop.area() * channels > kPngValuesMax)
     return WebError{409, "the picture is too large to be made a PNG file here; download the EXR file"};
   auto exr = ExrOf(farm, frame, state);

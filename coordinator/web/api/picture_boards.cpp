@@ -195,7 +195,7 @@ void PictureBoards::Refresh(FrameId frame, size_t count, Watched& watched) {
 
 WebResult<LoadedPicture> PictureBoards::Load(FrameId frame, const FrameState& state) const {
   const FrameSpec& spec = state.spec->frames[frame.frame].spec;
-  if (spec.crop.area() * static_cast<int64_t>(PictureChannels(spec.channels).size()) > kDecodedValuesMax)
+  if (spec.crop.area() * static_cast<int64_t>(spec.PictureChannels().size()) > kDecodedValuesMax)
     return WebError{409, "the picture is too large to be shown here; download the EXR file"};
   const auto bytes = farm_.read(frame.job, frame.frame, state.file);
   if (const auto* const error = std::get_if<WebError>(&bytes)) return *error;

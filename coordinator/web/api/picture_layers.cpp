@@ -46,7 +46,7 @@ std::vector<PictureLayer> GroupByLayer(const std::vector<PictureChannel>& channe
 }  // namespace
 
 std::vector<PictureLayer> LayersOf(const FrameSpec& spec) {
-  const std::vector<PictureChannel> channels = PictureChannels(spec.channels);
+  const std::vector<PictureChannel> channels = spec.PictureChannels();
   std::vector<PictureLayer> layers;
   if (channels.empty()) return layers;
   layers.push_back({"", ColorsOf(channels), false});

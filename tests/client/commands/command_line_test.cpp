@@ -61,7 +61,8 @@ TEST(SceneFlags, ReadEveryOption) {
       "s.pbrt --frames 3-9x2 --fps 30 --spp 64 --resolution 640x480 --crop 0,0.5,0.25,1 "
       "--seed 18446744073709551615 --integrator volpath --accelerator bvh --max-depth 9 --tile-size 64 "
       "--exr-type float --noise-threshold 0.05 --aov samples --pixelbounds 1,20,3,40 --quick --denoise "
-      "--denoiser oidn --disable-image-textures --disable-pixel-jitter --disable-wavelength-jitter "
+      "--denoiser oidn --cryptomatte-levels 6 --disable-image-textures --disable-pixel-jitter "
+      "--disable-wavelength-jitter "
       "--disable-texture-filtering --force-diffuse "
       "--displacement-edge-scale 0.5");
   EXPECT_EQ(options.path, "s.pbrt");
@@ -84,6 +85,7 @@ TEST(SceneFlags, ReadEveryOption) {
   EXPECT_TRUE(render.quick);
   EXPECT_TRUE(render.denoise);
   EXPECT_EQ(render.denoiser, Denoiser::kOidn);
+  EXPECT_EQ(render.cryptomatte_levels, 6u);
   EXPECT_TRUE(render.disable_pixel_jitter);
   EXPECT_TRUE(render.disable_wavelength_jitter);
   EXPECT_TRUE(render.disable_texture_filtering);
@@ -230,6 +232,22 @@ TEST(CommandLine, TakesArgumentsThatHaveTheNameOfACommand) {
   EXPECT_TRUE(Parse("info render"));
   EXPECT_TRUE(Parse("man fetch"));
   EXPECT_TRUE(Parse("compare jobs workers --json"));
+}
+
+TEST(CommandLine, RefusesNumbersOfCryptomatteLevelsBeyondTheirLimits) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"render s.pbrt --cryptomatte-levels 0",
+       "--cryptomatte-levels: \"0\" is not a whole number from 1 to 8"},
+      {"submit s.pbrt --cryptomatte-levels 9", "--cryptomatte-levels: \"9\""},
+      {"render s.pbrt --cryptomatte-levels -1", "--cryptomatte-levels: \"-1\""},
+      {"render s.pbrt --cryptomatte-levels 4294967299", "--cryptomatte-levels: \"4294967299\""},
+  };
+  for (const auto& [words, message] : cases) {
+    const auto parsed = Parse(words);
+    ASSERT_FALSE(parsed) << words;
+    EXPECT_EQ(parsed.error().kind, ErrorKind::kBadInput) << words;
+    EXPECT_THAT(parsed.error().message, HasSubstr(message)) << words;
+  }
 }
 
 TEST(CommandLine, RefusesWordsThatDenoiseCannotUse) {

@@ -40,6 +40,7 @@ TEST(LayerFiles, ChannelsOfALayerStayTogether) {
   EXPECT_EQ(LayerOf("S0.414,000nm", mattes), "S0");
   EXPECT_EQ(LayerOf("CryptoObject00.R", mattes), "CryptoObject");
   EXPECT_EQ(LayerOf("CryptoObject02.A", mattes), "CryptoObject");
+  EXPECT_EQ(LayerOf("CryptoObject07.A", mattes), "CryptoObject");
   EXPECT_EQ(LayerOf("light01.R", mattes), "light01");
 }
 

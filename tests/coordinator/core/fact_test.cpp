@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <cstring>
+#include <tuple>
 
+#include "coordinator/core/byte_codec.h"
 #include "renderer/util/hash.h"
 
 namespace tessera {
@@ -28,6 +30,7 @@ Fact Submitted() {
   frame.SetNoiseThreshold(0.07);
   AddChannel(frame.channels, SamplesChannel(true));
   frame.denoiser = Denoiser::kRegression;
+  frame.cryptomatte_levels = 5;
   frame.attributes = {{"a", "b"}, {"c", ""}};
   spec->frames = {{"x.pbrt", "spp=3\n", frame, -1, true}, {"y.pbrt", "", frame, 2}};
   return JobSubmitted{JobId{12}, spec};
@@ -175,40 +178,74 @@ TEST(Fact, AJobThatEndedCannotBeRunning) {
   EXPECT_FALSE(DecodeFact(EncodeFact(JobEnded{JobId{3}, JobState::kRunning, ""})));
 }
 
-// Whatever the version of the record of a frame: releases before denoisers wrote version 1.
-TEST(Fact, AFrameWithoutADenoiserIsReadByAndOfOlderReleases) {
+JobSpec OneFrame(Denoiser denoiser, uint32_t cryptomatte_levels) {
   JobSpec spec = *std::get<JobSubmitted>(Submitted()).spec;
   spec.frames.resize(1);
   spec.required_tags.clear();
-  spec.frames[0].spec.denoiser = Denoiser::kNone;
+  spec.frames[0].spec.denoiser = denoiser;
+  spec.frames[0].spec.cryptomatte_levels = cryptomatte_levels;
+  return spec;
+}
+
+std::string Head(uint32_t version, uint32_t readable_by) {
+  ByteWriter head;
+  head.Add32(version);
+  head.Add32(readable_by);
+  return head.Take();
+}
+
+// The fact that a release wrote whose record of a frame had this version, of which the present one has
+// members of 32 bits each.
+std::string AsOfVersion(uint32_t version, const JobSpec& spec) {
   std::string bytes = EncodeFact(JobSubmitted{JobId{12}, std::make_shared<const JobSpec>(spec)});
-  const auto number = [&bytes](size_t at) { return static_cast<unsigned char>(bytes[at]); };
+  constexpr uint32_t kPresent = 3;
+  const size_t lacking = (kPresent - version) * sizeof(uint32_t);
   // The records of the job, of its frame and of what the frame is are nested. The last is followed by the
   // number of tags, the share of units that are verified and the region that goes first.
-  constexpr size_t kRest = 2 * sizeof(uint64_t) + 5 * sizeof(uint32_t);
-  const size_t denoiser = bytes.size() - kRest - sizeof(uint32_t);
-  const std::string head{"\2\0\0\0\1\0\0\0", 8};
-  const size_t frame = bytes.rfind(head, denoiser);
-  ASSERT_NE(frame, std::string::npos) << "readers of version 1 may read it";
-  EXPECT_EQ(number(denoiser), 0);
-  const size_t job_size = 12 + 8,
-               request_size = bytes.find(std::string("\1\0\0\0\1\0\0\0", 8), job_size + 8) + 8;
-  bytes.erase(denoiser, sizeof(uint32_t));
+  const size_t end = bytes.size() - 2 * sizeof(uint64_t) - 5 * sizeof(uint32_t);
+  const size_t frame = bytes.rfind(Head(kPresent, version), end);
+  if (frame == std::string::npos) return "not readable by that release";
+  const size_t job_size = 12 + 8, request_size = bytes.find(Head(1, 1), job_size + 8) + 8;
+  bytes.erase(end - lacking, lacking);
   for (const size_t size : {job_size, request_size, frame + 8}) {
     uint64_t length = 0;
     std::memcpy(&length, &bytes[size], sizeof length);
-    length -= sizeof(uint32_t);
+    length -= lacking;
     std::memcpy(&bytes[size], &length, sizeof length);
   }
-  bytes[frame] = 1;
-  const auto older = DecodeFact(bytes);
-  ASSERT_TRUE(older);
-  EXPECT_EQ(std::get<JobSubmitted>(*older).spec->frames[0].spec, spec.frames[0].spec);
+  bytes[frame] = static_cast<char>(version);
+  return bytes;
 }
 
-TEST(Fact, AFrameToBeDenoisedIsRefusedByReleasesThatDoNotKnowOfIt) {
-  const std::string bytes = EncodeFact(Submitted());
-  EXPECT_NE(bytes.find(std::string{"\2\0\0\0\2\0\0\0", 8}), std::string::npos);
+// Version 1 had no denoiser, version 2 no levels of Cryptomatte.
+TEST(Fact, AFrameWithTheDefaultsOfWhatWasAddedIsReadByAndOfOlderReleases) {
+  for (const auto& [version, denoiser] :
+       {std::pair(1u, Denoiser::kNone), std::pair(2u, Denoiser::kRegression)}) {
+    const JobSpec spec = OneFrame(denoiser, kCryptomatteLevelsDefault);
+    const auto older = DecodeFact(AsOfVersion(version, spec));
+    ASSERT_TRUE(older) << version;
+    EXPECT_EQ(std::get<JobSubmitted>(*older).spec->frames[0].spec, spec.frames[0].spec) << version;
+  }
+}
+
+TEST(Fact, AFrameThatOlderReleasesWouldRenderDifferentlyIsRefusedByThem) {
+  const std::tuple<Denoiser, uint32_t, uint32_t> cases[] = {{Denoiser::kNone, kCryptomatteLevelsDefault, 1},
+                                                            {Denoiser::kOidn, kCryptomatteLevelsDefault, 2},
+                                                            {Denoiser::kNone, 1, 3},
+                                                            {Denoiser::kOidn, 8, 3}};
+  for (const auto& [denoiser, levels, readable_by] : cases) {
+    const auto spec = std::make_shared<const JobSpec>(OneFrame(denoiser, levels));
+    const std::string bytes = EncodeFact(JobSubmitted{JobId{12}, spec});
+    EXPECT_NE(bytes.find(Head(3, readable_by)), std::string::npos) << levels;
+    EXPECT_EQ(std::get<JobSubmitted>(*DecodeFact(bytes)).spec->frames[0].spec, spec->frames[0].spec);
+  }
+}
+
+TEST(Fact, AFrameWithALevelOfCryptomatteTooFewOrTooManyIsRefused) {
+  for (const uint32_t levels : {0u, kCryptomatteLevelsMax + 1, 0xffffffffu}) {
+    const auto spec = std::make_shared<const JobSpec>(OneFrame(Denoiser::kNone, levels));
+    EXPECT_FALSE(DecodeFact(EncodeFact(JobSubmitted{JobId{12}, spec}))) << levels;
+  }
 }
 
 // Releases before farms had identities wrote it.

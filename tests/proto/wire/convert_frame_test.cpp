@@ -33,6 +33,10 @@ TEST(Convert, RefusesHostileFrames) {
       {"channel of two lines", [](auto& m) { m.mutable_channels(0)->set_name("a\nb"); }},
       {"unknown type", [](auto& m) { m.set_exr_type(static_cast<proto::ExrType>(9)); }},
       {"unknown denoiser", [](auto& m) { m.set_denoiser(static_cast<uint32_t>(kDenoiserLast) + 1); }},
+      {"no levels of Cryptomatte", [](auto& m) { m.set_cryptomatte_levels(0); }},
+      {"more levels of Cryptomatte than there may be",
+       [](auto& m) { m.set_cryptomatte_levels(kCryptomatteLevelsMax + 1); }},
+      {"huge number of levels of Cryptomatte", [](auto& m) { m.set_cryptomatte_levels(0xffffffffu); }},
       {"negative threshold", [](auto& m) { m.set_noise_threshold(-0.1); }},
       {"large threshold", [](auto& m) { m.set_noise_threshold(1.5); }},
       {"no threshold at all",
@@ -89,6 +93,33 @@ TEST(Convert, ChannelsOfNamesAloneAreRead) {
   for (const Channel& channel : frame.channels) message.add_channel_names(channel.name);
   message.set_writes_samples(true);
   EXPECT_EQ(ReadFrameSpec(message).value(), frame);
+}
+
+TEST(Convert, AFrameWithoutANumberOfCryptomatteLevelsHasThree) {
+  FrameSpec frame = GoodFrame();
+  proto::FrameSpec message;
+  Write(frame, message);
+  EXPECT_EQ(ReadFrameSpec(message).value(), frame);
+  message.clear_cryptomatte_levels();
+  frame.cryptomatte_levels = 3;
+  EXPECT_EQ(ReadFrameSpec(message).value(), frame);
+}
+
+// They are written, and a coordinator keeps the picture in memory.
+TEST(Convert, RanksOfIdsCountForTheMemoryOfAFrame) {
+  FrameSpec frame = GoodFrame();
+  frame.denoiser = Denoiser::kNone;
+  for (const char* name : {"CryptoObject", "CryptoMaterial", "CryptoAsset"})
+    AddChannel(frame.channels, {name, ChannelType::kIds, MergeRule::kIdWeights});
+  frame.tile_size = 64;
+  frame.crop = {0, 0, 6000, 6000};
+  frame.width = frame.height = 6000;
+  for (const uint32_t levels : {1u, kCryptomatteLevelsMax}) {
+    frame.cryptomatte_levels = levels;
+    proto::FrameSpec message;
+    Write(frame, message);
+    EXPECT_EQ(ReadFrameSpec(message).has_value(), levels == 1) << levels;
+  }
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ inline FrameSpec GoodFrame() {
   spec.SetNoiseThreshold(0.07);
   AddChannel(spec.channels, SamplesChannel(true));
   spec.denoiser = Denoiser::kRegression;
+  spec.cryptomatte_levels = 5;
   spec.attributes = {{"seed", "7"}, {"scene", "x"}};
   return spec;
 }

@@ -1,5 +1,6 @@
 #include "renderer/film/channel.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -58,9 +59,9 @@ TEST(Channel, AListThatMakesNoSenseIsRefusedByName) {
   };
   for (const auto& bad : cases) {
     Channels channels = ColorsAndWeight({"R", "G", "B"});
-    ASSERT_TRUE(CheckChannels(channels));
+    ASSERT_TRUE(CheckChannels(channels, kCryptomatteLevelsDefault));
     bad.spoil(channels);
-    const auto checked = CheckChannels(channels);
+    const auto checked = CheckChannels(channels, kCryptomatteLevelsDefault);
     ASSERT_FALSE(checked) << bad.name;
     EXPECT_THAT(checked.error().message, testing::HasSubstr(bad.message)) << bad.name;
   }
@@ -113,7 +114,7 @@ TEST(Channel, WhatIsWrittenWithTheHelpOfOthersNeedsThem) {
   for (const auto& bad : cases) {
     Channels channels = ColorsAndWeight({"R", "G", "B"});
     bad.add(channels);
-    const auto checked = CheckChannels(channels);
+    const auto checked = CheckChannels(channels, kCryptomatteLevelsDefault);
     ASSERT_FALSE(checked) << bad.name;
     EXPECT_THAT(checked.error().message, testing::HasSubstr(bad.message)) << bad.name;
   }
@@ -153,7 +154,7 @@ TEST(TilePainter, PaintsWhatIsDerivedOfSums) {
   AddChannel(channels, {"hit.samples", ChannelType::kHitCount, MergeRule::kSum, false});
   AddChannel(channels, {"Variance.R.sum", ChannelType::kHitSum, MergeRule::kSum, false});
   AddChannel(channels, {"Variance.R", ChannelType::kHitSquare});
-  ASSERT_TRUE(CheckChannels(channels));
+  ASSERT_TRUE(CheckChannels(channels, kCryptomatteLevelsDefault));
   const ChannelLayout layout(channels, false);
   std::vector<float> record(layout.shape().stride());
   const auto set = [&](const char* name, float value) { record[*layout.SlotOf(name)] = value; };
@@ -168,7 +169,7 @@ TEST(TilePainter, PaintsWhatIsDerivedOfSums) {
   set("hit.samples", 2);
   set("Variance.R.sum", 1 + 3);
   set("Variance.R", 1 + 9);
-  const TilePainter painter(channels, layout);
+  const TilePainter painter(PictureChannels(channels, kCryptomatteLevelsDefault), layout);
   PixelSource pixel(layout, 1, record, 3);
   pixel.Next();
   const std::vector<std::string> names = painter.Names();
@@ -214,7 +215,49 @@ TEST(ChannelLayout, AnAdaptiveFrameCountsItsSamplesBeforeTheWeight) {
   const ChannelLayout layout = spec.Layout();
   EXPECT_EQ(layout.samples(), 3u);
   EXPECT_EQ(layout.weight(), 4u);
-  EXPECT_EQ(PictureChannels(spec.channels).size(), 3u) << "they are not written unless asked for";
+  EXPECT_EQ(spec.PictureChannels().size(), 3u) << "they are not written unless asked for";
+}
+
+TEST(ChannelLayout, APictureHasTwoRanksOfIdsForEachLevel) {
+  FrameSpec spec = RuleSpec(4);
+  ASSERT_TRUE(spec.Check());
+  const size_t others = spec.PictureChannels().size() - 2 * size_t{4 * kCryptomatteLevelsDefault};
+  for (uint32_t levels = 1; levels <= kCryptomatteLevelsMax; ++levels) {
+    spec.cryptomatte_levels = levels;
+    EXPECT_TRUE(spec.Check()) << levels;
+    std::vector<std::string> names;
+    uint32_t ranks = 0;
+    for (const PictureChannel& channel : spec.PictureChannels()) {
+      if (channel.name.starts_with("object")) {
+        names.push_back(channel.name);
+        ranks = std::max(ranks, channel.rank + 1);
+        EXPECT_TRUE(channel.is_exact) << channel.name;
+      }
+    }
+    EXPECT_EQ(spec.PictureChannels().size(), others + 2 * size_t{4 * levels}) << "two channels of ids";
+    EXPECT_EQ(ranks, 2 * levels);
+    EXPECT_EQ(names.front(), "object00.R");
+    EXPECT_EQ(names.back(), fmt::format("object{:02}.A", levels - 1));
+  }
+}
+
+TEST(FrameSpec, HasOneToEightLevelsOfCryptomatte) {
+  FrameSpec spec = RuleSpec(4);
+  for (const uint32_t levels : {0u, kCryptomatteLevelsMax + 1, 0x80000003u, 0xffffffffu}) {
+    spec.cryptomatte_levels = levels;
+    const auto checked = spec.Check();
+    ASSERT_FALSE(checked) << levels;
+    EXPECT_THAT(checked.error().message, testing::HasSubstr("levels of Cryptomatte; there must be 1 to 8"));
+  }
+}
+
+// One that fits beside three levels does not fit beside four.
+TEST(FrameSpec, AChannelWithTheNameOfARankIsRefused) {
+  FrameSpec spec = RuleSpec(4);
+  AddChannel(spec.channels, {"object03.R"});
+  EXPECT_TRUE(spec.Check());
+  spec.cryptomatte_levels = 4;
+  EXPECT_FALSE(spec.Check());
 }
 
 }  // namespace

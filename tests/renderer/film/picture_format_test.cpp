@@ -34,7 +34,7 @@ FrameSpec WideSpec() {
 FramePicture Noise(const FrameSpec& spec) {
   FramePicture picture{spec.crop, {}, {}};
   std::mt19937 random(7);
-  const std::vector<PictureChannel> channels = PictureChannels(spec.channels);
+  const std::vector<PictureChannel> channels = spec.PictureChannels();
   for (const PictureChannel& channel : channels) picture.channels.push_back(channel.name);
   for (int64_t pixel = 0; pixel < spec.crop.area(); ++pixel) {
     for (const PictureChannel& channel : channels) {
@@ -98,7 +98,7 @@ TEST(PictureFormat, OnlyWhatACompressionMayChangeChanges) {
   std::map<ExrCompression, int> changed;
   for (const ExrCompression compression : kAllCompressions) {
     const auto after = Planes(*DecodeExr(EncodedAs({compression, false, false}, spec, picture), "a.exr"));
-    for (const PictureChannel& channel : PictureChannels(spec.channels)) {
+    for (const PictureChannel& channel : spec.PictureChannels()) {
       const bool is_same = after.at(channel.name) == before.at(channel.name);
       const ExrType type = channel.is_exact ? ExrType::kFloat : ExrType::kHalf;
       if (!MayChange(compression, channel.name, type)) {

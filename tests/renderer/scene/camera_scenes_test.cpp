@@ -157,8 +157,7 @@ TEST(CameraScenes, ASpectralFilmKeepsTheMeanRadianceOfEveryBucket) {
   text.replace(text.find("rgb"), 3, "spectral");
   const std::unique_ptr<Scene> scene = Load(text);
   std::vector<std::string> names;
-  for (const PictureChannel& channel : PictureChannels(scene->frame().channels))
-    names.push_back(channel.name);
+  for (const PictureChannel& channel : scene->frame().PictureChannels()) names.push_back(channel.name);
   EXPECT_EQ(names, (std::vector<std::string>{"R", "G", "B", "S0.450,000nm", "S0.550,000nm", "S0.650,000nm",
                                              "S0.750,000nm"}));
   EXPECT_EQ(scene->frame().attributes.at("spectralLayoutVersion"), "1.0");

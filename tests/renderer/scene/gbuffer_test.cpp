@@ -31,7 +31,7 @@ Shape "bilinearmesh" "point3 P" [ -3 2 -17  -3 2 23  -3 22 -17  -3 22 23 ]
 std::map<std::string, float> PixelOf(const Scene& scene, int x, int y) {
   const ChannelLayout layout = scene.frame().Layout();
   const RadianceTile tile = *scene.Render({x, y, x + 1, y + 1}, {}, {0, kLayerSamples}, nullptr);
-  const TilePainter painter(scene.frame().channels, layout);
+  const TilePainter painter(scene.frame().PictureChannels(), layout);
   PixelSource pixel(layout, 1, tile.sums, kLayerSamples);
   pixel.Next();
   const std::vector<std::string> names = painter.Names();
@@ -45,7 +45,7 @@ std::map<std::string, float> PixelOf(const Scene& scene, int x, int y) {
 TEST(Gbuffer, HasTheChannelsOfPbrt) {
   const auto scene = LoadWith(Wall(""), {});
   std::set<std::string> names;
-  for (const PictureChannel& channel : PictureChannels(scene->frame().channels)) names.insert(channel.name);
+  for (const PictureChannel& channel : scene->frame().PictureChannels()) names.insert(channel.name);
   EXPECT_EQ(names, (std::set<std::string>{"R",
                                           "G",
                                           "B",

@@ -117,7 +117,7 @@ Shape "bilinearmesh" "point3 P" [ -1 0 -1  1 0 -1  -1 0 1  1 0 1 ]
 TEST(LightLayers, VarianceIsThatOfTheMean) {
   const auto scene = LoadWith(StageFor("path"), {"variance"});
   const ChannelLayout layout = scene->frame().Layout();
-  const auto channels = PictureChannels(scene->frame().channels);
+  const auto channels = scene->frame().PictureChannels();
   // From single samples, by the textbook.
   double sum = 0, squares = 0;
   const size_t red = *layout.SlotOf("R"), weight = layout.weight();
@@ -130,7 +130,7 @@ TEST(LightLayers, VarianceIsThatOfTheMean) {
   const double n = kLayerSamples, mean = sum / n;
   const double expected = (squares / n - mean * mean) / (n - 1);
   const RadianceTile all = *scene->Render({2, 3, 3, 4}, {}, {0, kLayerSamples}, nullptr);
-  const TilePainter painter(scene->frame().channels, layout);
+  const TilePainter painter(scene->frame().PictureChannels(), layout);
   PixelSource pixel(layout, 1, all.sums, kLayerSamples);
   pixel.Next();
   std::vector<float> painted(channels.size());

@@ -315,6 +315,7 @@ TEST(Scene, RenderOptionsSurviveTheirCodec) {
   options.aovs = {"samples"};
   options.denoise = true;
   options.denoiser = Denoiser::kOidn;
+  options.cryptomatte_levels = 6;
   options.pixel_bounds = {1, 30, 2, 40};
   options.disable_pixel_jitter = options.disable_wavelength_jitter = true;
   options.disable_texture_filtering = options.force_diffuse = options.disable_image_textures = true;
@@ -327,7 +328,8 @@ TEST(Scene, RenderOptionsSurviveTheirCodec) {
   for (const char* bad :
        {"spp=x\n", "spp\n", "sppp=4\n", "crop=0,1,0\n", "crop=0,1,0,1,2\n", "spp=-4\n", "exr-type=double\n",
         "aov=\n", "aov=sample\n", "noise-threshold=x\n", "quick=1\n", "quick=\n", "force-diffuse=yes\n",
-        "pixelbounds=0,1,0\n", "pixelbounds=0,1.5,0,1\n", "displacement-edge-scale=nan\n"}) {
+        "pixelbounds=0,1,0\n", "pixelbounds=0,1.5,0,1\n", "displacement-edge-scale=nan\n",
+        "cryptomatte-levels=-1\n", "cryptomatte-levels=4294967296\n", "cryptomatte-levels=six\n"}) {
     EXPECT_FALSE(DecodeRenderOptions(bad)) << bad;
   }
 }

@@ -53,6 +53,15 @@ TEST(PictureLayers, AreThoseOfTheFileWithColoursFirstAndProgressLast) {
   EXPECT_FALSE(FindLayer(FrameSpec{}, kLightsLayer));
 }
 
+TEST(PictureLayers, LeaveOutEveryRankOfMattes) {
+  FrameSpec spec;
+  AddChannel(spec.channels, {"CryptoObject", ChannelType::kIds, MergeRule::kIdWeights});
+  for (const uint32_t levels : {1u, kCryptomatteLevelsMax}) {
+    spec.cryptomatte_levels = levels;
+    EXPECT_THAT(NamesOf(spec), testing::ElementsAre("", kSamplesLayer, kNoiseLayer)) << levels;
+  }
+}
+
 TEST(PictureLayers, OfASpectralFilmAreItsRanges) {
   FrameSpec spec;
   for (const char* name : {"S0.400,000nm", "S0.500,000nm", "S0.600,000nm", "S0.700,000nm"})
