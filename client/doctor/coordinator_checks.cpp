@@ -62,27 +62,32 @@ std::string DataDirOf(const std::string& process) {
   return error ? folder : (current / folder).string();
 }
 
-// What answers on an address: TLS, or plain text.
+// What answers on an address: the farm or its web page, with TLS or in plain text.
 Finding CheckAddress(const std::string& where, const Address& address) {
   Address nearby = address;
   if (address.host == "0.0.0.0") nearby.host = "127.0.0.1";
   if (address.host == "::") nearby.host = "::1";
-  const char* const reach = address.IsLocal() ? "only this machine" : "other machines";
-  const auto shown = FetchCertificates(nearby);
-  if (shown) {
+  const bool is_encrypted = FetchCertificates(nearby).has_value();
+  const bool is_page = IsWebServer(nearby, is_encrypted);
+  const std::string what = fmt::format("{}, {}, is open to {}", address.Text(),
+                                       is_page ? "the web page" : "for workers and commands",
+                                       address.IsLocal() ? "only this machine" : "other machines");
+  if (is_encrypted) {
+    const char* const to = is_page ? "holders of certificates and people who log in with a token"
+                                   : "holders of certificates and tokens";
+    return {Severity::kGood, where, fmt::format("{}, encrypted, to {}", what, to), {}};
+  }
+  if (address.IsLocal() && is_page) {
     return {Severity::kGood,
             where,
-            fmt::format("{} is open to {}, encrypted, to holders of certificates and tokens", address.Text(),
-                        reach),
+            what + ", in plain text; its other users may look at jobs and workers there",
             {}};
   }
   if (address.IsLocal()) {
-    return {Severity::kWarning, where,
-            fmt::format("{} is open to {}, but to all of its users, in plain text", address.Text(), reach),
+    return {Severity::kWarning, where, what + ", but to all of its users, in plain text",
             "leave --insecure out, or do not share this machine"};
   }
-  return {Severity::kProblem, where,
-          fmt::format("{} is open to {} in plain text, without a login", address.Text(), reach),
+  return {Severity::kProblem, where, what + " in plain text, without a login",
           "stop that: use an address of this machine alone, such as 127.0.0.1"};
 }
 

@@ -294,6 +294,30 @@ Result<std::vector<Certificate>> FetchCertificates(const Address& address) {
   return CertificatesAt(address, never);
 }
 
+bool IsWebServer(const Address& address, bool is_encrypted) {
+  Interruption never;
+  const std::string request =
+      fmt::format("GET / HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n", address.Text());
+  const auto is_answer = [](std::string_view bytes) { return bytes.starts_with("HTTP/1."); };
+  bool is_web = false;
+  CheckTcp(address, never, [&](const ProbeSocket& socket) -> Reachability {
+    const auto deadline = Clock::now() + kGreetingPatience;
+    char answer[64];
+    if (is_encrypted) {
+      TlsProbe probe(socket.fd(), "");
+      if (!probe.Handshake(deadline)) return {};
+      const auto bytes = probe.Exchange(request, sizeof answer, deadline);
+      is_web = bytes && is_answer(*bytes);
+    } else if (::send(socket.fd(), request.data(), request.size(), MSG_NOSIGNAL) > 0 &&
+               socket.Await(POLLIN, deadline)) {
+      const ssize_t count = ::recv(socket.fd(), answer, sizeof answer, 0);
+      is_web = count > 0 && is_answer({answer, static_cast<size_t>(count)});
+    }
+    return {};
+  });
+  return is_web;
+}
+
 struct ReachabilityCheck::Shared {
   Interruption interruption;
   std::mutex mutex;

@@ -68,6 +68,9 @@ Reachability CheckReachability(const Endpoint& endpoint, std::stop_token stop = 
 // verified.
 Result<std::vector<Certificate>> FetchCertificates(const Address& address);
 
+// Whether what listens at a TCP address is a web server, in plain text or with TLS.
+bool IsWebServer(const Address& address, bool is_encrypted);
+
 // Why a call failed with `status`, according to what was found out about the address.
 std::string DescribeOutage(const Reachability& found, const grpc::Status& status);
 

@@ -6,13 +6,14 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <array>
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <random>
-#include <string>
+#include <string_view>
 
 #include "proto/identity/authority.h"
+#include "proto/identity/subject.h"
 #include "proto/identity/tls_probe.h"
 
 namespace tessera {
@@ -20,38 +21,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kThreads = 2;
-constexpr std::chrono::milliseconds kPause{2};  // between connections: some hundred a second
+constexpr std::chrono::milliseconds kPause{5};  // of each kind between two connections
+constexpr std::chrono::milliseconds kHandshakePatience{200}, kAnswerPatience{2000};
 // 127.66.0.0 to 127.66.15.255.
 constexpr uint32_t kSourceNetwork = 0x7f420000, kSourceHosts = 0xfff;
 // An answer to plain text would be a SETTINGS frame of HTTP/2 or a status line; a TLS alert has 7 bytes.
 constexpr ssize_t kAlertBytes = 7;
 constexpr std::string_view kHttp2 = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
-// A TLS record that announces a ClientHello of 512 bytes, which never come.
-constexpr std::string_view kHalfHello("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11);
+constexpr size_t kNoiseBytes = 64 << 10;
 
-// From other addresses than those of honest peers: a network that makes too many connections loses its own.
-int Connect(const Address& victim, std::mt19937& random) {
-  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (socket < 0) return -1;
-  sockaddr_in source{};
-  source.sin_family = AF_INET;
-  source.sin_addr.s_addr = htonl(kSourceNetwork | (random() & kSourceHosts));
-  (void)::bind(socket, reinterpret_cast<const sockaddr*>(&source), sizeof source);
-  sockaddr_in name{};
-  name.sin_family = AF_INET;
-  name.sin_port = htons(static_cast<uint16_t>(victim.port));
-  ::inet_pton(AF_INET, victim.host.c_str(), &name.sin_addr);
-  if (::connect(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0) {
-    ::fcntl(socket, F_SETFL, O_NONBLOCK);
-    return socket;
-  }
-  ::close(socket);
-  return -1;
-}
-
-std::string Noise(std::mt19937& random) {
-  std::string bytes(256, '\0');
+std::string Noise() {
+  std::mt19937 random;
+  std::string bytes(kNoiseBytes, '\0');
   for (char& each : bytes) each = static_cast<char>(random());
   return bytes;
 }
@@ -60,69 +41,113 @@ std::string Noise(std::mt19937& random) {
 std::string UnknownIdentity() {
   CertificateTerms terms;
   terms.common_name = "stranger";
-  terms.uri = "tessera:operator/00000000000000ff";
+  terms.uri = Subject{Role::kOperator, MemberId{0xff}, {}}.Uri();
   terms.lifetime = std::chrono::hours(24);
   terms.serial = 9;
   const PrivateKey key = PrivateKey::Generate();
   return key.Pem() + MakeSelfSigned(key, terms, UnixNow()).Pem();
 }
 
-// Whether the victim answers after a handshake with a certificate that it does not know.
+// The first message of a TLS handshake.
+std::string ClientHello() {
+  int ends[2] = {-1, -1};
+  ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends);
+  static_cast<void>(TlsProbe(ends[0], "").Handshake(Clock::now() + kHandshakePatience));
+  std::string hello(4096, '\0');
+  hello.resize(static_cast<size_t>(std::max<ssize_t>(::recv(ends[1], hello.data(), hello.size(), 0), 0)));
+  for (const int end : ends) ::close(end);
+  return hello;
+}
+
+bool Send(int socket, std::string_view bytes) {
+  static_cast<void>(::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT));
+  return false;
+}
+
+// Whether the victim answers after a handshake.
 bool IsAnswered(int socket, const std::string& identity) {
-  const auto deadline = Clock::now() + std::chrono::seconds(2);
   TlsProbe probe(socket, identity);
-  if (!probe.Handshake(deadline)) return false;
+  if (!probe.Handshake(Clock::now() + kHandshakePatience)) return false;
+  const auto deadline = Clock::now() + kAnswerPatience;
   return probe.Exchange(std::string(kHttp2) + std::string(9, '\0'), 9, deadline).has_value();
+}
+
+// Returns whether more than an alert had arrived. Leaves no state in which the kernel keeps the port for a
+// minute.
+bool CloseAnswered(int socket) {
+  char bytes[64];
+  const bool is_answered = ::recv(socket, bytes, sizeof bytes, MSG_DONTWAIT) > kAlertBytes;
+  const linger none{1, 0};
+  ::setsockopt(socket, SOL_SOCKET, SO_LINGER, &none, sizeof none);
+  ::close(socket);
+  return is_answered;
 }
 
 }  // namespace
 
-Flood::Flood(const Address& victim, int connections) {
-  for (unsigned i = 0; i < kThreads; ++i)
-    threads_.emplace_back(
-        [=, this](std::stop_token stop) { Run(stop, victim, connections / kThreads, i + 1); });
+Flood::Flood(const Address& victim, int connections, std::string source)
+    : victim_(victim), source_(std::move(source)) {
+  const std::string hello = ClientHello();
+  const auto send = [](std::string bytes) {
+    return [bytes = std::move(bytes)](int socket) { return Send(socket, bytes); };
+  };
+  const auto shake = [](std::string identity) {
+    return [identity = std::move(identity)](int socket) { return IsAnswered(socket, identity); };
+  };
+  const std::vector<Kind> kinds{{send("")},
+                                {send(std::string(kHttp2))},
+                                {send(Noise())},
+                                {send(hello.substr(0, hello.size() / 2))},
+                                {send(hello), true},
+                                {shake(""), true},
+                                {shake(UnknownIdentity()), true}};
+  const auto held_max = std::max<size_t>(static_cast<size_t>(connections) / kinds.size(), 1);
+  for (const Kind& kind : kinds) {
+    threads_.emplace_back([this, held_max, kind, seed = static_cast<unsigned>(threads_.size() + 1)](
+                              std::stop_token stop) { Run(stop, held_max, seed, kind); });
+  }
 }
 
 Flood::~Flood() {
   for (std::jthread& each : threads_) each.request_stop();
 }
 
-void Flood::Run(std::stop_token stop, const Address& victim, int connections, unsigned seed) {
+int Flood::Connect(uint32_t source) const {
+  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (socket < 0) return -1;
+  sockaddr_in name{};
+  name.sin_family = AF_INET;
+  name.sin_addr.s_addr = source_.empty() ? htonl(source) : ::inet_addr(source_.c_str());
+  const bool is_bound = ::bind(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0;
+  name.sin_port = htons(static_cast<uint16_t>(victim_.port));
+  ::inet_pton(AF_INET, victim_.host.c_str(), &name.sin_addr);
+  if (is_bound && ::connect(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0) {
+    ::fcntl(socket, F_SETFL, O_NONBLOCK);
+    return socket;
+  }
+  ::close(socket);
+  return -1;
+}
+
+void Flood::Run(const std::stop_token& stop, size_t held_max, unsigned seed, const Kind& kind) {
   std::mt19937 random(seed);
-  const std::string identity = UnknownIdentity();
-  std::deque<int> open;
+  std::deque<int> held;
   const auto close_oldest = [&] {
-    char bytes[64];
-    if (::recv(open.front(), bytes, sizeof bytes, MSG_DONTWAIT) > kAlertBytes) ++answered_;
-    ::close(open.front());
-    open.pop_front();
+    answered_ += CloseAnswered(held.front()) && !kind.shakes_hands ? 1 : 0;
+    held.pop_front();
   };
-  while (!stop.stop_requested()) {
-    std::this_thread::sleep_for(kPause);
-    if (open.size() >= static_cast<size_t>(connections)) close_oldest();
-    const int socket = Connect(victim, random);
+  for (; !stop.stop_requested(); std::this_thread::sleep_for(kPause)) {
+    if (held.size() >= held_max) close_oldest();
+    const int socket = Connect(kSourceNetwork | (static_cast<uint32_t>(random()) & kSourceHosts));
     if (socket < 0) {
       ++refused_;
       continue;
     }
     ++opened_;
-    const auto send = [&](std::string_view bytes) {
-      (void)::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    };
-    switch (random() % 5) {
-      case 0: break;  // silent
-      case 1: send(kHttp2); break;
-      case 2: send(Noise(random)); break;
-      case 3: send(kHalfHello); break;
-      case 4:
-        answered_ += IsAnswered(socket, identity) ? 1 : 0;
-        // What a handshake that took too long left in the socket is the certificate, which anybody may see.
-        ::close(socket);
-        continue;
-    }
-    open.push_back(socket);
+    answered_ += kind.act(socket) ? 1 : 0;
+    held.push_back(socket);
   }
-  while (!open.empty()) close_oldest();
+  while (!held.empty()) close_oldest();
 }
 
 }  // namespace tessera

@@ -71,7 +71,8 @@ TEST_F(Doctor, FindsNothingWrongWithAHealthyFarm) {
   EXPECT_THAT(found, HasSubstr("the coordinator answers, with version"));
   EXPECT_THAT(found, HasSubstr("the clocks of this machine and the coordinator agree"));
   EXPECT_THAT(found, HasSubstr("1 worker connected"));
-  EXPECT_THAT(found, HasSubstr(address() + " is open to only this machine, encrypted"));
+  EXPECT_THAT(found,
+              HasSubstr(address() + ", for workers and commands, is open to only this machine, encrypted"));
   EXPECT_THAT(found, HasSubstr("GB are free on the disk"));
 }
 
@@ -141,8 +142,9 @@ TEST_F(Doctor, NamesCertificatesThatExpiredOrWereRevoked) {
 
 TEST_F(Doctor, NamesAddressesThatAreOpenInPlainText) {
   StartCoordinator({"--insecure"});
-  EXPECT_THAT(Examine({ThisCoordinator()}),
-              HasSubstr("warning " + address() + " is open to only this machine, but"));
+  EXPECT_THAT(
+      Examine({ThisCoordinator()}),
+      HasSubstr("warning " + address() + ", for workers and commands, is open to only this machine, but"));
   // Another program of that name that listens to everybody.
   RunShell(folder(), "ln -s /usr/bin/python3 tessera-coordinator");
   Process open(folder(), Path("tessera-coordinator"),
@@ -154,14 +156,17 @@ TEST_F(Doctor, NamesAddressesThatAreOpenInPlainText) {
               HasSubstr("is open to other machines in plain text, without a login"));
 }
 
-TEST_F(Doctor, FindsThatTheWebPageIsEncrypted) {
-  StartCoordinator({"--https", "127.0.0.1:0"});
+TEST_F(Doctor, NamesTheWebPageAndWhetherItIsEncrypted) {
+  StartCoordinator({"--https", "127.0.0.1:0", "--http", "127.0.0.1:0"});
   const std::string found = Examine({ThisCoordinator()});
-  EXPECT_THAT(found, Not(HasSubstr("plain text")));
-  const std::string open = "is open to only this machine, encrypted";
-  const size_t first = found.find(open);
-  ASSERT_NE(first, std::string::npos) << found;
-  EXPECT_NE(found.find(open, first + 1), std::string::npos) << found;
+  EXPECT_THAT(found,
+              HasSubstr(address() + ", for workers and commands, is open to only this machine, encrypted, "
+                                    "to holders of certificates and tokens"));
+  EXPECT_THAT(found, HasSubstr(", the web page, is open to only this machine, encrypted, to holders of "
+                               "certificates and people who log in with a token"));
+  EXPECT_THAT(found,
+              HasSubstr(", the web page, is open to only this machine, in plain text; its other users may "
+                        "look at jobs and workers there"));
 }
 
 TEST_F(Doctor, NamesLimitsThatAreTooLow) {
