@@ -44,6 +44,50 @@ Result<double> MeasureSpeed(const Scene& scene, const FrameSpec& spec, int threa
 
 }  // namespace
 
+FarmCapacity CapacityFor(const std::string& coordinator, const std::set<std::string>& required_tags,
+                         int priority, const std::vector<WorkerStatus>& workers,
+                         const std::vector<JobStatus>& jobs) {
+  FarmCapacity capacity{.coordinator = coordinator};
+  for (const WorkerStatus& worker : workers) {
+    if (worker.draining || worker.quarantined || !std::ranges::includes(worker.tags, required_tags)) continue;
+    ++capacity.workers;
+    capacity.threads += static_cast<uint64_t>(worker.slots);
+  }
+  capacity.jobs_ahead = static_cast<size_t>(std::ranges::count_if(jobs, [&](const JobStatus& job) {
+    return !HasEnded(job.state) && job.state != JobState::kPaused && job.priority >= priority;
+  }));
+  return capacity;
+}
+
+std::optional<double> Forecast::farm_seconds() const {
+  if (!farm || farm->threads == 0) return std::nullopt;
+  const double speed = samples_per_second / threads * static_cast<double>(farm->threads);
+  return load_s + static_cast<double>(samples) / speed;
+}
+
+namespace {
+
+std::string Counted(uint64_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+std::string FarmText(const Forecast& forecast) {
+  if (!forecast.farm) return {};
+  const FarmCapacity& farm = *forecast.farm;
+  const auto seconds = forecast.farm_seconds();
+  if (!seconds) return fmt::format("farm     no worker of {} may render it now\n", farm.coordinator);
+  std::string text =
+      fmt::format("farm     {}about {} on {} with {} of {}, if they are as fast as this machine",
+                  forecast.is_adaptive ? "at most " : "", DurationText(*seconds),
+                  Counted(farm.workers, "worker"), Counted(farm.threads, "thread"), farm.coordinator);
+  if (farm.jobs_ahead > 0)
+    text += fmt::format(" and were not shared with {} of the same or a higher priority",
+                        Counted(farm.jobs_ahead, "open job"));
+  return text + "\n";
+}
+
+}  // namespace
+
 Result<Forecast> MakeForecast(const SceneOptions& options, int threads, std::chrono::milliseconds probe,
                               Cancellation& cancellation) {
   const auto start = std::chrono::steady_clock::now();
@@ -72,14 +116,15 @@ Result<Forecast> MakeForecast(const SceneOptions& options, int threads, std::chr
 std::string ForecastText(const Forecast& forecast) {
   const char* const at_most = forecast.is_adaptive ? "at most " : "";
   return fmt::format(
-      "frames   {} of {} x {} pixels, {}{} samples per pixel\n"
-      "files    {}, {}\n"
-      "memory   {} to load and render it\n"
-      "time     {}about {} on this machine with {} thread{} ({:.0f} samples/s)\n",
-      forecast.frames, forecast.width, forecast.height, at_most, forecast.samples_per_pixel, forecast.files,
-      BytesText(forecast.file_bytes), BytesText(forecast.memory_bytes), at_most,
-      DurationText(forecast.seconds()), forecast.threads, forecast.threads == 1 ? "" : "s",
-      forecast.samples_per_second);
+             "frames   {} of {} x {} pixels, {}{} samples per pixel\n"
+             "files    {}, {}\n"
+             "memory   {} to load and render it\n"
+             "time     {}about {} on this machine with {} thread{} ({:.0f} samples/s)\n",
+             forecast.frames, forecast.width, forecast.height, at_most, forecast.samples_per_pixel,
+             forecast.files, BytesText(forecast.file_bytes), BytesText(forecast.memory_bytes), at_most,
+             DurationText(forecast.seconds()), forecast.threads, forecast.threads == 1 ? "" : "s",
+             forecast.samples_per_second) +
+         FarmText(forecast);
 }
 
 std::string ForecastJson(const Forecast& forecast) {
@@ -96,6 +141,17 @@ std::string ForecastJson(const Forecast& forecast) {
   json["threads"] = forecast.threads;
   json["samples_per_second"] = forecast.samples_per_second;
   json["seconds"] = forecast.seconds();
+  if (forecast.farm) {
+    const auto seconds = forecast.farm_seconds();
+    nlohmann::ordered_json farm;
+    farm["coordinator"] = forecast.farm->coordinator;
+    farm["workers"] = forecast.farm->workers;
+    farm["threads"] = forecast.farm->threads;
+    farm["jobs_ahead"] = forecast.farm->jobs_ahead;
+    farm["seconds"] = nullptr;
+    if (seconds) farm["seconds"] = *seconds;
+    json["farm"] = std::move(farm);
+  }
   return json.dump() + "\n";
 }
 

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 
+#include "proto/terms.h"
 #include "renderer/film/unit_queue.h"
 #include "renderer/util/threads.h"
 
@@ -19,10 +20,10 @@ constexpr std::chrono::milliseconds kReportInterval{100};
 // Threads that take units one after another and merge the results.
 class ThreadPool {
  public:
-  ThreadPool(const Scene& scene, const FrameSpec& spec)
+  ThreadPool(const Scene& scene, const FrameSpec& spec, const PixelBounds& first)
       : scene_(scene),
         spec_(spec),
-        queue_(spec, kUnitSamplesMax),
+        queue_(spec, kUnitSamplesMax, [first](const PixelBounds& tile) { return Overlap(tile, first); }),
         threads_([this](Error why) { Fail(std::move(why)); }) {}
   ~ThreadPool() { Stop(); }
   Result<void> Start(int threads) {
@@ -52,6 +53,10 @@ class ThreadPool {
     progress.samples_done = queue_.merger().samples_merged();
     progress.samples_total = queue_.merger().samples_total();
     return running_ == 0;
+  }
+  FrameSnapshot Snapshot() {
+    const std::lock_guard lock(mutex_);
+    return queue_.merger().Snapshot();
   }
   // The error of a thread, if there was one.
   Result<const Merger*> TakeMerger() {
@@ -109,10 +114,10 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 Result<FramePicture> RenderInProcess(const Scene& scene, const FrameSpec& spec, int threads,
-                                     std::stop_token stop,
-                                     const std::function<void(const Progress&)>& report) {
+                                     std::stop_token stop, const std::function<void(const Progress&)>& report,
+                                     const InProcessOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  ThreadPool pool(scene, spec);
+  ThreadPool pool(scene, spec, options.first);
   if (auto started = pool.Start(threads); !started) return started.error();
   const std::stop_callback on_stop(stop, [&pool] { pool.Stop(); });
   Progress progress;
@@ -124,6 +129,7 @@ Result<FramePicture> RenderInProcess(const Scene& scene, const FrameSpec& spec, 
     const double left = static_cast<double>(progress.samples_total - progress.samples_done);
     progress.left_s = progress.samples_done > 0 ? left / progress.samples_per_second : -1;
     report(progress);
+    if (options.offer && !done) options.offer([&pool] { return pool.Snapshot(); });
   }
   const auto merger = pool.TakeMerger();
   if (!merger) return merger.error();

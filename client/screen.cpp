@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
-#include <string_view>
+#include <cerrno>
 
 #include "proto/shell/program.h"
 
@@ -14,20 +14,21 @@ namespace {
 
 constexpr int kKeySlice_ms = 100;  // how long a stop may go unnoticed
 
-// A terminal that is gone is noticed by its SIGHUP.
-void WriteToTerminal(std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(STDOUT_FILENO, text.data(), text.size());
-    if (written <= 0) return;
-    text.remove_prefix(static_cast<size_t>(written));
-  }
-}
-
 bool IsHeading(const std::string& line) {
   return !line.empty() && std::ranges::all_of(line, [](unsigned char c) { return std::isupper(c) != 0; });
 }
 
 }  // namespace
+
+// A terminal that is gone is noticed by its SIGHUP.
+void Screen::Write(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(STDOUT_FILENO, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return;
+    text.remove_prefix(static_cast<size_t>(written));
+  }
+}
 
 bool Screen::IsAvailable() {
   return ::isatty(STDOUT_FILENO) == 1 && ::isatty(STDIN_FILENO) == 1;
@@ -38,12 +39,12 @@ Screen::Screen() : is_plain_(!Environment("NO_COLOR").empty()) {
   termios raw = before_;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
   ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
-  WriteToTerminal("\x1b[?1049h\x1b[?25l");  // the other screen, without a cursor
+  Write("\x1b[?1049h\x1b[?25l");  // the other screen, without a cursor
 }
 
 Screen::~Screen() {
-  WriteToTerminal("\x1b[?25h\x1b[?1049l");
-  ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+  Write("\x1b[?25h\x1b[?1049l");
+  ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_);
 }
 
 void Screen::Show(const std::vector<std::string>& lines) {
@@ -53,15 +54,22 @@ void Screen::Show(const std::vector<std::string>& lines) {
     text += (is_strong ? "\x1b[1m" + lines[i] + "\x1b[0m" : lines[i]) + "\x1b[K";
     if (i + 1 < lines.size()) text += "\r\n";
   }
-  WriteToTerminal(text + "\x1b[J");
+  Write(text + "\x1b[J");
+}
+
+std::optional<char> Screen::ReadKey() {
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  char key = 0;
+  if (::poll(&input, 1, 0) > 0 && ::read(STDIN_FILENO, &key, 1) == 1) return key;
+  return std::nullopt;
 }
 
 std::optional<char> Screen::AwaitKey(std::chrono::milliseconds patience, const std::stop_token& stop) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
   while (!stop.stop_requested() && std::chrono::steady_clock::now() < deadline) {
     pollfd input{STDIN_FILENO, POLLIN, 0};
-    char key = 0;
-    if (::poll(&input, 1, kKeySlice_ms) > 0 && ::read(STDIN_FILENO, &key, 1) == 1) return key;
+    if (::poll(&input, 1, kKeySlice_ms) <= 0) continue;
+    if (const auto key = ReadKey()) return key;
   }
   return std::nullopt;
 }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tessera {
@@ -23,6 +24,10 @@ class Screen {
   Screen& operator=(const Screen&) = delete;
   // The first line and those in capitals are emphasised, unless $NO_COLOR is set.
   void Show(const std::vector<std::string>& lines);
+  // Writes text with control sequences, as it is, whether a screen is in use or not.
+  static void Write(std::string_view text);
+  // A key that was pressed and not read yet.
+  std::optional<char> ReadKey();
   // Waits for a key, at most for `patience` or until a stop is requested.
   std::optional<char> AwaitKey(std::chrono::milliseconds patience, const std::stop_token& stop);
 

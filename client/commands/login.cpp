@@ -1,7 +1,10 @@
 // tessera login
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "client/commands/commands.h"
+#include "client/commands/option_groups.h"
 #include "client/coordinator/farm_choice.h"
 #include "proto/shell/console.h"
 #include "proto/shell/flags.h"
@@ -13,6 +16,7 @@ struct LoginOptions {
   std::string token;
   std::string farm;  // its name here; empty: its address
   std::string name;  // of this person; empty: the name of the account
+  bool json = false;
 };
 
 void AddLoginFlags(CLI::App& app, LoginOptions& options) {
@@ -23,6 +27,7 @@ void AddLoginFlags(CLI::App& app, LoginOptions& options) {
   AddText(app, "--name", "NAME",
           WithDefault("How the farm should call you, unless the token names you", "the name of your account"),
           options.name);
+  AddJsonFlag(app, options.json);
 }
 
 Result<void> CheckLogin(const LoginOptions& options) {
@@ -35,6 +40,13 @@ Result<int> RunLogin(const LoginOptions& options, Cancellation&) {
   if (!done) return done.error();
   PrintNote("logged in to {} as {}; kept as \"{}\" in {}\n", done->login.address, done->member,
             done->login.farm, done->login.folder);
+  if (options.json) {
+    const nlohmann::ordered_json json{{"coordinator", done->login.address},
+                                      {"member", done->member},
+                                      {"farm", done->login.farm},
+                                      {"folder", done->login.folder}};
+    fmt::print("{}\n", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  }
   return 0;
 }
 

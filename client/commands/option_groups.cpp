@@ -251,7 +251,8 @@ constexpr const char* kJobHelp = "Job id, as printed by submit and listed by job
 
 Result<JobId> ParseJob(std::string_view flag, std::string_view word) {
   const auto number = ParseUnsigned(flag, word, 1);
-  if (!number) return number.error();
+  if (!number)
+    return BadInput(fmt::format("{}: \"{}\" is not the id of a job; tessera jobs lists them", flag, word));
   return JobId{*number};
 }
 
@@ -292,6 +293,25 @@ void AddNotifyFlag(CLI::App& app, std::string& command) {
 
 void AddJsonFlag(CLI::App& app, bool& json) {
   AddSwitch(app, "--json", "Print the answer as JSON", json);
+}
+
+void AddFirstFlag(CLI::App& app, std::optional<Region>& first) {
+  AddValue(app, "--first", "x0,x1,y0,y1",
+           "Part of the picture to render before the rest, as fractions of its size; the picture is the same",
+           first, [](std::string_view flag, std::string_view word) -> Result<Region> {
+             const auto sides = ParseCrop(flag, word);
+             if (!sides) return sides.error();
+             const auto [x0, x1, y0, y1] = *sides;
+             return Region{x0, x1, y0, y1};
+           });
+}
+
+Result<void> CheckFirst(const std::optional<Region>& first, const std::vector<FrameRequest>& frames) {
+  const auto is_rendered = [&](const FrameRequest& frame) {
+    return Overlap(frame.spec.crop, PixelsOf(*first, frame.spec));
+  };
+  if (!first || std::ranges::any_of(frames, is_rendered)) return {};
+  return BadInput("--first: nothing of that part is rendered: the picture is cropped to another one");
 }
 
 void AddVerifyFlag(CLI::App& app, double& share) {

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,10 @@ void AddJsonFlag(CLI::App& app, bool& json);
 void AddDryRunFlag(CLI::App& app, bool& dry_run);
 // A command to run when a job has ended.
 void AddNotifyFlag(CLI::App& app, std::string& command);
+// The part of the picture that is rendered before the rest.
+void AddFirstFlag(CLI::App& app, std::optional<Region>& first);
+// Fails if nothing of the region is rendered in any of the frames.
+Result<void> CheckFirst(const std::optional<Region>& first, const std::vector<FrameRequest>& frames);
 // The share of units that two workers render and must agree on.
 void AddVerifyFlag(CLI::App& app, double& share);
 

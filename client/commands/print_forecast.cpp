@@ -11,9 +11,11 @@ constexpr std::chrono::milliseconds kForecastProbe{2000};  // a few per cent of 
 
 }  // namespace
 
-Result<int> PrintForecast(const SceneOptions& options, int threads, bool json, Cancellation& cancellation) {
-  const auto forecast = MakeForecast(options, threads, kForecastProbe, cancellation);
+Result<int> PrintForecast(const SceneOptions& options, int threads, bool json, Cancellation& cancellation,
+                          const std::optional<FarmCapacity>& farm) {
+  auto forecast = MakeForecast(options, threads, kForecastProbe, cancellation);
   if (!forecast) return forecast.error();
+  forecast->farm = farm;
   fmt::print("{}", json ? ForecastJson(*forecast) : ForecastText(*forecast));
   return 0;
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <vector>
 
 #include "client/commands/commands.h"
@@ -21,6 +22,7 @@ struct RelightOptions {
   std::vector<LightGain> gains;
   ExrType exr_type = ExrType::kHalf;
   OutputOptions output;
+  bool json = false;
 };
 
 // "NAME=GAIN" or "NAME=R,G,B".
@@ -64,16 +66,20 @@ void AddRelightFlags(CLI::App& app, RelightOptions& options) {
            WithDefault("Type of the colours in the EXR file: half or float", "half"), options.exr_type,
            ParseExrType);
   AddOutputFlags(app, options.output, "none");
+  AddJsonFlag(app, options.json);
 }
 
 Result<void> CheckRelight(const RelightOptions& options) {
   if (options.output.picture.empty())
     return BadInput("relight: -o FILE is missing: where the picture is written");
+  if (options.json && TakesStandardOutput(options.output))
+    return BadInput("the standard output cannot take both a picture and the answer of --json");
   return {};
 }
 
 Result<int> RunRelight(const RelightOptions& options, Cancellation& cancellation) {
   constexpr int kOnlyFrame = 0;
+  const auto start = std::chrono::steady_clock::now();
   PictureNames names(options.output.picture, options.output.png, PictureNames::Numbers::kNone,
                      options.output.no_clobber ? Existing::kKeep : Existing::kReplace);
   names.SetExrOutput(options.output.exr);
@@ -86,7 +92,10 @@ Result<int> RunRelight(const RelightOptions& options, Cancellation& cancellation
   SetLightTypes(*mixed, options.exr_type);
   const auto exr = EncodeExr(*mixed, ExrFormat());
   if (!exr) return exr.error();
-  if (auto saved = SavePicture(*exr, kOnlyFrame, names, cancellation.token()); !saved) return saved.error();
+  auto saved = SavePicture(*exr, kOnlyFrame, names, cancellation.token());
+  if (!saved) return saved.error();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (options.json) fmt::print("{}\n", PicturesJson({std::move(*saved)}, false, seconds));
   return 0;
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "client/commands/commands.h"
+#include "client/commands/live_options.h"
 #include "client/commands/option_groups.h"
 #include "client/commands/option_values.h"
 #include "client/commands/print_forecast.h"
@@ -14,6 +15,8 @@
 #include "client/coordinator/coordinator_client.h"
 #include "client/frame_fetcher.h"
 #include "client/in_process.h"
+#include "client/live/farm_pictures.h"
+#include "client/live/local_pictures.h"
 #include "client/local_farm.h"
 #include "client/notify_command.h"
 #include "client/output/layer_files.h"
@@ -43,6 +46,8 @@ struct RenderCommandOptions {
   bool in_process = false;
   bool resume = false;
   double verify_share = 0;
+  std::optional<Region> first;
+  LiveOptions live;
   std::string notify_command;
   bool dry_run = false;
   bool json = false;
@@ -61,7 +66,9 @@ void AddRenderFlags(CLI::App& app, RenderCommandOptions& options) {
             "Keep what is rendered until the pictures are finished, and continue if an earlier command with "
             "--resume was interrupted",
             options.resume);
+  AddFirstFlag(app, options.first);
   AddVerifyFlag(app, options.verify_share);
+  AddLiveFlags(app, options.live);
   AddNotifyFlag(app, options.notify_command);
   AddDryRunFlag(app, options.dry_run);
   AddJsonFlag(app, options.json);
@@ -92,8 +99,10 @@ FarmSize ChooseSize(const RenderCommandOptions& options) {
   return {workers, threads};
 }
 
-// Fails if the pictures would overwrite files of the scene or do not fit their formats.
-Result<void> CheckPictures(const SceneJob& job, const PictureNames& names) {
+// Fails if the pictures would overwrite files of the scene or do not fit their formats, or if nothing of what
+// goes first is rendered.
+Result<void> CheckPictures(const RenderCommandOptions& options, const SceneJob& job,
+                           const PictureNames& names) {
   std::vector<int> numbers;
   for (const SceneFrame& frame : job.frames) numbers.push_back(frame.number);
   const FrameSpec& first = job.packed.frames.front().spec;
@@ -108,7 +117,17 @@ Result<void> CheckPictures(const SceneJob& job, const PictureNames& names) {
   for (const FrameRequest& frame : job.packed.frames) {
     if (auto fits = names.CheckSize(frame.spec.width, frame.spec.height); !fits) return fits;
   }
-  return {};
+  std::vector<std::string> outputs;
+  for (const int number : numbers) {
+    outputs.push_back(names.Picture(number));
+    if (!names.Png(number).empty()) outputs.push_back(names.Png(number));
+  }
+  if (auto good = CheckLive(options.live, job.input_paths, outputs); !good) return good;
+  return CheckFirst(options.first, job.packed.frames);
+}
+
+LiveTitle TitleOf(const RenderCommandOptions& options) {
+  return {SceneName(options.scene), options.scene.frames.has_value()};
 }
 
 // Renders the frames one after another in this process. All are checked before the first is rendered.
@@ -122,8 +141,14 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
     return can_start.error();
   auto job = LoadSceneJob(options.scene, is_sequence ? Scene::Depth::kCheck : Scene::Depth::kRender, stop);
   if (!job) return job.error();
-  if (auto good = CheckPictures(*job, names); !good) return good.error();
+  if (auto good = CheckPictures(options, *job, names); !good) return good.error();
   ProgressLine line("thread");
+  std::vector<std::shared_ptr<PictureDesk>> desks;
+  LiveViews views(stop);
+  const auto viewed = AddViews(views, options.live, TitleOf(options), [&] {
+    return std::make_unique<LocalPictures>(desks.emplace_back(std::make_shared<PictureDesk>()));
+  });
+  if (!viewed) return viewed.error();
   FrameCount count{0, static_cast<uint32_t>(job->frames.size())};
   std::vector<SavedPicture> saved;
   for (size_t i = 0; i < job->frames.size(); ++i) {
@@ -137,22 +162,28 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
     if (cancellation.cancelled()) return cancellation.error();
     const FrameSpec& spec = job->packed.frames[i].spec;
     Progress last;
-    auto picture =
-        RenderInProcess(*job->scene, spec, size.workers * size.threads, stop, [&](const Progress& progress) {
+    auto picture = RenderInProcess(
+        *job->scene, spec, size.workers * size.threads, stop,
+        [&](const Progress& progress) {
           last = progress;
           last.frames = count;
           if (progress.samples_done < progress.samples_total) line.Show(last);
-        });
+        },
+        {options.first ? PixelsOf(*options.first, spec) : PixelBounds{}, [&](const TakeSnapshot& take) {
+           for (const auto& desk : desks) desk->Offer(frame.number, take);
+         }});
     if (!picture) return picture.error();
     ++last.frames.finished;
     ++count.finished;
     line.Finish(last);
     const auto encoded = EncodeFinished(spec, std::move(picture).value(), size.workers * size.threads, stop);
     if (!encoded) return encoded.error();
+    for (const auto& desk : desks) desk->Finish(frame.number, encoded->exr);
     auto picture_saved = SavePicture(encoded->exr, frame.number, names, stop);
     if (!picture_saved) return picture_saved.error();
     saved.push_back(std::move(*picture_saved));
   }
+  views.Finish();
   return saved;
 }
 
@@ -164,7 +195,7 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
                                                     const PictureNames& names, Cancellation& cancellation) {
   const auto job = LoadSceneJob(options.scene, Scene::Depth::kCheck, cancellation.token());
   if (!job) return job.error();
-  if (auto good = CheckPictures(*job, names); !good) return good.error();
+  if (auto good = CheckPictures(options, *job, names); !good) return good.error();
   if (auto started = CoordinatorClient::StartThreads(); !started) return started.error();
   std::unique_ptr<ResumeFolder> kept;
   if (options.resume) {
@@ -182,9 +213,17 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
   const auto client = CoordinatorClient::Connect(*endpoint, Patience{}, cancellation.token());
   if (!client) return client.error();
   if (auto sent = (*client)->Upload(job->packed); !sent) return sent.error();
-  const auto id = (*client)->Submit(
-      job->packed, {job->packed.frames[0].scene_file, 0, {}, options.verify_share, SubmissionOf(kept.get())});
+  const auto id = (*client)->Submit(job->packed, {job->packed.frames[0].scene_file,
+                                                  0,
+                                                  {},
+                                                  options.verify_share,
+                                                  options.first,
+                                                  SubmissionOf(kept.get())});
   if (!id) return id.error();
+  LiveViews views(cancellation.token());
+  const auto viewed = AddViews(views, options.live, TitleOf(options),
+                               [&] { return std::make_unique<FarmPictures>(*endpoint, *id); });
+  if (!viewed) return viewed.error();
   FrameFetcher fetcher(**client, *id, names, cancellation.token());
   uint32_t finished = 0;
   const auto status = WatchWithProgress(**client, *id, [&](const JobStatus& now) {
@@ -194,6 +233,7 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
     if (auto saved = fetcher.SaveFinished(); !saved) cancellation.Cancel(saved.error());
   });
   if (!status) return status.error();
+  views.Finish();
   if (status->state != JobState::kFinished) {
     if (kept != nullptr) kept->Finish();  // it would fail again
     return EndedWithoutPicture(*status);
@@ -253,7 +293,12 @@ Command RenderCommand() {
                     "tessera render shot.####.pbrt --frames 1-240 -o out.####.exr"},
                    {"Render a draft without noise", "tessera render scene.pbrt --spp 64 --denoise"},
                    {"Stop sampling where the picture is clean",
-                    "tessera render scene.pbrt --spp 4096 --noise-threshold 0.05"}},
+                    "tessera render scene.pbrt --spp 4096 --noise-threshold 0.05"},
+                   {"Render the middle of the picture first",
+                    "tessera render scene.pbrt --first 0.25,0.75,0.25,0.75"},
+                   {"Look at the picture while it is rendered",
+                    "tessera render scene.pbrt --preview preview.png"},
+                   {"Look at it in tev", "tessera render scene.pbrt --display tev://localhost:14158"}},
       .add_flags = AddRenderFlags,
       .check = Check,
       .run = RunRender,

@@ -99,10 +99,10 @@ nlohmann::ordered_json ToJson(const WorkerStatus& status) {
 }
 
 template <typename Status>
-std::string ListJson(const std::vector<Status>& list) {
+nlohmann::ordered_json ListOf(const std::vector<Status>& list) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const Status& status : list) json.push_back(ToJson(status));
-  return Dump(json);
+  return json;
 }
 
 std::string WorkerRemark(const WorkerStatus& status) {
@@ -187,10 +187,19 @@ std::string JobJson(const JobStatus& status) {
   return Dump(ToJson(status));
 }
 std::string JobsJson(const std::vector<JobStatus>& jobs) {
-  return ListJson(jobs);
+  return Dump(ListOf(jobs));
 }
 std::string WorkersJson(const std::vector<WorkerStatus>& workers) {
-  return ListJson(workers);
+  return Dump(ListOf(workers));
+}
+std::string FarmJson(const FarmView& view) {
+  nlohmann::ordered_json json;
+  json["coordinator"] = view.address;
+  json["jobs"] = ListOf(view.jobs);
+  json["jobs_left_out"] = view.jobs_left_out;
+  json["workers"] = ListOf(view.workers);
+  json["workers_left_out"] = view.workers_left_out;
+  return Dump(json);
 }
 
 }  // namespace tessera

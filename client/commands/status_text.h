@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "client/commands/top_text.h"
 #include "client/progress_line.h"
 #include "proto/terms.h"
 
@@ -18,5 +19,6 @@ std::string WorkerTable(const std::vector<WorkerStatus>& workers);
 std::string JobJson(const JobStatus& status);
 std::string JobsJson(const std::vector<JobStatus>& jobs);
 std::string WorkersJson(const std::vector<WorkerStatus>& workers);
+std::string FarmJson(const FarmView& view);
 
 }  // namespace tessera

@@ -8,6 +8,7 @@
 #include "client/commands/connection.h"
 #include "client/commands/option_groups.h"
 #include "client/commands/option_values.h"
+#include "client/commands/status_text.h"
 #include "client/commands/top_text.h"
 #include "client/screen.h"
 
@@ -19,21 +20,26 @@ constexpr int kIntervalMax_s = 3600;
 struct TopOptions {
   ConnectionOptions connection;
   int interval_s = 1;
+  bool json = false;
 };
 
 void AddTopFlags(CLI::App& app, TopOptions& options) {
   AddInteger(app, "--interval", WithDefault("Seconds between two looks", std::to_string(options.interval_s)),
              1, kIntervalMax_s, options.interval_s);
   AddConnectionFlags(app, options.connection);
+  AddJsonFlag(app, options.json);
 }
 
 Result<FarmView> Look(CoordinatorClient& client, const std::string& address) {
-  uint64_t left_out = 0;
-  auto jobs = client.Jobs(left_out);
+  FarmView view;
+  view.address = address;
+  auto jobs = client.Jobs(view.jobs_left_out);
   if (!jobs) return jobs.error();
-  auto workers = client.Workers(left_out);
+  view.jobs = std::move(*jobs);
+  auto workers = client.Workers(view.workers_left_out);
   if (!workers) return workers.error();
-  return FarmView{address, std::move(*jobs), std::move(*workers)};
+  view.workers = std::move(*workers);
+  return view;
 }
 
 Result<int> RunTop(const TopOptions& options, Cancellation& cancellation) {
@@ -44,6 +50,10 @@ Result<int> RunTop(const TopOptions& options, Cancellation& cancellation) {
   if (!client) return client.error();
   auto view = Look(**client, address);
   if (!view) return view.error();
+  if (options.json) {
+    fmt::print("{}\n", FarmJson(*view));
+    return 0;
+  }
   if (!Screen::IsAvailable()) {
     for (const std::string& line : TopLines(*view)) fmt::print("{}\n", line);
     return 0;
@@ -66,7 +76,8 @@ Command TopCommand() {
       .name = "top",
       .summary = "Show jobs and workers on the whole terminal until q is pressed",
       .examples = {{"Look at the farm", "tessera top"},
-                   {"Look every ten seconds, over a slow link", "tessera top --interval 10"}},
+                   {"Look every ten seconds, over a slow link", "tessera top --interval 10"},
+                   {"Print jobs and workers once, for a script", "tessera top --json"}},
       .add_flags = AddTopFlags,
       .run = RunTop,
   });

@@ -1,6 +1,7 @@
 // The screen of `tessera top` as lines of text.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct FarmView {
   std::string address;
   std::vector<JobStatus> jobs;
   std::vector<WorkerStatus> workers;
+  // That are not in the lists because the answer would be too large.
+  uint64_t jobs_left_out = 0, workers_left_out = 0;
 };
 
 // Lines that fit the terminal: totals, then jobs, those that are rendered first, then workers, those with

@@ -5,10 +5,13 @@
 
 #include "client/commands/commands.h"
 #include "client/commands/connection.h"
+#include "client/commands/live_options.h"
 #include "client/commands/option_groups.h"
 #include "client/commands/status_text.h"
 #include "client/commands/watching.h"
 #include "client/notify_command.h"
+#include "client/screen.h"
+#include "proto/shell/console.h"
 
 namespace tessera {
 namespace {
@@ -16,6 +19,8 @@ namespace {
 struct WatchOptions {
   std::vector<JobId> jobs;
   ConnectionOptions connection;
+  LiveOptions live;
+  bool picture = false;
   std::string notify_command;
   bool json = false;
 };
@@ -23,15 +28,40 @@ struct WatchOptions {
 void AddWatchFlags(CLI::App& app, WatchOptions& options) {
   AddJobsArgument(app, options.jobs);
   AddConnectionFlags(app, options.connection);
+  AddSwitch(app, "--picture", "Draw the picture into the terminal while it is rendered, until q is pressed",
+            options.picture);
+  AddLiveFlags(app, options.live);
   AddNotifyFlag(app, options.notify_command);
   AddJsonFlag(app, options.json);
 }
 
-Result<int> WatchOne(const WatchOptions& options, Cancellation& cancellation) {
+Result<void> CheckWatch(const WatchOptions& options) {
+  if (options.jobs.size() > 1 && (options.picture || options.live.any()))
+    return BadInput("--picture, --preview and --display show the picture of one job");
+  return CheckLive(options.live);
+}
+
+// Returns nullopt if the user stops watching.
+Result<std::optional<JobStatus>> Follow(const WatchOptions& options, Cancellation& cancellation) {
+  const JobId job = options.jobs.front();
+  if (options.picture && Screen::IsAvailable())
+    return WatchPicture(job, options.connection, options.live, cancellation);
+  if (options.picture) PrintNote("tessera: there is no terminal for --picture\n");
   const auto client = Connect(options.connection, cancellation);
   if (!client) return client.error();
-  const auto status = WatchWithProgress(**client, options.jobs.front());
+  auto status = WatchWithViews(**client, job, options.connection, options.live, cancellation);
   if (!status) return status.error();
+  return std::optional(std::move(*status));
+}
+
+Result<int> WatchOne(const WatchOptions& options, Cancellation& cancellation) {
+  const auto followed = Follow(options, cancellation);
+  if (!followed) return followed.error();
+  const std::optional<JobStatus>& status = *followed;
+  if (!status) {
+    PrintNote("job {} goes on\n", Number(options.jobs.front()));
+    return 0;
+  }
   fmt::print("{}\n", options.json ? JobJson(*status) : JobText(*status));
   std::fflush(stdout);
   RunNotifyCommand(options.notify_command, NoticeOf(*status));
@@ -66,8 +96,10 @@ Command WatchCommand() {
       .name = "watch",
       .summary = "Follow the progress of jobs until they end",
       .examples = {{"Follow job 12 until it ends", "tessera watch 12"},
-                   {"Follow three jobs", "tessera watch 12 13 14"}},
+                   {"Follow three jobs", "tessera watch 12 13 14"},
+                   {"Look at the picture of job 12 in the terminal", "tessera watch 12 --picture"}},
       .add_flags = AddWatchFlags,
+      .check = CheckWatch,
       .run = RunWatch,
   });
 }

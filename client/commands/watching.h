@@ -2,9 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "client/cancellation.h"
+#include "client/commands/live_options.h"
 #include "client/commands/option_groups.h"
 #include "client/coordinator/coordinator_client.h"
 
@@ -14,6 +16,15 @@ namespace tessera {
 // given, with each status on the way.
 Result<JobStatus> WatchWithProgress(CoordinatorClient& client, JobId job,
                                     const std::function<void(const JobStatus&)>& on_status = {});
+
+// The same, and shows the picture as `live` asks.
+Result<JobStatus> WatchWithViews(CoordinatorClient& client, JobId job, const ConnectionOptions& connection,
+                                 const LiveOptions& live, Cancellation& cancellation);
+
+// Shows picture and progress on the whole terminal, besides what `live` asks, until the job has ended or q is
+// pressed; then the last picture is left on the terminal. Returns nullopt if q was pressed.
+Result<std::optional<JobStatus>> WatchPicture(JobId job, const ConnectionOptions& connection,
+                                              const LiveOptions& live, Cancellation& cancellation);
 
 // Shows the progress of several jobs until all have ended, over a connection for each. Returns their last
 // statuses in the order of `jobs`. Calls `on_end`, if given, with each job that has ended, one after another.

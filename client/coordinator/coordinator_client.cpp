@@ -218,6 +218,7 @@ Result<JobId> CoordinatorClient::Submit(const PackedScene& scene, const SubmitOp
   spec.priority = options.priority;
   spec.required_tags = options.required_tags;
   spec.verify_share = options.verify_share;
+  spec.first = options.first;
   spec.package = scene.digest;
   spec.frames = scene.frames;
   proto::JobSpec request;

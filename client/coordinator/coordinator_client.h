@@ -4,6 +4,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <stop_token>
 #include <string>
@@ -63,6 +64,7 @@ class CoordinatorClient {
     int priority = 0;
     std::set<std::string> required_tags;
     double verify_share = 0;
+    std::optional<Region> first = std::nullopt;  // of each frame: rendered before the rest
     // Names the submission: the job of an earlier one of the same number is returned instead. 0: random.
     uint64_t submission = 0;
   };

@@ -30,23 +30,6 @@ std::array<size_t, 3> ColorChannels(const std::vector<std::string>& channels) {
   return places;
 }
 
-// The display window in linear floats, RGB.
-std::vector<float> ColorsOf(const LoadedPicture& picture) {
-  const std::array<size_t, 3> places = ColorChannels(picture.channels);
-  const size_t channels = picture.channels.size();
-  const auto width = static_cast<size_t>(picture.width);
-  std::vector<float> values(width * static_cast<size_t>(picture.height) * 3, 0);
-  const PixelBounds& data = picture.bounds;
-  for (int y = std::max(data.y0, 0); y < std::min(data.y1, picture.height); ++y) {
-    for (int x = std::max(data.x0, 0); x < std::min(data.x1, picture.width); ++x) {
-      const size_t from = static_cast<size_t>(int64_t{y - data.y0} * data.width() + (x - data.x0)) * channels;
-      const size_t to = (static_cast<size_t>(y) * width + static_cast<size_t>(x)) * 3;
-      for (size_t c = 0; c < 3; ++c) values[to + c] = picture.values[from + places[c]];
-    }
-  }
-  return values;
-}
-
 std::vector<uint8_t> EightBit(const std::vector<float>& rgb) {
   std::vector<uint8_t> bytes(rgb.size());
   for (size_t i = 0; i < rgb.size(); i += 3) {
@@ -80,7 +63,7 @@ Result<std::string> EncodeWithLibrary(const image_module::RgbPicture& picture, c
 }
 
 Result<std::string> Encode(PictureFormat format, const LoadedPicture& picture, const std::string& path) {
-  std::vector<float> rgb = ColorsOf(picture);
+  std::vector<float> rgb = LinearColors(picture);
   switch (format) {
     case PictureFormat::kExr: break;
     case PictureFormat::kPng:
@@ -101,6 +84,22 @@ Result<std::string> Encode(PictureFormat format, const LoadedPicture& picture, c
 }
 
 }  // namespace
+
+std::vector<float> LinearColors(const LoadedPicture& picture) {
+  const std::array<size_t, 3> places = ColorChannels(picture.channels);
+  const size_t channels = picture.channels.size();
+  const auto width = static_cast<size_t>(picture.width);
+  std::vector<float> values(width * static_cast<size_t>(picture.height) * 3, 0);
+  const PixelBounds& data = picture.bounds;
+  for (int y = std::max(data.y0, 0); y < std::min(data.y1, picture.height); ++y) {
+    for (int x = std::max(data.x0, 0); x < std::min(data.x1, picture.width); ++x) {
+      const size_t from = static_cast<size_t>(int64_t{y - data.y0} * data.width() + (x - data.x0)) * channels;
+      const size_t to = (static_cast<size_t>(y) * width + static_cast<size_t>(x)) * 3;
+      for (size_t c = 0; c < 3; ++c) values[to + c] = picture.values[from + places[c]];
+    }
+  }
+  return values;
+}
 
 Result<void> CheckEncoder(PictureFormat format) {
   if (format == PictureFormat::kExr || format == PictureFormat::kPfm) return {};

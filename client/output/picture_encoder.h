@@ -10,6 +10,9 @@
 
 namespace tessera {
 
+// The display window in linear floats, red, green and blue of each pixel, as the formats below show it.
+std::vector<float> LinearColors(const LoadedPicture& picture);
+
 // Fails if pictures of this format cannot be encoded here, because the module that encodes them is not
 // installed. Called before any work is done.
 Result<void> CheckEncoder(PictureFormat format);

@@ -14,7 +14,7 @@ PARTS = ("proto", "coordinator", "worker", "renderer", "client", "tests")
 PROGRAMS = r"^(proto|coordinator|worker|renderer|client)/"
 
 # Where gRPC and generated messages may be included: the code of both ends of a connection, and tests of it.
-GRPC_FOLDERS = (r"^(proto/wire|client/(coordinator|doctor)|coordinator(/listener|/web)?|worker|"
+GRPC_FOLDERS = (r"^(proto/wire|client/(coordinator|doctor|live)|coordinator(/listener|/web)?|worker|"
                 r"tests/(proto/wire|client/coordinator|coordinator(/listener|/web)?|worker|bench|end_to_end|chaos|fuzz))/[^/]*$")
 
 # (files, pattern in the code outside comments and strings, message)

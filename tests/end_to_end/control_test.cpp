@@ -34,6 +34,25 @@ TEST_F(Controls, APausedJobStaysPausedAfterARestartAndItsPictureIsTheSame) {
   EXPECT_THAT(late.errors, HasSubstr("it can no longer be paused"));
 }
 
+TEST_F(Controls, ARegionThatGoesFirstLeavesThePictureAsItIs) {
+  StartCoordinator();
+  const std::vector<std::string> options{"--spp", "64"};
+  const std::string oracle = Oracle(BoxScene(), options);
+  const std::string job = Submit(BoxScene(), {"--spp", "64", "--first", "0.5,1,0,0.5"});
+  StartCoordinator();  // it is in the journal
+  StartWorker("only");
+  EXPECT_EQ(Ask({"watch", job}).code, 0);
+  ASSERT_EQ(Ask({"fetch", job, "-o", "farm.exr"}).code, 0);
+  EXPECT_TRUE(Bytes("farm.exr") == oracle);
+  const Outcome here = Tessera(
+      {"render", BoxScene(), "--spp", "64", "--first", "0.9,1,0.9,1", "--in-process", "-o", "here.exr"});
+  EXPECT_EQ(here.code, 0) << here.errors;
+  EXPECT_TRUE(Bytes("here.exr") == oracle);
+  const Outcome cropped = Tessera({"render", BoxScene(), "--crop", "0,0.5,0,1", "--first", "0.6,1,0,1"});
+  EXPECT_EQ(cropped.code, 2);
+  EXPECT_THAT(cropped.errors, HasSubstr("--first: nothing of that part is rendered"));
+}
+
 TEST_F(Controls, APriorityIsChangedWhileTheJobRuns) {
   StartCoordinator();
   const std::string job = Submit(BoxScene(), {"--priority", "5"});

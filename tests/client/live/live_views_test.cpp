@@ -1,0 +1,144 @@
+#include "client/live/live_views.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "client/live/local_pictures.h"
+#include "tests/client/live/live_pictures.h"
+
+namespace tessera {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+// Gives pictures of frame 1, 2, ...; fails if it is told to.
+class Counting : public PictureSource {
+ public:
+  explicit Counting(std::shared_ptr<std::atomic<bool>> fails = std::make_shared<std::atomic<bool>>(false))
+      : fails_(std::move(fails)) {}
+  Result<std::optional<LivePicture>> Next(const std::stop_token&) override {
+    if (*fails_) return Failed("the source fails");
+    return std::optional(LivePicture{++count_, PictureOf(2, 2, 1)});
+  }
+
+ private:
+  std::shared_ptr<std::atomic<bool>> fails_;
+  int count_ = 0;
+};
+
+// Waits in Show until it is stopped if `hangs`.
+class Recording : public PictureView {
+ public:
+  Recording(std::shared_ptr<std::atomic<int>> last, bool hangs) : last_(std::move(last)), hangs_(hangs) {}
+  Result<void> Show(const LivePicture& picture, const std::stop_token& stop) override {
+    *last_ = picture.frame;
+    while (hangs_ && !stop.stop_requested()) std::this_thread::sleep_for(milliseconds(5));
+    return Failed("this view fails, too");
+  }
+
+ private:
+  std::shared_ptr<std::atomic<int>> last_;
+  const bool hangs_;
+};
+
+TEST(LiveViews, PicturesTakeAtMostATwentiethOfTheTime) {
+  EXPECT_EQ(RestAfter(milliseconds(0)), seconds(1));
+  EXPECT_EQ(RestAfter(milliseconds(50)), seconds(1));
+  EXPECT_EQ(RestAfter(milliseconds(400)), seconds(8));
+}
+
+TEST(LiveViews, ShowTheLastPictureAndEnd) {
+  auto last = std::make_shared<std::atomic<int>>(0);
+  LiveViews views({});
+  ASSERT_TRUE(views.Add(std::make_unique<Counting>(), std::make_unique<Recording>(last, false)));
+  views.Finish(seconds(60));
+  EXPECT_GE(*last, 1);
+}
+
+TEST(LiveViews, AViewThatHangsIsStoppedWhenPatienceEnds) {
+  auto last = std::make_shared<std::atomic<int>>(0);
+  LiveViews views({});
+  ASSERT_TRUE(views.Add(std::make_unique<Counting>(), std::make_unique<Recording>(last, true)));
+  while (*last == 0) std::this_thread::sleep_for(milliseconds(5));
+  views.Finish(milliseconds(50));  // returns
+  EXPECT_EQ(*last, 1);
+}
+
+TEST(LiveViews, AStopEndsThemWithoutTheLastPicture) {
+  auto last = std::make_shared<std::atomic<int>>(0);
+  std::stop_source stop;
+  {
+    LiveViews views(stop.get_token());
+    ASSERT_TRUE(views.Add(std::make_unique<Counting>(), std::make_unique<Recording>(last, true)));
+    while (*last == 0) std::this_thread::sleep_for(milliseconds(5));
+    stop.request_stop();
+  }
+  EXPECT_EQ(*last, 1);
+}
+
+TEST(LiveViews, ASourceThatFailsIsAskedAgain) {
+  auto fails = std::make_shared<std::atomic<bool>>(true);
+  auto last = std::make_shared<std::atomic<int>>(0);
+  LiveViews views({});
+  ASSERT_TRUE(views.Add(std::make_unique<Counting>(fails), std::make_unique<Recording>(last, false)));
+  std::this_thread::sleep_for(milliseconds(600));
+  EXPECT_EQ(*last, 0);
+  *fails = false;
+  while (*last == 0) std::this_thread::sleep_for(milliseconds(5));
+}
+
+FrameSpec DeskFrame() {
+  FrameSpec spec;
+  spec.width = 4;
+  spec.height = 3;
+  spec.crop = {0, 0, 4, 3};
+  spec.samples_per_pixel = 1;
+  return spec;
+}
+
+TEST(PictureDesk, TakesASnapshotOnlyWhenAViewAsks) {
+  auto desk = std::make_shared<PictureDesk>();
+  std::atomic<int> taken = 0;
+  const auto take = [&] {
+    ++taken;
+    return FrameSnapshot(DeskFrame(), {});
+  };
+  for (int i = 0; i < 100; ++i) desk->Offer(3, take);
+  EXPECT_EQ(taken, 0);
+  std::atomic<bool> stop = false;
+  std::thread renderer([&] {
+    while (!stop) desk->Offer(3, take);
+  });
+  LocalPictures source(desk);
+  std::optional<LivePicture> picture;
+  while (!picture) {
+    auto next = source.Next({});
+    ASSERT_TRUE(next) << next.error().message;
+    picture = std::move(*next);
+  }
+  stop = true;
+  renderer.join();
+  EXPECT_EQ(picture->frame, 3);
+  EXPECT_EQ(picture->picture.width, 4);
+  EXPECT_EQ(picture->picture.values, std::vector<float>(4 * 3 * 3, 0)) << "black where nothing is rendered";
+}
+
+TEST(PictureDesk, GivesTheFinishedPictureWithoutTheRenderer) {
+  auto desk = std::make_shared<PictureDesk>();
+  FramePicture finished;
+  finished.bounds = DeskFrame().crop;
+  finished.channels = {"R", "G", "B"};
+  finished.values.assign(4 * 3 * 3, 0.5f);
+  desk->Finish(9, *EncodeExr(DeskFrame(), finished));
+  LocalPictures source(desk);
+  const auto next = source.Next({});
+  ASSERT_TRUE(next && *next);
+  EXPECT_EQ((*next)->frame, 9);
+  EXPECT_EQ((*next)->picture.values, finished.values);
+  EXPECT_FALSE(*source.Next({})) << "once";
+}
+
+}  // namespace
+}  // namespace tessera
