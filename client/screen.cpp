@@ -59,9 +59,12 @@ void Screen::Show(const std::vector<std::string>& lines) {
 
 std::optional<char> Screen::ReadKey() {
   pollfd input{STDIN_FILENO, POLLIN, 0};
-  char key = 0;
-  if (::poll(&input, 1, 0) > 0 && ::read(STDIN_FILENO, &key, 1) == 1) return key;
-  return std::nullopt;
+  char bytes[32];
+  if (::poll(&input, 1, 0) <= 0) return std::nullopt;
+  const ssize_t count = ::read(STDIN_FILENO, bytes, sizeof bytes);
+  // An arrow or a function key sends an escape sequence.
+  if (count < 1 || (count > 1 && bytes[0] == '\x1b')) return std::nullopt;
+  return bytes[0];
 }
 
 std::optional<char> Screen::AwaitKey(std::chrono::milliseconds patience, const std::stop_token& stop) {

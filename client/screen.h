@@ -26,7 +26,7 @@ class Screen {
   void Show(const std::vector<std::string>& lines);
   // Writes text with control sequences, as it is, whether a screen is in use or not.
   static void Write(std::string_view text);
-  // A key that was pressed and not read yet.
+  // A key that was pressed and not read yet. Keys that send a sequence, such as arrows, are skipped.
   std::optional<char> ReadKey();
   // Waits for a key, at most for `patience` or until a stop is requested.
   std::optional<char> AwaitKey(std::chrono::milliseconds patience, const std::stop_token& stop);

@@ -20,6 +20,7 @@ Command InfoCommand();
 Command JobsCommand();
 Command KindsCommand();
 Command LoginCommand();
+Command LogsCommand();
 Command ManCommand();
 Command PauseCommand();
 Command PriorityCommand();
@@ -39,8 +40,8 @@ inline constexpr MakeCommandFunction kCommands[] = {
     // On this machine.
     RenderCommand, InfoCommand, KindsCommand, CompareCommand, DenoiseCommand, RelightCommand, BenchCommand,
     // Jobs of a farm.
-    SubmitCommand, JobsCommand, StatusCommand, WatchCommand, FetchCommand, ExtendCommand, PriorityCommand,
-    PauseCommand, ResumeCommand, CancelCommand,
+    SubmitCommand, JobsCommand, StatusCommand, WatchCommand, LogsCommand, FetchCommand, ExtendCommand,
+    PriorityCommand, PauseCommand, ResumeCommand, CancelCommand,
     // Workers of a farm.
     WorkersCommand, DrainCommand, ReleaseCommand, TopCommand,
     // Who belongs to a farm.

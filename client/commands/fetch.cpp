@@ -5,6 +5,7 @@
 
 #include "client/commands/commands.h"
 #include "client/commands/connection.h"
+#include "client/commands/default_job.h"
 #include "client/commands/option_groups.h"
 #include "client/commands/option_values.h"
 #include "client/frame_fetcher.h"
@@ -13,7 +14,7 @@ namespace tessera {
 namespace {
 
 struct FetchOptions {
-  JobId job{};
+  std::optional<JobId> job;  // nullopt: the default job
   ConnectionOptions connection;
   OutputOptions output;
   std::optional<int> frame;  // of a sequence, only this one
@@ -22,7 +23,7 @@ struct FetchOptions {
 };
 
 void AddFetchFlags(CLI::App& app, FetchOptions& options) {
-  AddJobArgument(app, options.job);
+  AddDefaultJobArgument(app, options.job);
   AddConnectionFlags(app, options.connection);
   AddOutputFlags(app, options.output, "job-JOB.exr");
   AddValue(app, "--frame", "N", WithDefault("Fetch only this frame of a sequence", "all frames"),
@@ -33,21 +34,21 @@ void AddFetchFlags(CLI::App& app, FetchOptions& options) {
 }
 
 // The chosen frames of the job, by index.
-Result<std::vector<size_t>> ChooseFrames(const FetchOptions& options,
+Result<std::vector<size_t>> ChooseFrames(const FetchOptions& options, JobId job,
                                          const std::vector<FrameStatus>& frames) {
   std::vector<size_t> chosen;
   for (size_t i = 0; i < frames.size(); ++i) {
     if (!options.frame || frames[i].number == *options.frame) chosen.push_back(i);
   }
   if (!chosen.empty()) return chosen;
-  return BadInput(fmt::format("job {} has no frame {}; its frames are {} to {}", Number(options.job),
-                              *options.frame, frames.front().number, frames.back().number));
+  return BadInput(fmt::format("job {} has no frame {}; its frames are {} to {}", Number(job), *options.frame,
+                              frames.front().number, frames.back().number));
 }
 
-PictureNames NamesFor(const FetchOptions& options, const std::vector<FrameStatus>& frames) {
+PictureNames NamesFor(const FetchOptions& options, JobId job, const std::vector<FrameStatus>& frames) {
   using Numbers = PictureNames::Numbers;
-  const std::string picture = options.output.picture.empty() ? fmt::format("job-{}.exr", Number(options.job))
-                                                             : options.output.picture;
+  const std::string picture =
+      options.output.picture.empty() ? fmt::format("job-{}.exr", Number(job)) : options.output.picture;
   const bool is_sequence = frames.size() > 1;
   // A scene without --frames is frame 0. Its name is no pattern.
   const Existing existing = options.output.no_clobber ? Existing::kKeep : Existing::kReplace;
@@ -118,16 +119,18 @@ Result<int> RunFetch(const FetchOptions& options, Cancellation& cancellation) {
   const auto start = std::chrono::steady_clock::now();
   const auto client = Connect(options.connection, cancellation);
   if (!client) return client.error();
-  const auto frames = (*client)->Frames(options.job);
+  const auto job = ChooseJob(**client, options.connection, options.job);
+  if (!job) return job.error();
+  const auto frames = (*client)->Frames(*job);
   if (!frames) return frames.error();
-  const auto chosen = ChooseFrames(options, *frames);
+  const auto chosen = ChooseFrames(options, *job, *frames);
   if (!chosen) return chosen.error();
-  PictureNames names = NamesFor(options, *frames);
+  PictureNames names = NamesFor(options, *job, *frames);
   names.SetExrOutput(options.output.exr);
   std::vector<int> numbers;
   for (const size_t i : *chosen) numbers.push_back((*frames)[i].number);
   if (auto writable = names.Check(numbers); !writable) return writable.error();
-  FrameFetcher fetcher(**client, options.job, names, cancellation.token());
+  FrameFetcher fetcher(**client, *job, names, cancellation.token());
   const auto fetched = FetchFrames(options, *frames, *chosen, fetcher);
   if (!fetched) return fetched.error();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -135,9 +138,9 @@ Result<int> RunFetch(const FetchOptions& options, Cancellation& cancellation) {
     fmt::print("{}\n", PicturesJson(fetcher.saved(), frames->size() > 1, seconds));
   }
   if (!fetched->empty.empty())
-    return Failed(fmt::format("nothing was rendered of {}", FramesText(fetched->empty, options.job)));
+    return Failed(fmt::format("nothing was rendered of {}", FramesText(fetched->empty, *job)));
   if (fetched->missing.empty()) return 0;
-  const auto status = (*client)->Status(options.job);
+  const auto status = (*client)->Status(*job);
   if (!status) return status.error();
   return NotFinished(*status, fetched->missing);
 }
@@ -148,7 +151,8 @@ Command FetchCommand() {
   return MakeCommand<FetchOptions>({
       .name = "fetch",
       .summary = "Fetch the picture of a job, or the pictures of a sequence",
-      .examples = {{"Fetch the picture of job 12", "tessera fetch 12 -o picture.exr"},
+      .examples = {{"Fetch the picture of your job", "tessera fetch -o picture.exr"},
+                   {"Fetch the picture of job 12", "tessera fetch 12 -o picture.exr"},
                    {"Fetch what is rendered so far, to look at",
                     "tessera fetch 12 --preview --png preview.png"}},
       .add_flags = AddFetchFlags,

@@ -106,7 +106,8 @@ void AddFilmFlags(CLI::App& app, RenderOptions& render) {
   AddWord(app, "--resolution", "WxH", "Size of the picture in pixels", set_size);
   AddValue(app, "--crop", "x0,x1,y0,y1", "Part of the picture to render, as fractions of its size",
            render.crop, ParseCrop);
-  AddValue(app, "--pixelbounds", "x0,x1,y0,y1", "The same in pixels; x1 and y1 are exclusive",
+  AddValue(app, "--pixelbounds", "x0,x1,y0,y1",
+           "Part of the picture to render, in pixels, in place of --crop; x1 and y1 are exclusive",
            render.pixel_bounds, ParsePixelBounds);
   AddValue(app, "--tile-size", "N",
            WithDefault("Side of a tile in pixels", fmt::format("{}", kTileSizeDefault)), render.tile_size,
@@ -248,6 +249,7 @@ Result<void> CheckPictureOptions(const RenderOptions& render, const OutputOption
 namespace {
 
 constexpr const char* kJobHelp = "Job id, as printed by submit and listed by jobs";
+constexpr const char* kDefaultJob = "your only open job, or your last one if none is open";
 
 Result<JobId> ParseJob(std::string_view flag, std::string_view word) {
   const auto number = ParseUnsigned(flag, word, 1);
@@ -262,6 +264,10 @@ void AddJobArgument(CLI::App& app, JobId& job) {
   AddValue(app, "JOB", "", kJobHelp, job, ParseJob, Presence::kRequired);
 }
 
+void AddDefaultJobArgument(CLI::App& app, std::optional<JobId>& job) {
+  AddValue(app, "JOB", "", WithDefault(kJobHelp, kDefaultJob), job, ParseJob);
+}
+
 void AddJobsArgument(CLI::App& app, std::vector<JobId>& jobs) {
   const auto add = [&jobs](const std::vector<std::string>& words) {
     for (const std::string& word : words) {
@@ -272,9 +278,9 @@ void AddJobsArgument(CLI::App& app, std::vector<JobId>& jobs) {
     if (jobs.size() > kJobsWatchedMax)
       throw CLI::ValidationError(fmt::format("JOB: more than {} jobs", kJobsWatchedMax));
   };
-  app.add_option_function<std::vector<std::string>>("JOB", add, std::string(kJobHelp) + "; may be repeated")
-      ->type_name("")
-      ->required();
+  app.add_option_function<std::vector<std::string>>(
+         "JOB", add, WithDefault(std::string(kJobHelp) + "; may be repeated", kDefaultJob))
+      ->type_name("");
 }
 
 void AddDryRunFlag(CLI::App& app, bool& dry_run) {

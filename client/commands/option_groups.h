@@ -49,7 +49,9 @@ void AddOutputFlags(CLI::App& app, OutputOptions& options, const std::string& de
 Result<void> CheckPictureOptions(const RenderOptions& render, const OutputOptions& output);
 
 void AddJobArgument(CLI::App& app, JobId& job);
-// One or more jobs. Each is kept once.
+// A job that need not be named (default_job.h).
+void AddDefaultJobArgument(CLI::App& app, std::optional<JobId>& job);
+// Some jobs, likewise. Each is kept once.
 void AddJobsArgument(CLI::App& app, std::vector<JobId>& jobs);
 void AddJsonFlag(CLI::App& app, bool& json);
 // Print a forecast instead of doing anything.

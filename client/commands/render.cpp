@@ -143,10 +143,10 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
   if (!job) return job.error();
   if (auto good = CheckPictures(options, *job, names); !good) return good.error();
   ProgressLine line("thread");
-  std::vector<std::shared_ptr<PictureDesk>> desks;
+  std::vector<std::shared_ptr<PictureHandoff>> handoffs;
   LiveViews views(stop);
   const auto viewed = AddViews(views, options.live, TitleOf(options), [&] {
-    return std::make_unique<LocalPictures>(desks.emplace_back(std::make_shared<PictureDesk>()));
+    return std::make_unique<LocalPictures>(handoffs.emplace_back(std::make_shared<PictureHandoff>()));
   });
   if (!viewed) return viewed.error();
   FrameCount count{0, static_cast<uint32_t>(job->frames.size())};
@@ -170,7 +170,7 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
           if (progress.samples_done < progress.samples_total) line.Show(last);
         },
         {options.first ? PixelsOf(*options.first, spec) : PixelBounds{}, [&](const TakeSnapshot& take) {
-           for (const auto& desk : desks) desk->Offer(frame.number, take);
+           for (const auto& handoff : handoffs) handoff->Offer(frame.number, take);
          }});
     if (!picture) return picture.error();
     ++last.frames.finished;
@@ -178,7 +178,7 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
     line.Finish(last);
     const auto encoded = EncodeFinished(spec, std::move(picture).value(), size.workers * size.threads, stop);
     if (!encoded) return encoded.error();
-    for (const auto& desk : desks) desk->Finish(frame.number, encoded->exr);
+    for (const auto& handoff : handoffs) handoff->Finish(frame.number, encoded->exr);
     auto picture_saved = SavePicture(encoded->exr, frame.number, names, stop);
     if (!picture_saved) return picture_saved.error();
     saved.push_back(std::move(*picture_saved));

@@ -24,8 +24,8 @@ struct TopOptions {
 };
 
 void AddTopFlags(CLI::App& app, TopOptions& options) {
-  AddInteger(app, "--interval", WithDefault("Seconds between two looks", std::to_string(options.interval_s)),
-             1, kIntervalMax_s, options.interval_s);
+  AddInteger(app, "--interval", WithDefault("Seconds between updates", std::to_string(options.interval_s)), 1,
+             kIntervalMax_s, options.interval_s);
   AddConnectionFlags(app, options.connection);
   AddJsonFlag(app, options.json);
 }
@@ -76,7 +76,7 @@ Command TopCommand() {
       .name = "top",
       .summary = "Show jobs and workers on the whole terminal until q is pressed",
       .examples = {{"Look at the farm", "tessera top"},
-                   {"Look every ten seconds, over a slow link", "tessera top --interval 10"},
+                   {"Update every ten seconds, over a slow link", "tessera top --interval 10"},
                    {"Print jobs and workers once, for a script", "tessera top --json"}},
       .add_flags = AddTopFlags,
       .run = RunTop,

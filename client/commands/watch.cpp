@@ -5,6 +5,7 @@
 
 #include "client/commands/commands.h"
 #include "client/commands/connection.h"
+#include "client/commands/default_job.h"
 #include "client/commands/live_options.h"
 #include "client/commands/option_groups.h"
 #include "client/commands/status_text.h"
@@ -17,7 +18,7 @@ namespace tessera {
 namespace {
 
 struct WatchOptions {
-  std::vector<JobId> jobs;
+  std::vector<JobId> jobs;  // empty: the default job
   ConnectionOptions connection;
   LiveOptions live;
   bool picture = false;
@@ -59,7 +60,7 @@ Result<int> WatchOne(const WatchOptions& options, Cancellation& cancellation) {
   if (!followed) return followed.error();
   const std::optional<JobStatus>& status = *followed;
   if (!status) {
-    PrintNote("job {} goes on\n", Number(options.jobs.front()));
+    PrintNote("job {} continues\n", Number(options.jobs.front()));
     return 0;
   }
   fmt::print("{}\n", options.json ? JobJson(*status) : JobText(*status));
@@ -85,7 +86,19 @@ Result<int> WatchSeveral(const WatchOptions& options, Cancellation& cancellation
   return 0;
 }
 
+Result<int> WatchDefault(WatchOptions options, Cancellation& cancellation) {
+  {
+    const auto client = Connect(options.connection, cancellation);
+    if (!client) return client.error();
+    const auto job = ChooseJob(**client, options.connection, std::nullopt);
+    if (!job) return job.error();
+    options.jobs = {*job};
+  }
+  return WatchOne(options, cancellation);
+}
+
 Result<int> RunWatch(const WatchOptions& options, Cancellation& cancellation) {
+  if (options.jobs.empty()) return WatchDefault(options, cancellation);
   return options.jobs.size() == 1 ? WatchOne(options, cancellation) : WatchSeveral(options, cancellation);
 }
 
@@ -95,7 +108,8 @@ Command WatchCommand() {
   return MakeCommand<WatchOptions>({
       .name = "watch",
       .summary = "Follow the progress of jobs until they end",
-      .examples = {{"Follow job 12 until it ends", "tessera watch 12"},
+      .examples = {{"Follow your job until it ends", "tessera watch"},
+                   {"Follow job 12 until it ends", "tessera watch 12"},
                    {"Follow three jobs", "tessera watch 12 13 14"},
                    {"Look at the picture of job 12 in the terminal", "tessera watch 12 --picture"}},
       .add_flags = AddWatchFlags,

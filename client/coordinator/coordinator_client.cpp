@@ -41,16 +41,23 @@ proto::JobRequest RequestFor(JobId job) {
   return request;
 }
 
+// The same, and reads the answer with `read`.
+template <typename Connection, typename Request, typename Answer, typename Value>
+Result<Value> Ask(const Connection& connection,
+                  grpc::Status (proto::Jobs::Stub::*method)(grpc::ClientContext*, const Request&, Answer*),
+                  const Request& request, const std::string& what, Result<Value> (*read)(const Answer&)) {
+  Answer answer;
+  if (auto asked = Call(connection, method, request, answer, what); !asked) return asked.error();
+  return read(answer);
+}
+
 // Makes a call about a job that is answered with the job's status.
 template <typename Connection, typename Request>
 Result<JobStatus> AskAboutJob(Connection& connection,
                               grpc::Status (proto::Jobs::Stub::*method)(grpc::ClientContext*, const Request&,
                                                                         proto::JobStatus*),
                               const Request& request, const char* verb) {
-  proto::JobStatus answer;
-  auto asked = Call(connection, method, request, answer, fmt::format("{} job {}", verb, request.job()));
-  if (!asked) return asked.error();
-  return ReadJobStatus(answer);
+  return Ask(connection, method, request, fmt::format("{} job {}", verb, request.job()), &ReadJobStatus);
 }
 
 // Makes a call about some workers that is answered with their status.
@@ -257,11 +264,8 @@ Result<JobLogPage> CoordinatorClient::JobLog(JobId job, uint64_t after) {
   proto::JobLogRequest request;
   request.set_job(Number(job));
   request.set_after(after);
-  proto::JobLogAnswer answer;
-  auto asked = Call(*connection_, &proto::Jobs::Stub::JobLog, request, answer,
-                    fmt::format("read the log of job {}", Number(job)));
-  if (!asked) return asked.error();
-  return ReadJobLog(answer);
+  return Ask(*connection_, &proto::Jobs::Stub::JobLog, request,
+             fmt::format("read the log of job {}", Number(job)), &ReadJobLog);
 }
 
 Result<JobStatus> CoordinatorClient::SetPriority(JobId job, int priority) {
@@ -275,11 +279,7 @@ Result<JobStatus> CoordinatorClient::Extend(JobId job, uint32_t samples_per_pixe
   proto::ExtendRequest request;
   request.set_job(Number(job));
   request.set_samples_per_pixel(samples_per_pixel);
-  proto::JobStatus answer;
-  auto asked = Call(*connection_, &proto::Jobs::Stub::Extend, request, answer,
-                    fmt::format("extend job {}", Number(job)));
-  if (!asked) return asked.error();
-  return ReadJobStatus(answer);
+  return AskAboutJob(*connection_, &proto::Jobs::Stub::Extend, request, "extend");
 }
 
 Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(const JobStatus&)>& report) {
@@ -306,11 +306,8 @@ Result<JobStatus> CoordinatorClient::Watch(JobId job, const std::function<void(c
 }
 
 Result<std::vector<FrameStatus>> CoordinatorClient::Frames(JobId job) {
-  proto::FramesAnswer answer;
-  auto asked = Call(*connection_, &proto::Jobs::Stub::Frames, RequestFor(job), answer,
-                    fmt::format("list the frames of job {}", Number(job)));
-  if (!asked) return asked.error();
-  return ReadFrameStatuses(answer);
+  return Ask(*connection_, &proto::Jobs::Stub::Frames, RequestFor(job),
+             fmt::format("list the frames of job {}", Number(job)), &ReadFrameStatuses);
 }
 
 Result<std::string> CoordinatorClient::FetchPicture(JobId job, uint32_t frame, bool preview) {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "proto/identity/join_token.h"
+#include "proto/identity/subject.h"
 #include "proto/shell/program.h"
 #include "proto/wire/local_socket.h"
 #include "proto/wire/membership_calls.h"
@@ -47,6 +48,21 @@ Result<Endpoint> ChooseFarm(const FarmChoice& choice) {
   if (!address) return address.error();
   return ChooseEndpoint(*address, {choice.insecure, store, LocalSocketFolder(Environment),
                                    "run: tessera login TOKEN", choice.tls});
+}
+
+Result<MemberId> MemberOf(const Endpoint& endpoint) {
+  std::string uri;
+  if (endpoint.login) {
+    const auto certificate = ReadIdentity(*endpoint.login);
+    if (!certificate) return certificate.error();
+    uri = certificate->Uri();
+  } else if (endpoint.organisation) {
+    const auto identity = ReadTlsIdentity(*endpoint.organisation, CertificatePurpose::kClient, UnixNow());
+    if (!identity) return identity.error();
+    uri = identity->chain.front().Uri();
+  }
+  const auto subject = Subject::Parse(uri);
+  return subject ? subject->id : MemberId{};
 }
 
 Result<NewLogin> LogIn(const std::string& token, const std::string& farm, const std::string& name) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "proto/identity/login.h"
+#include "proto/membership.h"
 #include "proto/wire/endpoint.h"
 #include "renderer/util/result.h"
 
@@ -23,6 +24,9 @@ struct FarmChoice {
 // With certificates of an organisation: the address that is named or the default address. Else the login that
 // is named, the address that is named, the last login or the default address, in this order.
 Result<Endpoint> ChooseFarm(const FarmChoice& choice);
+
+// As which member the coordinator there knows this user; 0 without a certificate.
+Result<MemberId> MemberOf(const Endpoint& endpoint);
 
 struct NewLogin {
   Login login;

@@ -10,16 +10,16 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kRestMin{1000};
-constexpr int kRestPerCost = 20;
+constexpr milliseconds kPauseMin{1000};
+constexpr int kPausePerCost = 20;
 constexpr size_t kWarningsMax = 10;  // of one view: different ones, such as the errors of a broken network
-constexpr milliseconds kFirstLook{250};  // between looks for a picture that is not there yet
-constexpr milliseconds kIdleSlice{100};  // as fast as a terminal that changes its size is noticed
+constexpr milliseconds kRetryPause{250};  // if there is no picture yet
+constexpr milliseconds kIdleSlice{100};   // as fast as a terminal that changes its size is noticed
 
 }  // namespace
 
-milliseconds RestAfter(milliseconds cost) {
-  return std::max(kRestMin, cost * kRestPerCost);
+milliseconds PauseAfter(milliseconds cost) {
+  return std::max(kPauseMin, cost * kPausePerCost);
 }
 
 LiveViews::LiveViews(const std::stop_token& stop)
@@ -68,12 +68,12 @@ void LiveViews::Run(PictureSource& source, PictureView& view) {
     }
   } ending{*this};
   std::set<std::string> warnings;
-  milliseconds rest = kFirstLook;
-  while (Rest(rest, view)) {
+  milliseconds pause = kRetryPause;
+  while (Wait(pause, view)) {
     const auto start = Clock::now();
     const bool has_shown = ShowNext(source, view, warnings);
     const auto cost = std::chrono::duration_cast<milliseconds>(Clock::now() - start);
-    rest = has_shown ? RestAfter(cost) : std::max(kFirstLook, cost * kRestPerCost);
+    pause = has_shown ? PauseAfter(cost) : std::max(kRetryPause, cost * kPausePerCost);
   }
   if (!stop_.stop_requested()) ShowNext(source, view, warnings);
 }
@@ -92,7 +92,7 @@ bool LiveViews::ShowNext(PictureSource& source, PictureView& view, std::set<std:
   return true;
 }
 
-bool LiveViews::Rest(milliseconds duration, PictureView& view) {
+bool LiveViews::Wait(milliseconds duration, PictureView& view) {
   const auto end = Clock::now() + duration;
   std::unique_lock lock(mutex_);
   while (!is_finishing_ && !stop_.stop_requested()) {

@@ -1,5 +1,5 @@
-// Shows a picture while it is rendered, on threads of its own: whatever a view waits for, and whether it
-// works at all, the render goes on.
+// Shows a picture while it is rendered, on threads of its own. A view that waits or fails does not delay the
+// render.
 #pragma once
 
 #include <chrono>
@@ -17,9 +17,9 @@
 
 namespace tessera {
 
-// How long a view rests after a picture that took `cost` to get and to show: at least a second, and so long
-// that pictures take at most a twentieth of the time.
-std::chrono::milliseconds RestAfter(std::chrono::milliseconds cost);
+// How long a view waits after a picture that took `cost` to get and to show: at least a second, and long
+// enough that pictures take at most a twentieth of the time.
+std::chrono::milliseconds PauseAfter(std::chrono::milliseconds cost);
 
 // Owned by the command that renders or watches. Its functions are called on one thread.
 class LiveViews {
@@ -30,8 +30,8 @@ class LiveViews {
   ~LiveViews();
   LiveViews(const LiveViews&) = delete;
   LiveViews& operator=(const LiveViews&) = delete;
-  // Starts a thread that shows what the source gives. What goes wrong there is printed as a warning, once for
-  // each reason. Fails if the system starts no more threads.
+  // Starts a thread that shows the pictures of the source. Its errors are printed as warnings, once for each
+  // reason. Fails if the system starts no more threads.
   Result<void> Add(std::unique_ptr<PictureSource> source, std::unique_ptr<PictureView> view);
   // Shows the last picture, which the sources must have by now, and ends. Views that take longer than
   // `patience` are stopped.
@@ -42,7 +42,7 @@ class LiveViews {
   // Shows the next picture if there is one. Returns whether there was.
   bool ShowNext(PictureSource& source, PictureView& view, std::set<std::string>& warnings);
   // Waits, and calls Idle of the view meanwhile. Returns false if this was the end.
-  bool Rest(std::chrono::milliseconds duration, PictureView& view);
+  bool Wait(std::chrono::milliseconds duration, PictureView& view);
 
   std::stop_source stop_;
   std::mutex mutex_;

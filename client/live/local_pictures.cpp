@@ -10,7 +10,7 @@ constexpr std::chrono::milliseconds kOfferPatience{300};  // the renderer offers
 
 }  // namespace
 
-void PictureDesk::Offer(int frame, const TakeSnapshot& take) {
+void PictureHandoff::Offer(int frame, const TakeSnapshot& take) {
   {
     const std::lock_guard lock(mutex_);
     if (!is_wanted_) return;
@@ -22,14 +22,14 @@ void PictureDesk::Offer(int frame, const TakeSnapshot& take) {
   changed_.notify_all();
 }
 
-void PictureDesk::Finish(int frame, std::string exr) {
+void PictureHandoff::Finish(int frame, std::string exr) {
   const std::lock_guard lock(mutex_);
   is_wanted_ = false;
   work_ = Work{frame, std::nullopt, std::move(exr)};
   changed_.notify_all();
 }
 
-std::optional<PictureDesk::Work> PictureDesk::Take(const std::stop_token& stop) {
+std::optional<PictureHandoff::Work> PictureHandoff::Take(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   is_wanted_ = !work_;
   changed_.wait_for(lock, stop, kOfferPatience, [this] { return work_.has_value(); });
@@ -38,7 +38,7 @@ std::optional<PictureDesk::Work> PictureDesk::Take(const std::stop_token& stop) 
 }
 
 Result<std::optional<LivePicture>> LocalPictures::Next(const std::stop_token& stop) {
-  auto work = desk_->Take(stop);
+  auto work = handoff_->Take(stop);
   if (!work) return std::optional<LivePicture>();
   if (work->snapshot) {
     const FrameSnapshot snapshot = *std::exchange(work->snapshot, std::nullopt);

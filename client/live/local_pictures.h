@@ -15,7 +15,7 @@ namespace tessera {
 
 // Hands pictures from the thread that renders to that of a view. A snapshot is taken only when the view asks
 // for one, and painted on the view's thread. Thread safe.
-class PictureDesk {
+class PictureHandoff {
  public:
   using TakeSnapshot = std::function<FrameSnapshot()>;
   // Called by the renderer, often. Takes a snapshot if one is wanted.
@@ -40,11 +40,11 @@ class PictureDesk {
 
 class LocalPictures : public PictureSource {
  public:
-  explicit LocalPictures(std::shared_ptr<PictureDesk> desk) : desk_(std::move(desk)) {}
+  explicit LocalPictures(std::shared_ptr<PictureHandoff> handoff) : handoff_(std::move(handoff)) {}
   Result<std::optional<LivePicture>> Next(const std::stop_token& stop) override;
 
  private:
-  const std::shared_ptr<PictureDesk> desk_;
+  const std::shared_ptr<PictureHandoff> handoff_;
 };
 
 }  // namespace tessera

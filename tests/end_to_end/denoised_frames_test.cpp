@@ -20,7 +20,31 @@ using testing::HasSubstr;
 
 const std::vector<std::string> kDenoised{"--denoise", "--spp", "16"};
 
-class DenoisedFrames : public DenoisedPictures {};
+class DenoisedFrames : public DenoisedPictures {
+ protected:
+  // Ends the coordinator while it denoises, or just before or after, and expects the bytes of one process
+  // from the next one.
+  void ExpectPictureAfter(int signal, int exit_code) {
+    const std::vector<std::string> large{"--denoise", "--spp", "8", "--resolution", "240x180"};
+    const std::string oracle = Oracle(BoxScene(), large);
+    StartCoordinator();
+    StartWorker("one");
+    const std::string job = Submit(BoxScene(), large);
+    ASSERT_TRUE(Eventually([&] { return Figure(job, "samples_done") == Figure(job, "samples_total"); }));
+    coordinator().Signal(signal);
+    EXPECT_EQ(coordinator().Wait(), exit_code);
+    errors_ = coordinator().Errors();
+    StartCoordinator();
+    ExpectPicture(job, oracle);
+  }
+  void ExpectPicture(const std::string& job, const std::string& oracle) {
+    ASSERT_EQ(Ask({"watch", job}).code, 0);
+    ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
+    EXPECT_TRUE(Bytes("picture.exr") == oracle);
+  }
+
+  std::string errors_;  // of the coordinator that was ended
+};
 
 TEST_F(DenoisedFrames, GiveTheSamePictureForAnyNumberOfWorkersAndTiles) {
   const std::string oracle = Oracle(BoxScene(), kDenoised);
@@ -99,9 +123,7 @@ TEST_F(DenoisedFrames, SurviveACoordinatorThatIsKilledBeforeThePictureIsWritten)
   EXPECT_EQ(coordinator().Wait(), -SIGKILL);
   std::filesystem::remove(pictures + "/1");
   StartCoordinator();
-  ASSERT_EQ(Ask({"watch", job}).code, 0);
-  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
-  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+  ExpectPicture(job, oracle);
 }
 
 TEST_F(DenoisedFrames, AreWrittenWhenAFullDiskHasSpaceAgain) {
@@ -118,42 +140,17 @@ TEST_F(DenoisedFrames, AreWrittenWhenAFullDiskHasSpaceAgain) {
   EXPECT_NE(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
   EXPECT_FALSE(Exists("picture.exr"));
   disk.Free();
-  ASSERT_EQ(Ask({"watch", job}).code, 0);
-  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
-  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+  ExpectPicture(job, oracle);
 }
 
-// The coordinator is killed while it denoises, or just before or after.
 TEST_F(DenoisedFrames, SurviveACoordinatorThatIsKilledWhileItDenoises) {
-  const std::vector<std::string> large{"--denoise", "--spp", "8", "--resolution", "240x180"};
-  const std::string oracle = Oracle(BoxScene(), large);
-  StartCoordinator();
-  StartWorker("one");
-  const std::string job = Submit(BoxScene(), large);
-  ASSERT_TRUE(Eventually([&] { return Figure(job, "samples_done") == Figure(job, "samples_total"); }));
-  coordinator().Signal(SIGKILL);
-  EXPECT_EQ(coordinator().Wait(), -SIGKILL);
-  StartCoordinator();
-  ASSERT_EQ(Ask({"watch", job}).code, 0);
-  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
-  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+  ExpectPictureAfter(SIGKILL, -SIGKILL);
 }
 
 // It leaves the picture to the next one, and does not call that a failure to write.
 TEST_F(DenoisedFrames, SurviveACoordinatorThatIsStoppedWhileItDenoises) {
-  const std::vector<std::string> large{"--denoise", "--spp", "8", "--resolution", "240x180"};
-  const std::string oracle = Oracle(BoxScene(), large);
-  StartCoordinator();
-  StartWorker("one");
-  const std::string job = Submit(BoxScene(), large);
-  ASSERT_TRUE(Eventually([&] { return Figure(job, "samples_done") == Figure(job, "samples_total"); }));
-  coordinator().Signal(SIGTERM);
-  EXPECT_EQ(coordinator().Wait(), 0);
-  EXPECT_EQ(coordinator().Errors().find("picture_delayed"), std::string::npos);
-  StartCoordinator();
-  ASSERT_EQ(Ask({"watch", job}).code, 0);
-  ASSERT_EQ(Ask({"fetch", job, "-o", "picture.exr"}).code, 0);
-  EXPECT_TRUE(Bytes("picture.exr") == oracle);
+  ExpectPictureAfter(SIGTERM, 0);
+  EXPECT_EQ(errors_.find("picture_delayed"), std::string::npos);
 }
 
 TEST_F(DenoisedFrames, RefuseTooFewSamplesBeforeTheyRender) {

@@ -83,6 +83,13 @@ class Json : public EndToEnd {
     words.push_back("--json");
     return Answer(Ask(words));
   }
+  void ExpectLogRows(const std::string& job) {
+    std::istringstream lines(Ask({"logs", job, "--json"}).output);
+    size_t count = 0;
+    for (std::string line; std::getline(lines, line); ++count)
+      ExpectRows("logs", json::parse(line, nullptr, false));
+    EXPECT_GT(count, 0u);
+  }
   json Here(std::vector<std::string> words) {
     words.push_back("--json");
     return Answer(Tessera(words));
@@ -105,13 +112,18 @@ TEST_F(Json, AnswersOfAFarmAreThoseOfTheGuide) {
   ExpectRows("job", Farm({"priority", job, "3"}));
   StartWorker("second", 1, {"--tag", "gpu"});
   ExpectRows("job", Farm({"watch", job}));
+  ExpectLogRows(job);
   ExpectRows("pictures", Farm({"fetch", job, "-o", "a.####.exr"}));
   for (const json& each : Farm({"jobs"})) ExpectRows("job", each);
   for (const char* command : {"drain", "release"}) {
     for (const json& each : Farm({command, "blade"})) ExpectRows("worker", each);
   }
+  // Its scene stays in the memory of the workers while it is open.
+  const std::string open = Submit(BoxScene(), {"--spp", "100000"});
+  EXPECT_TRUE(Eventually([&] { return !Farm({"workers"})[0]["scenes"].empty(); }));
   for (const json& each : Farm({"workers"})) ExpectRows("worker", each);
   ExpectRows("top", Farm({"top"}));
+  ExpectRows("job", Farm({"cancel", open}));
   ExpectRows("access", Farm({"access"}));
   const json forecast = Farm({"submit", BoxScene(), "--spp", "16", "--dry-run", "--require", "gpu"});
   ExpectRows("dry-run", forecast);
@@ -121,7 +133,7 @@ TEST_F(Json, AnswersOfAFarmAreThoseOfTheGuide) {
   const json nobody = Farm({"submit", BoxScene(), "--spp", "16", "--dry-run", "--require", "big"});
   EXPECT_EQ(nobody["farm"]["workers"], 0);
   EXPECT_TRUE(nobody["farm"]["seconds"].is_null());
-  EXPECT_EQ(Farm({"jobs"}).size(), 1u) << "a dry run submits nothing";
+  EXPECT_EQ(Farm({"jobs"}).size(), 2u) << "a dry run submits nothing";
   const Outcome token = RunProgram(folder(), "tessera-coordinator",
                                    {"token", "--role", "operator", "--coordinator", address()});
   ASSERT_EQ(token.code, 0) << token.errors;

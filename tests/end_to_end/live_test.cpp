@@ -131,7 +131,7 @@ TEST_F(Live, ThePictureIsDrawnIntoATerminalAndLeftThereAtTheEnd) {
   };
   const std::string colors = "TERM=xterm-256color COLORTERM=truecolor LC_ALL=C.UTF-8";
   EXPECT_EQ(on_terminal(colors, 'q').code, 0);
-  EXPECT_THAT(Bytes("shown"), HasSubstr("job " + job + " goes on"));
+  EXPECT_THAT(Bytes("shown"), HasSubstr("job " + job + " continues"));
   StartWorker("only");
   EXPECT_EQ(on_terminal(colors, 'x').code, 0);
   const std::string shown = Bytes("shown");

@@ -214,7 +214,7 @@ TEST(CommandLine, RefusesBadWordsAndNamesWhatIsExpected) {
       {"submit s.pbrt --verify some", "--verify: \"some\""},
       {"submit s.pbrt --verify nan", "--verify: \"nan\""},
       {"drain", "WORKER is required"},
-      {"watch", "JOB is required"},
+      {"status", "JOB is required"},
       {"watch 1 soon", "JOB: \"soon\""},
       {"submit s.pbrt --notify-command true", "--notify-command needs --watch"},
       {"render s.pbrt --verify 5% --in-process", "--verify needs at least two workers"},

@@ -44,9 +44,9 @@ class Recording : public PictureView {
 };
 
 TEST(LiveViews, PicturesTakeAtMostATwentiethOfTheTime) {
-  EXPECT_EQ(RestAfter(milliseconds(0)), seconds(1));
-  EXPECT_EQ(RestAfter(milliseconds(50)), seconds(1));
-  EXPECT_EQ(RestAfter(milliseconds(400)), seconds(8));
+  EXPECT_EQ(PauseAfter(milliseconds(0)), seconds(1));
+  EXPECT_EQ(PauseAfter(milliseconds(50)), seconds(1));
+  EXPECT_EQ(PauseAfter(milliseconds(400)), seconds(8));
 }
 
 TEST(LiveViews, ShowTheLastPictureAndEnd) {
@@ -98,20 +98,20 @@ FrameSpec DeskFrame() {
   return spec;
 }
 
-TEST(PictureDesk, TakesASnapshotOnlyWhenAViewAsks) {
-  auto desk = std::make_shared<PictureDesk>();
+TEST(PictureHandoff, TakesASnapshotOnlyWhenAViewAsks) {
+  auto handoff = std::make_shared<PictureHandoff>();
   std::atomic<int> taken = 0;
   const auto take = [&] {
     ++taken;
     return FrameSnapshot(DeskFrame(), {});
   };
-  for (int i = 0; i < 100; ++i) desk->Offer(3, take);
+  for (int i = 0; i < 100; ++i) handoff->Offer(3, take);
   EXPECT_EQ(taken, 0);
   std::atomic<bool> stop = false;
   std::thread renderer([&] {
-    while (!stop) desk->Offer(3, take);
+    while (!stop) handoff->Offer(3, take);
   });
-  LocalPictures source(desk);
+  LocalPictures source(handoff);
   std::optional<LivePicture> picture;
   while (!picture) {
     auto next = source.Next({});
@@ -125,14 +125,14 @@ TEST(PictureDesk, TakesASnapshotOnlyWhenAViewAsks) {
   EXPECT_EQ(picture->picture.values, std::vector<float>(4 * 3 * 3, 0)) << "black where nothing is rendered";
 }
 
-TEST(PictureDesk, GivesTheFinishedPictureWithoutTheRenderer) {
-  auto desk = std::make_shared<PictureDesk>();
+TEST(PictureHandoff, GivesTheFinishedPictureWithoutTheRenderer) {
+  auto handoff = std::make_shared<PictureHandoff>();
   FramePicture finished;
   finished.bounds = DeskFrame().crop;
   finished.channels = {"R", "G", "B"};
   finished.values.assign(4 * 3 * 3, 0.5f);
-  desk->Finish(9, *EncodeExr(DeskFrame(), finished));
-  LocalPictures source(desk);
+  handoff->Finish(9, *EncodeExr(DeskFrame(), finished));
+  LocalPictures source(handoff);
   const auto next = source.Next({});
   ASSERT_TRUE(next && *next);
   EXPECT_EQ((*next)->frame, 9);
