@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "client/frame_name.h"
 #include "client/output/layer_files.h"
 #include "client/output/output_file.h"
+#include "proto/frame_name.h"
 #include "renderer/util/result.h"
 
 namespace tessera {

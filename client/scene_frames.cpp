@@ -8,7 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "client/frame_name.h"
+#include "proto/frame_name.h"
 #include "renderer/pbrt/parser.h"
 #include "renderer/util/file.h"
 
@@ -95,20 +95,10 @@ Result<std::vector<SceneFrame>> ListFrames(const SceneOptions& options) {
       return BadInput(fmt::format(
           "{}: no such file; to render a sequence, add --frames A-B to choose its frames", options.path));
     }
-    return std::vector<SceneFrame>{{0, options.path, options.render, false}};
   }
-  const bool is_animated = !name.HasPlace();
   std::vector<SceneFrame> frames;
-  for (const int number : options.frames->Numbers()) {
-    SceneFrame frame{number, name.Of(number), options.render, is_animated};
-    if (is_animated) {
-      frame.options.time = number / options.fps;
-      frame.options.time_step = options.frames->step / options.fps;
-    }
-    frame.options.frame = number;
-    frame.options.frames_per_second = options.fps;
-    frames.push_back(std::move(frame));
-  }
+  for (SequenceFrame& frame : FramesOf(options.path, options.render, options.frames, options.fps))
+    frames.push_back({std::move(frame)});
   return frames;
 }
 

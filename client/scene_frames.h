@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/scene_options.h"
+#include "proto/sequence/sequence_frames.h"
 #include "renderer/description/file_source.h"
 #include "renderer/scene/scene.h"
 #include "renderer/util/shared_cache.h"
@@ -17,12 +18,7 @@ namespace tessera {
 // What the frames of a sequence share, decoded and parsed: the textures and meshes of some large scenes.
 constexpr uint64_t kSharedBytesMax = uint64_t{2} << 30;
 
-struct SceneFrame {
-  int number = 0;    // as the user counts
-  std::string path;  // of its scene file
-  RenderOptions options;
-  // All frames come from one scene file, whose moving parts are shown at the time of the frame.
-  bool is_animated = false;
+struct SceneFrame : SequenceFrame {
   // If not null, what is read instead of the file: the scene came from standard input.
   std::shared_ptr<const std::string> text = nullptr;
 

@@ -11,7 +11,6 @@
 
 #include "proto/package_names.h"
 #include "proto/shell/console.h"
-#include "renderer/denoise/finished_picture.h"
 #include "renderer/text/unicode.h"
 #include "renderer/util/cores.h"
 #include "renderer/util/threads.h"
@@ -21,10 +20,9 @@ namespace {
 
 // What is kept of a frame after it has been read.
 struct ReadFrame {
-  FrameSpec spec;
+  FrameRequest request;
   std::vector<std::string> warnings;
   uint64_t moving = 0;
-  bool extendable = false;
   std::map<std::string, DiskFileSource::File> files;
 };
 
@@ -63,9 +61,17 @@ class FrameReader {
   Result<void> Read(size_t i) {
     auto loaded = LoadFrame(job_.frames[i], i == 0 ? first_depth_ : Scene::Depth::kCheck, job_.cache);
     if (!loaded) return loaded.error();
+    const SceneFrame& frame = job_.frames[i];
+    ScenePackage alone;
+    for (const auto& [name, file] : loaded->files) {
+      const std::string path = PackagePath(name);
+      if (path.empty()) return BadInput(fmt::format("{}: the file name is too long for a farm", name));
+      alone.files[path] = {file.digest, file.size};
+    }
+    auto request = RequestFrame(frame, PackagePath(frame.name()), *loaded->scene, alone);
+    if (!request) return request.error();
     const SceneSummary& summary = loaded->scene->summary();
-    read_[i] = {loaded->scene->frame(), summary.warnings, summary.moving, summary.extendable,
-                std::move(loaded->files)};
+    read_[i] = {std::move(*request), summary.warnings, summary.moving, std::move(loaded->files)};
     if (i == 0) job_.scene = std::move(loaded->scene);
     return {};
   }
@@ -106,12 +112,9 @@ void PrintWarnings(const SceneJob& job, const std::vector<ReadFrame>& frames) {
 // means the same file in all of them.
 Result<void> Pack(const SceneFrame& frame, const ReadFrame& read, SceneJob& job) {
   PackedScene& packed = job.packed;
-  ScenePackage alone;
   for (const auto& [name, file] : read.files) {
-    const std::string path = PackagePath(name);
-    if (path.empty()) return BadInput(fmt::format("{}: the file name is too long for a farm", name));
-    alone.files[path] = {file.digest, file.size};
-    const auto [entry, is_new] = packed.package.files.emplace(path, alone.files[path]);
+    const auto [entry, is_new] =
+        packed.package.files.emplace(PackagePath(name), PackageFile{file.digest, file.size});
     if (!is_new && entry->second.digest != file.digest) {
       return Failed(
           fmt::format("{}: changed while the frames were being read; run the command again", file.path));
@@ -127,11 +130,7 @@ Result<void> Pack(const SceneFrame& frame, const ReadFrame& read, SceneJob& job)
     return BadInput(fmt::format("{}: the job refers to {} files up to this frame; the limit is {}",
                                 frame.path, packed.package.files.size(), kFilesPerPackageMax));
   }
-  FrameRequest request{PackagePath(frame.name()), EncodeRenderOptions(frame.options), read.spec, frame.number,
-                       read.extendable};
-  request.spec.attributes[kSceneDigestAttribute] = Sha256(EncodeScenePackage(alone)).Hex();
-  if (auto ok = CheckDenoiser(request.spec, frame.path); !ok) return ok;
-  packed.frames.push_back(std::move(request));
+  packed.frames.push_back(read.request);
   return {};
 }
 
@@ -153,10 +152,7 @@ Result<SceneJob> LoadSceneJob(const SceneOptions& options, Scene::Depth depth, s
     if (auto added = Pack(job.frames[i], (*read)[i], job); !added) return added.error();
   }
   for (size_t i = read->size(); i < job.frames.size(); ++i) {
-    job.packed.frames.push_back(job.packed.frames[0]);
-    job.scene->SetFrameAttributes(job.frames[i].options, job.packed.frames[i].spec.attributes);
-    job.packed.frames[i].options = EncodeRenderOptions(job.frames[i].options);
-    job.packed.frames[i].number = job.frames[i].number;
+    job.packed.frames.push_back(RequestFrameLike(job.packed.frames[0], job.frames[i], *job.scene));
   }
   job.packed.manifest = EncodeScenePackage(job.packed.package);
   job.packed.digest = Sha256(job.packed.manifest);

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "client/frame_range.h"
+#include "proto/frame_range.h"
 #include "renderer/scene/scene.h"
 
 namespace tessera {

@@ -1,11 +1,11 @@
-#include "client/frame_range.h"
+#include "proto/frame_range.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/frame_name.h"
 #include "client/picture_names.h"
 #include "client/scene_frames.h"
+#include "proto/frame_name.h"
 
 namespace tessera {
 namespace {

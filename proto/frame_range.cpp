@@ -1,4 +1,4 @@
-#include "client/frame_range.h"
+#include "proto/frame_range.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "client/frame_name.h"
+#include "proto/frame_name.h"
 
 #include <fmt/format.h>
 
