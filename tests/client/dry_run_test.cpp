@@ -57,7 +57,7 @@ TEST(Forecast, FailsAsRenderingWould) {
 }
 
 TEST(Forecast, IsTextForPeopleAndJsonForPrograms) {
-  const Forecast forecast{2, 640, 360, 64, true, 29'491'200, 3, 2'500'000, 8, 1.5, 1e6, 300'000'000};
+  const Forecast forecast{2, 640, 360, 64, true, 29'491'200, 3, 2'500'000, 8, 1.5, 1e6, 300'000'000, {}};
   const std::string text = ForecastText(forecast);
   EXPECT_THAT(text, HasSubstr("2 of 640 x 360 pixels, at most 64 samples per pixel"));
   EXPECT_THAT(text, HasSubstr("3, 2.50 MB"));
