@@ -15,7 +15,7 @@ struct CompletionOptions {
 };
 
 void AddCompletionFlags(CLI::App& app, CompletionOptions& options) {
-  AddText(app, "SHELL", "", "bash, zsh or fish", options.shell, Presence::kRequired);
+  AddText(app, "SHELL", "", "Shell to print it for: bash, zsh or fish", options.shell, Presence::kRequired);
 }
 
 Result<int> RunCompletion(const CompletionOptions& options, Cancellation&) {

@@ -131,11 +131,12 @@ void AddFilmFlags(CLI::App& app, RenderOptions& render) {
       "Denoise the picture when it is complete and keep the noisy colours in the layer noisy; adds --aov "
       "denoise",
       render.denoise);
-  AddValue(
-      app, "--denoiser", "NAME",
-      WithDefault("Denoise, as --denoise, with: regression, or oidn (Open Image Denoise, if it is installed)",
-                  "regression"),
-      render.denoiser, ParseDenoiser);
+  AddValue(app, "--denoiser", "NAME",
+           WithDefault(
+               "Denoise as --denoise, with the denoiser NAME: regression, or oidn (Open Image Denoise, if it "
+               "is installed)",
+               "regression"),
+           render.denoiser, ParseDenoiser);
   AddRepeatedWord(
       app, "--light-group", "NAME=PATTERN",
       "Add the light of this group as a layer: the lights whose kind (point, area, ...), material or "

@@ -105,6 +105,17 @@ TEST_F(Shell, BashCompletesCommandsFlagsAndFiles) {
   EXPECT_THAT(Offered({"tessera", "render", "--camera"}), testing::ElementsAre("")) << "hidden flags";
 }
 
+TEST_F(Shell, BashCompletesWordsThatAreKnown) {
+  if (!IsInstalled("bash")) GTEST_SKIP() << "bash is not installed";
+  EXPECT_THAT(Offered({"tessera", "completion", ""}), testing::ElementsAre("bash", "zsh", "fish"));
+  EXPECT_THAT(Offered({"tessera", "man", "watc"}), testing::ElementsAre("watch"));
+  EXPECT_THAT(Offered({"tessera", "render", "--exr-type", ""}), testing::ElementsAre("half", "float"));
+  EXPECT_THAT(Offered({"tessera", "render", "--accelerator", "b"}), testing::ElementsAre("bvh"));
+  EXPECT_THAT(Offered({"tessera", "render", "--aov", "albedo,dep"}), testing::ElementsAre("albedo,depth"));
+  EXPECT_THAT(Offered({"tessera", "render", "--denoiser", ""}), testing::ElementsAre("regression", "oidn"));
+  EXPECT_THAT(Offered({"tessera", "render", "--denoise", "--j"}), testing::ElementsAre("--json"));
+}
+
 TEST_F(Shell, TheOtherShellsAcceptTheirScripts) {
   for (const std::string shell : {"zsh", "fish"}) {
     if (!IsInstalled(shell)) continue;

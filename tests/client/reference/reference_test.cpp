@@ -17,7 +17,9 @@ std::vector<CommandReference> Table() {
                           "Render a scene",
                           {{{"-o", "--output"}, "FILE", "Picture file: [.exr], or 'png'"},
                            {{"--spp"}, "N", "Samples per pixel", false},
-                           {{"--json"}, "", "Print JSON"}},
+                           {{"--json"}, "", "Print JSON"},
+                           {{"--type"}, "TYPE", "Type: half, or full (slow) [default: half]"},
+                           {{"--aov"}, "LIST", "Layers, separated by commas: albedo, depth"}},
                           {{{"SCENE"}, "", "Scene file", true}},
                           {{"Render it", "tessera render .hidden.pbrt -o a\\b.exr"}}};
   return {render, {"jobs", "List the jobs", {}, {}, {}}};
@@ -45,6 +47,16 @@ TEST(CompletionScript, KnowsThreeShells) {
   const std::string fish = *CompletionScript("fish", Table());
   EXPECT_THAT(fish, HasSubstr("-s o -l output -r -F"));
   EXPECT_THAT(fish, HasSubstr("-l spp -x -d 'Samples per pixel'"));
+}
+
+TEST(CompletionScript, OffersTheWordsThatTheHelpLists) {
+  EXPECT_THAT(*CompletionScript("bash", Table()), HasSubstr("--type) choices='half full' ;;"));
+  const std::string zsh = *CompletionScript("zsh", Table());
+  EXPECT_THAT(zsh, HasSubstr("'--type[Type]:TYPE:(half full)'"));
+  EXPECT_THAT(zsh, HasSubstr("LIST:_values -s , name albedo depth'"));
+  const std::string fish = *CompletionScript("fish", Table());
+  EXPECT_THAT(fish, HasSubstr("-l type -x -a 'half full' -d"));
+  EXPECT_THAT(fish, HasSubstr("-l aov -x -a '(__fish_append , albedo depth)' -d"));
 }
 
 TEST(ManualPage, EscapesWhatMeansSomethingToGroff) {
