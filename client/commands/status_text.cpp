@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/commands/text_table.h"
 #include "proto/identity/subject.h"
 
 namespace tessera {
@@ -154,33 +155,49 @@ std::string JobText(const JobStatus& status) {
 }
 
 std::string JobTable(const std::vector<JobStatus>& jobs) {
-  std::string table =
-      fmt::format("{:>6}  {:<24}  {:<12}  {:>8}  {:<9}  {:>7}  {:>11}  {:>12}  {:>7}  {:>12}\n", "JOB",
-                  "NAME", "OWNER", "PRIORITY", "STATE", "DONE", "FRAMES", "SAMPLES/S", "WORKERS", "ELAPSED");
+  TextTable table({{"JOB", Align::kRight},
+                   {"NAME", Align::kLeft},
+                   {"OWNER", Align::kLeft},
+                   {"PRIORITY", Align::kRight},
+                   {"STATE", Align::kLeft},
+                   {"DONE", Align::kRight},
+                   {"FRAMES", Align::kRight},
+                   {"SAMPLES/S", Align::kRight},
+                   {"WORKERS", Align::kRight},
+                   {"ELAPSED", Align::kRight}});
   for (const JobStatus& job : jobs) {
-    const std::string frames = fmt::format("{}/{}", job.frames_finished, job.frames_total);
-    table +=
-        fmt::format("{:>6}  {:<24}  {:<12}  {:>8}  {:<9}  {:>5.1f} %  {:>11}  {:>12.0f}  {:>7}  {:>12}{}\n",
-                    Number(job.job), job.name, job.owner.name, job.priority, JobStateName(job.state),
-                    Percent(job), frames, job.samples_per_second, job.workers,
-                    DurationText(Seconds(job.elapsed)), job.reason.empty() ? "" : "  " + job.reason);
+    table.Add({std::to_string(Number(job.job)), job.name, job.owner.name, std::to_string(job.priority),
+               JobStateName(job.state), fmt::format("{:.1f} %", Percent(job)),
+               fmt::format("{}/{}", job.frames_finished, job.frames_total),
+               fmt::format("{:.0f}", job.samples_per_second), std::to_string(job.workers),
+               DurationText(Seconds(job.elapsed))},
+              job.reason);
   }
-  return table;
+  return table.Text();
 }
 
 std::string WorkerTable(const std::vector<WorkerStatus>& workers) {
-  std::string table = fmt::format(
-      "{:<16}  {:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5}  {:>5}  {:>12}  {:>9}  {}\n", "WORKER", "NAME",
-      "SLOTS", "LEASES", "FINISHED", "FAILED", "SPEED", "BUSY", "SAMPLES/S", "SILENT", "VERSION");
+  TextTable table({{"WORKER", Align::kLeft},
+                   {"NAME", Align::kLeft},
+                   {"SLOTS", Align::kRight},
+                   {"LEASES", Align::kRight},
+                   {"FINISHED", Align::kRight},
+                   {"FAILED", Align::kRight},
+                   {"SPEED", Align::kRight},
+                   {"BUSY", Align::kRight},
+                   {"SAMPLES/S", Align::kRight},
+                   {"SILENT", Align::kRight},
+                   {"VERSION", Align::kLeft}});
   for (const WorkerStatus& worker : workers) {
-    const std::string remark = WorkerRemark(worker);
-    table += fmt::format(
-        "{:016x}  {:<24}  {:>5}  {:>6}  {:>8}  {:>6}  {:>5.2f}  {:>3.0f} %  {:>12.0f}  {:>9}  {}{}\n",
-        Number(worker.worker), worker.name, worker.slots, worker.leases, worker.units_finished,
-        worker.units_failed, worker.speed, 100 * worker.utilisation, worker.samples_per_second,
-        DurationText(Seconds(worker.silent)), worker.software_version, remark.empty() ? "" : "  " + remark);
+    table.Add(
+        {fmt::format("{:016x}", Number(worker.worker)), worker.name, std::to_string(worker.slots),
+         std::to_string(worker.leases), std::to_string(worker.units_finished),
+         std::to_string(worker.units_failed), fmt::format("{:.2f}", worker.speed),
+         fmt::format("{:.0f} %", 100 * worker.utilisation), fmt::format("{:.0f}", worker.samples_per_second),
+         DurationText(Seconds(worker.silent)), worker.software_version},
+        WorkerRemark(worker));
   }
-  return table;
+  return table.Text();
 }
 
 std::string JobJson(const JobStatus& status) {

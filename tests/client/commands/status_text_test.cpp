@@ -68,7 +68,7 @@ TEST(StatusText, ShowsThePriorityUnlessItIsZero) {
   EXPECT_EQ(JobText(status).find("priority"), std::string::npos);
   status.priority = -7;
   EXPECT_THAT(JobText(status), HasSubstr("\"shot\", priority -7: "));
-  EXPECT_THAT(JobTable({status}), HasSubstr("      -7  "));
+  EXPECT_THAT(JobTable({status}), HasSubstr("  -7  "));
 }
 
 TEST(StatusText, ShowsTheOwnerIfItIsKnown) {

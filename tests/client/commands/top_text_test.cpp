@@ -9,6 +9,7 @@
 namespace tessera {
 namespace {
 
+using testing::Contains;
 using testing::HasSubstr;
 
 JobStatus JobOf(uint64_t id, JobState state, const std::string& name) {
@@ -77,6 +78,27 @@ TEST(TopScreen, PutsWhatNeedsAttentionFirst) {
   EXPECT_THAT(lines[Find(lines, "old")], HasSubstr("(no light)"));
   EXPECT_LT(Find(lines, "blade-2"), Find(lines, "blade-1"));
   EXPECT_THAT(lines[Find(lines, "blade-2")], HasSubstr("quarantined"));
+}
+
+TEST(TopScreen, ShowsNamesAndReasonsOnNarrowTerminals) {
+  FarmView view = ViewOf(1, 2);
+  view.jobs.front().left = std::chrono::seconds(125);
+  view.jobs.push_back(JobOf(2, JobState::kPaused, "hall"));
+  view.jobs.back().reason = "disk full";
+  view.workers[1].quarantined = true;
+  view.workers[1].reason = "wrong bits";
+  const auto wide = TopScreen(view, {80, 24});
+  EXPECT_THAT(wide,
+              Contains("    1  running    [##........]  25.0 %    2 min 5 s  film-1            0 workers"));
+  EXPECT_THAT(wide,
+              Contains("idle         [..........]   0 %  blade-1                       1000 samples/s"));
+  EXPECT_THAT(wide, Contains(HasSubstr("?  hall  (disk full)")));
+  const auto narrow = TopScreen(view, {40, 24});
+  EXPECT_THAT(narrow, Contains("farm:7700   1 running, 1 waiting"));
+  EXPECT_THAT(narrow, Contains("2 workers with 16 threads"));
+  EXPECT_THAT(narrow, Contains("  1 running    25 % film-1  2 min 5 s"));
+  EXPECT_THAT(narrow, Contains("  2 paused     25 % hall  ?  (disk full)"));
+  EXPECT_THAT(narrow, Contains("quarantined   0 % blade-2  (wrong bits)"));
 }
 
 TEST(TopLines, LeavesNothingOut) {
