@@ -20,6 +20,15 @@ constexpr std::string_view kShadesFromDark = " .:-=+*#%@";
 // greys follow it.
 constexpr int kCubeLevels[] = {0, 95, 135, 175, 215, 255};
 constexpr int kCubeStart = 16, kGreyStart = 232, kGreys = 24;
+constexpr int kGreySpan = 16;  // between the channels of colours that are shown as greys
+
+// A 4 x 4 Bayer matrix.
+constexpr int kBayer[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
+
+// What is added to a fraction before it is rounded down, so that its mean is right over some pixels.
+double DitherThreshold(int x, int y) {
+  return (kBayer[y % 4][x % 4] + 0.5) / 16;
+}
 
 int SquaredDistance(const Rgb& color, const std::array<int, 3>& other) {
   int sum = 0;
@@ -41,9 +50,25 @@ int NearestOf256(const Rgb& color) {
   return kCubeStart + 36 * level[0] + 6 * level[1] + level[2];
 }
 
+// The levels of the cube are far apart, so colours are mixed of neighbouring pixels.
+int DitheredOf256(const Rgb& color, int x, int y) {
+  const auto [low, high] = std::ranges::minmax(color);
+  if (high - low < kGreySpan) return NearestOf256(color);
+  int index = 0;
+  for (const uint8_t value : color) {
+    int level = 0;
+    while (level + 2 < static_cast<int>(std::size(kCubeLevels)) && kCubeLevels[level + 1] <= value) ++level;
+    const double share =
+        static_cast<double>(value - kCubeLevels[level]) / (kCubeLevels[level + 1] - kCubeLevels[level]);
+    index = index * 6 + level + static_cast<int>(share + DitherThreshold(x, y));
+  }
+  return kCubeStart + index;
+}
+
 // Selects a colour for what is above (38) or below (48) in the cells that follow.
-std::string ColorText(int plane, const Rgb& color, Graphics kind) {
-  if (kind == Graphics::kColors256) return fmt::format("\x1b[{};5;{}m", plane, NearestOf256(color));
+std::string ColorText(int plane, const SmallPicture& picture, int x, int y, Graphics kind) {
+  const Rgb color = y < picture.height ? picture.At(x, y) : Rgb{};
+  if (kind == Graphics::kColors256) return fmt::format("\x1b[{};5;{}m", plane, DitheredOf256(color, x, y));
   return fmt::format("\x1b[{};2;{};{};{}m", plane, color[0], color[1], color[2]);
 }
 
@@ -60,9 +85,8 @@ std::string ShadesLine(const SmallPicture& picture, int y) {
 std::string HalvesLine(const SmallPicture& picture, int y, Graphics kind) {
   std::string line, above_now, below_now;
   for (int x = 0; x < picture.width; ++x) {
-    const Rgb above = picture.At(x, y);
-    const Rgb below = y + 1 < picture.height ? picture.At(x, y + 1) : Rgb{};
-    std::string above_text = ColorText(38, above, kind), below_text = ColorText(48, below, kind);
+    std::string above_text = ColorText(38, picture, x, y, kind);
+    std::string below_text = ColorText(48, picture, x, y + 1, kind);
     if (above_text != above_now) line += above_now = std::move(above_text);
     if (below_text != below_now) line += below_now = std::move(below_text);
     line += kUpperHalf;
@@ -72,16 +96,13 @@ std::string HalvesLine(const SmallPicture& picture, int y, Graphics kind) {
 
 constexpr int kSixelLevels = 6;
 constexpr int kBandRows = 6;  // of pixels in one character of sixels
-// A 4 x 4 Bayer matrix.
-constexpr int kBayer[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
 
 // The colour of the cube that stands for the pixel at this place.
 int DitheredColor(const Rgb& color, int x, int y) {
   int index = 0;
   for (const uint8_t value : color) {
     const double exact = value * (kSixelLevels - 1) / 255.0;
-    const double threshold = (kBayer[y % 4][x % 4] + 0.5) / 16;
-    const int level = std::min(static_cast<int>(exact + threshold), kSixelLevels - 1);
+    const int level = std::min(static_cast<int>(exact + DitherThreshold(x, y)), kSixelLevels - 1);
     index = index * kSixelLevels + level;
   }
   return index;

@@ -11,6 +11,7 @@ namespace tessera {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 constexpr const char* kHalf = "\xe2\x96\x80";
 
@@ -49,6 +50,18 @@ TEST(CellLines, ShowTwoPixelsInEachCell) {
   EXPECT_THAT(CellLines({1, 1, {128, 128, 128}}, Graphics::kColors256),
               ElementsAre("\x1b[38;5;244m\x1b[48;5;16m" + half + "\x1b[0m"))
       << "a grey of the 24, and a picture of an odd number of rows";
+}
+
+// Of the cube of 256 colours: black, and the darkest red.
+TEST(CellLines, MixColoursThatTheTerminalLacksOfThoseThatItHas) {
+  SmallPicture dark{4, 4, {}};
+  for (int i = 0; i < 16; ++i) dark.rgb.insert(dark.rgb.end(), {48, 0, 0});
+  std::string text;
+  for (const std::string& line : CellLines(dark, Graphics::kColors256)) text += line;
+  EXPECT_THAT(text, HasSubstr(";5;16m"));
+  EXPECT_THAT(text, HasSubstr(";5;52m"));
+  for (const char* other : {";5;17m", ";5;53m", ";5;88m", ";5;233m"})
+    EXPECT_EQ(text.find(other), std::string::npos) << other;
 }
 
 TEST(CellLines, HaveNoControlSequencesWithoutColours) {
