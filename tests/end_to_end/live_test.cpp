@@ -122,12 +122,11 @@ TEST_F(Live, ThePictureIsDrawnIntoATerminalAndLeftThereAtTheEnd) {
   const std::string job = Submit(BoxScene(), {"--spp", "64"});
   const std::string watch = "$tessera watch " + job + " --picture --coordinator " + address();
   const auto on_terminal = [&](const std::string& variables, char key) {
-    return RunShell(folder(), variables +
+    return RunShell(folder(), std::string("(exec 2>/dev/null; for i in {1..100}; do sleep 1; printf ") + key +
+                                  "; done) | " + variables +
                                   " script --quiet --return --log-out terminal --command \"stty cols 80 "
                                   "rows 24; " +
-                                  watch +
-                                  "\" >shown < <(exec 2>/dev/null; for i in {1..100}; do sleep 1; printf " +
-                                  key + "; done)");
+                                  watch + "\" >shown");
   };
   const std::string colors = "TERM=xterm-256color COLORTERM=truecolor LC_ALL=C.UTF-8";
   EXPECT_EQ(on_terminal(colors, 'q').code, 0);
