@@ -13,7 +13,7 @@ export const kCurves = {
 export function curveOf(layer) {
   if (!layer || layer.name === "" || layer.name === "~lights") return "neutral";
   if (layer.channels.length === 1) return "range";
-  return layer.name.startsWith("normal") ? "vector" : "srgb";
+  return layer.name.replace(/^denoising_/, "").startsWith("normal") ? "vector" : "srgb";
 }
 
 // IEC 61966-2-1, by the root of the linear value: dark values have as many steps as bright ones.

@@ -132,7 +132,7 @@ class PictureDenoiser {
       const float* const weight = sums_[TileContributions::kWeight].At(0, y - strip_y0);
       for (size_t s = 0; s < signals_; ++s) {
         const float* const sum = sums_[s < kColors ? s : s + 1].At(0, y - strip_y0);
-        const float* const albedo = strip_.features[kAlbedoFeature + s % kColors].At(0, y);
+        const float* const albedo = strip_.albedo[s % kColors].At(0, y);
         for (size_t x = 0; x < width; ++x)
           row[x * signals_ + s] = sum[x] / std::max(weight[x], kWeightMin) * AlbedoFactor(albedo[x]);
       }

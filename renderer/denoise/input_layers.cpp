@@ -93,6 +93,8 @@ Result<InputLayers> FindInputLayers(const LoadedPicture& picture, const std::str
   auto normal = FindThree(picture, "normal.", "XYZ");
   if (!normal) normal = FindThree(picture, "N.", "XYZ");
   take("normal", normal, layers.normal);
+  layers.guiding_albedo = FindThree(picture, "denoising_albedo.", "RGB").value_or(layers.albedo);
+  layers.guiding_normal = FindThree(picture, "denoising_normal.", "XYZ").value_or(layers.normal);
   auto depth = Find(picture, "depth.Z");
   if (!depth) depth = Find(picture, "Z");
   layers.has_depth = depth.has_value();

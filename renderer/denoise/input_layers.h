@@ -21,6 +21,9 @@ struct GroupLayer {
 // Indices of channels.
 struct InputLayers {
   std::array<size_t, kColors> color{}, halves{}, albedo{}, normal{};
+  // Of what is seen in mirrors and through glass. A picture that lacks these layers has those of the first
+  // surface here.
+  std::array<size_t, kColors> guiding_albedo{}, guiding_normal{};
   size_t depth = 0;
   bool has_depth = false, has_halves = false;
   std::vector<GroupLayer> groups;

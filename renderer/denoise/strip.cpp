@@ -64,6 +64,7 @@ void StripLoader::Resize(int y0, int y1, Strip& strip) {
   for (auto& half : strip.halves) std::ranges::for_each(half, resize);
   std::ranges::for_each(strip.variance, resize);
   std::ranges::for_each(strip.features, resize);
+  std::ranges::for_each(strip.albedo, resize);
   strip.groups.resize(layers_.groups.size());
   for (auto& group : strip.groups) std::ranges::for_each(group, resize);
   std::ranges::for_each(darkening_, resize);
@@ -78,8 +79,9 @@ void StripLoader::LoadRow(int y, Strip& strip) const {
       const float color = pixel[layers_.color[c]], difference = pixel[layers_.halves[c]];
       *strip.halves[0][c].At(x, y) = Finite((color + difference) * layers_.half_scales[0], kColorMax);
       *strip.halves[1][c].At(x, y) = Finite((color - difference) * layers_.half_scales[1], kColorMax);
-      *strip.features[kAlbedoFeature + c].At(x, y) = UsableAlbedo(pixel[layers_.albedo[c]]);
-      *strip.features[kNormalFeature + c].At(x, y) = Finite(pixel[layers_.normal[c]], 1);
+      *strip.albedo[c].At(x, y) = UsableAlbedo(pixel[layers_.albedo[c]]);
+      *strip.features[kAlbedoFeature + c].At(x, y) = UsableAlbedo(pixel[layers_.guiding_albedo[c]]);
+      *strip.features[kNormalFeature + c].At(x, y) = Finite(pixel[layers_.guiding_normal[c]], 1);
     }
     for (size_t g = 0; g < layers_.groups.size(); ++g) {
       for (size_t c = 0; c < kColors; ++c)
@@ -94,6 +96,7 @@ void StripLoader::LoadRow(int y, Strip& strip) const {
     for (Plane& plane : half) MirrorRow(plane, y, width_, kOuterMargin);
   }
   for (Plane& plane : strip.features) MirrorRow(plane, y, width_, kOuterMargin);
+  for (Plane& plane : strip.albedo) MirrorRow(plane, y, width_, kOuterMargin);
 }
 
 void StripLoader::DarkenRow(int y, const Strip& strip) {
@@ -104,7 +107,7 @@ void StripLoader::DarkenRow(int y, const Strip& strip) {
 void StripLoader::DivideGroups(int y, size_t c, Strip& strip) const {
   const float *const a = strip.halves[0][c].At(0, y), *const b = strip.halves[1][c].At(0, y);
   const float *const darkening_a = darkening_[0].At(0, y), *const darkening_b = darkening_[1].At(0, y);
-  const float* const albedo = strip.features[kAlbedoFeature + c].At(0, y);
+  const float* const albedo = strip.albedo[c].At(0, y);
   for (auto& group : strip.groups) {
     float* const row = group[c].At(0, y);
     for (int x = 0; x < width_; ++x) {
@@ -123,7 +126,7 @@ void StripLoader::DivideRow(int y, Strip& strip) const {
     for (size_t half = 0; half < 2; ++half) {
       const float* const darkening = darkening_[half].At(0, y);
       float* const row = strip.halves[half][c].At(0, y);
-      const float* const albedo = strip.features[kAlbedoFeature + c].At(0, y);
+      const float* const albedo = strip.albedo[c].At(0, y);
       for (int x = 0; x < width_; ++x) row[x] *= darkening[x] / AlbedoFactor(albedo[x]);
       MirrorRow(strip.halves[half][c], y, width_, kOuterMargin);
     }

@@ -20,7 +20,8 @@ constexpr int kStripMargin = kWindowRadius + kPatchRadius;
 // vectorised.
 constexpr int kTile = 32;
 
-constexpr size_t kFeatures = 7;  // albedo, normal, logarithm of the depth
+// Albedo and normal that guide (InputLayers), logarithm of the depth.
+constexpr size_t kFeatures = 7;
 constexpr size_t kAlbedoFeature = 0, kNormalFeature = 3, kDepthFeature = 6;
 
 // Values of pixels of some rows and columns, row by row.
@@ -46,12 +47,14 @@ class Plane {
   std::vector<float> values_;
 };
 
-// The colours are divided by AlbedoFactor of their pixel. Beyond the picture, up to kStripMargin pixels, the
-// values are those of its mirror image.
+// The colours are divided by AlbedoFactor of their pixel, of the first surface: what mirrors and glass show
+// has noise, which would remain in colours that are multiplied by it. Beyond the picture, up to kStripMargin
+// pixels, the values are those of its mirror image.
 struct Strip {
   std::array<std::array<Plane, kColors>, 2> halves;  // means of the samples of each half
   std::array<Plane, kColors> variance;               // of the means of one half
   std::array<Plane, kFeatures> features;
+  std::array<Plane, kColors> albedo;
   std::vector<std::array<Plane, kColors>> groups;  // the light of each group, of all samples
 };
 

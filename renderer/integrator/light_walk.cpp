@@ -44,7 +44,11 @@ typename LightWalk<Sink>::Event LightWalk<Sink>::Advance() {
     if (!world.materials.IsInterface(interaction.material)) {
       in_medium_ = false;
       if constexpr (Sink::kRecords) {
-        if (depth_ == 0) sink_.ReachFirstSurface(context_, hit, interaction);
+        if (depth_ == 0) {
+          sink_.ReachFirstSurface(context_, hit, interaction);
+        } else if (!was_spread_) {
+          sink_.ReachNextSurface(context_, interaction, throughput_);
+        }
       }
       return Event::kOnSurface;
     }
@@ -117,6 +121,7 @@ void LightWalk<Sink>::Leave(const Ray& next, SampledSpectrum weight, const First
                             bool is_specular) {
   throughput_ *= weight;
   was_specular_ = is_specular;
+  was_spread_ |= !is_specular;
   is_shadowed_ = false;
   light_links_ = in_medium_ ? context_.world.links.media() : interaction.light_links;
   if (depth_ == 0) first_ = vertex;

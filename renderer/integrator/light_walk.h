@@ -84,6 +84,7 @@ class LightWalk {
   FirstVertex first_;
   bool in_medium_ = false;     // the last event
   bool was_specular_ = false;  // the last scattering event
+  bool was_spread_ = false;    // whether any was not specular
   // Whether the ray has passed hidden surfaces that cast shadows since then.
   bool is_shadowed_ = false;
   uint64_t light_links_ = kAllLightLinks;  // of where it was

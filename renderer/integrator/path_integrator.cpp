@@ -104,7 +104,11 @@ bool PathTracer<Transport, Sink>::Extend() {
   if (interaction.area_light >= 0) AddEmission(interaction);
   if (context_.world.materials.IsInterface(interaction.material)) return CrossInterface(interaction);
   if constexpr (Sink::kRecords) {
-    if (depth_ == 0) sink_.ReachFirstSurface(context_, hit, interaction);
+    if (depth_ == 0) {
+      sink_.ReachFirstSurface(context_, hit, interaction);
+    } else if (!was_spread_) {
+      sink_.ReachNextSurface(context_, interaction, transport_.Throughput());
+    }
   }
   return ScatterOnSurface(interaction);
 }

@@ -38,6 +38,20 @@ void RecordingSink::ReachFirstSurface(const PathContext& context, const Hit& hit
   const Bsdf bsdf = BsdfAt({context.world, context.settings, wavelengths, sampler, context.counts}, surface);
   const SampledSpectrum albedo = needs().albedo ? AlbedoOf(bsdf, surface) : SampledSpectrum(0.0f);
   recorder_.AddFirstHit({hit, surface, Length(surface.p - origin_), albedo});
+  seeks_mirrored_ = needs().mirrored && !bsdf.HasNonSpecular();
+}
+
+void RecordingSink::SeekMirrored(const PathContext& context, const SurfaceInteraction& interaction,
+                                 SampledSpectrum throughput) {
+  SurfaceInteraction surface = interaction;
+  SampledWavelengths wavelengths = context.wavelengths;
+  Sampler sampler = context.sampler;
+  const Bsdf bsdf = BsdfAt({context.world, context.settings, wavelengths, sampler, context.counts}, surface);
+  if (!bsdf.HasNonSpecular()) return;
+  seeks_mirrored_ = false;
+  const SampledSpectrum albedo =
+      needs().albedo ? AlbedoOf(bsdf, surface) * throughput : SampledSpectrum(0.0f);
+  recorder_.AddMirrored({FaceForward(surface.shading.n, surface.wo), albedo});
 }
 
 }  // namespace tessera

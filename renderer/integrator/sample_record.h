@@ -6,6 +6,8 @@
 // and, if kRecords,
 //   void ReachFirstSurface(const PathContext& context, const Hit& hit, const SurfaceInteraction&
 //   interaction);
+//   void ReachNextSurface(const PathContext& context, const SurfaceInteraction& interaction,
+//                         SampledSpectrum throughput);      after nothing but specular scattering
 //   void AddShadow(SampledSpectrum blocked);
 //   void Escape(SampledSpectrum transmittance);
 //   const RecordNeeds& needs() const;
@@ -64,12 +66,21 @@ struct FirstHit {
   SampledSpectrum albedo;
 };
 
+// What is seen in mirrors and through clear glass: the first surface along the path that does not only
+// reflect and refract perfectly.
+struct MirroredSurface {
+  Normal3 n;  // of shading, in rendering space, towards where the path comes from
+  // As that of FirstHit, times the share of light that reaches the camera from there; 0 if it is not needed.
+  SampledSpectrum albedo;
+};
+
 // What a recorder looks at. What it does not need may be left out.
 struct RecordNeeds {
   bool surface = true;  // the first hit
-  bool albedo = true;   // of the first hit
+  bool albedo = true;   // of the first hit and of what is mirrored
   bool lobes = true;    // LightPath::first
   bool shadow = true;
+  bool mirrored = true;  // MirroredSurface; needs `surface`
 };
 
 // Receives the parts of samples. Used by one thread at a time.
@@ -83,6 +94,9 @@ class SampleRecorder {
   virtual void Add(SampledSpectrum contribution, const LightPath& path) = 0;
   // At most once a path.
   virtual void AddFirstHit(const FirstHit& first) = 0;
+  // At most once a path, after its first hit: if that is perfectly specular and a surface is found that is
+  // not.
+  virtual void AddMirrored(const MirroredSurface& mirrored) = 0;
   // The light of a light source that would be scattered at the first vertex if nothing were in between, as
   // light sampling alone estimates it. In the units of contributions, but no part of the radiance.
   virtual void AddShadow(SampledSpectrum blocked) = 0;
@@ -117,12 +131,21 @@ class RecordingSink {
   const RecordNeeds& needs() const { return recorder_.needs(); }
   // Leaves interaction, wavelengths and sampler as they are.
   void ReachFirstSurface(const PathContext& context, const Hit& hit, const SurfaceInteraction& interaction);
+  // The same.
+  void ReachNextSurface(const PathContext& context, const SurfaceInteraction& interaction,
+                        SampledSpectrum throughput) {
+    if (seeks_mirrored_) SeekMirrored(context, interaction, throughput);
+  }
 
   SampledSpectrum radiance{0.0f};
 
  private:
+  void SeekMirrored(const PathContext& context, const SurfaceInteraction& interaction,
+                    SampledSpectrum throughput);
+
   Point3 origin_;
   SampleRecorder& recorder_;
+  bool seeks_mirrored_ = false;  // all surfaces so far were perfectly specular
 };
 
 }  // namespace tessera

@@ -12,7 +12,8 @@ namespace {
 constexpr size_t kComponentsMax = 4;
 
 RecordNeeds Union(const RecordNeeds& a, const RecordNeeds& b) {
-  return {a.surface || b.surface, a.albedo || b.albedo, a.lobes || b.lobes, a.shadow || b.shadow};
+  return {a.surface || b.surface, a.albedo || b.albedo, a.lobes || b.lobes, a.shadow || b.shadow,
+          a.mirrored || b.mirrored};
 }
 
 // What the values of a channel are multiplied by.
@@ -43,7 +44,7 @@ void AddScattered(SampledSpectrum contribution, const FirstVertex& first, Scatte
 }  // namespace
 
 LayerRecorder::LayerRecorder(const LayerScene& scene, const ChannelLayout& layout)
-    : SampleRecorder({false, false, false, false}), scene_(scene) {
+    : SampleRecorder({false, false, false, false, false}), scene_(scene) {
   AddGroups(layout);
   for (const Kind<Layer>& kind : Layers().kinds()) AddOutput(kind, layout);
   if (scene.gbuffer == GbufferSpace::kNone) return;

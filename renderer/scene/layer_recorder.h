@@ -36,6 +36,7 @@ class LayerRecorder : public SampleRecorder {
 
   void Add(SampledSpectrum contribution, const LightPath& path) override;
   void AddFirstHit(const FirstHit& first) override;
+  void AddMirrored(const MirroredSurface& mirrored) override { parts_.mirrored = mirrored; }
   void AddShadow(SampledSpectrum blocked) override { parts_.shadow += blocked; }
   void Escape(SampledSpectrum transmittance) override { parts_.transmittance = transmittance; }
 

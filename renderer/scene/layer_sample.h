@@ -39,6 +39,7 @@ struct SampleParts {
   SampledSpectrum shadow{0.0f};
   SampledSpectrum transmittance{0.0f};  // 0 unless the camera ray leaves the scene
   std::optional<SeenSurface> surface;
+  std::optional<MirroredSurface> mirrored;
   std::vector<SampledSpectrum> groups;  // of lights
 };
 

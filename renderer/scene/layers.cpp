@@ -29,6 +29,17 @@ void FillAlbedo(const SeenSurface& seen, const LayerSample& sample, float* value
 void FillNormal(const SeenSurface& seen, const LayerSample&, float* values) {
   Put(FaceForward(seen.interaction.shading.n, seen.interaction.wo), values);
 }
+// What denoisers are guided by: of what is mirrored, or of the first surface if nothing is.
+void FillDenoisingAlbedo(const SeenSurface& seen, const LayerSample& sample, float* values) {
+  const auto& mirrored = sample.parts.mirrored;
+  if (!mirrored) return FillAlbedo(seen, sample, values);
+  Put(sample.scene.sensor.ReflectanceToRgb(mirrored->albedo, sample.first_wavelengths), values);
+}
+void FillDenoisingNormal(const SeenSurface& seen, const LayerSample& sample, float* values) {
+  const auto& mirrored = sample.parts.mirrored;
+  if (!mirrored) return FillNormal(seen, sample, values);
+  Put(mirrored->n, values);
+}
 void FillGeometricNormal(const SeenSurface& seen, const LayerSample&, float* values) {
   Put(FaceForward(seen.interaction.n, seen.interaction.wo), values);
 }
@@ -92,11 +103,13 @@ void FillLobe(const LayerSample& sample, float* values) {
 
 // ---- The table
 
-constexpr RecordNeeds kNothing{false, false, false, false};
-constexpr RecordNeeds kSurface{true, false, false, false};
-constexpr RecordNeeds kAlbedo{true, true, false, false};
-constexpr RecordNeeds kLobes{false, false, true, false};
-constexpr RecordNeeds kShadow{false, false, false, true};
+constexpr RecordNeeds kNothing{false, false, false, false, false};
+constexpr RecordNeeds kSurface{true, false, false, false, false};
+constexpr RecordNeeds kAlbedo{true, true, false, false, false};
+constexpr RecordNeeds kMirroredNormal{true, false, false, false, true};
+constexpr RecordNeeds kMirroredAlbedo{true, true, false, false, true};
+constexpr RecordNeeds kLobes{false, false, true, false, false};
+constexpr RecordNeeds kShadow{false, false, false, true, false};
 
 // Light, as colours with the precision of the picture's own.
 constexpr Layer Light(void (*fill)(const LayerSample&, float*), const RecordNeeds& needs = kNothing) {
@@ -161,6 +174,8 @@ constexpr Kind<Layer> kLayers[] = {
      {"RGB", ChannelType::kVariance, MergeRule::kSum, kNothing, FillVariance}},
     {kLightGroupsLayer, Support::kSupported, {}},
     {"halves", Support::kSupported, Mean("RGB", kNothing, FillHalves)},
+    {"denoising_albedo", Support::kSupported, Mean("RGB", kMirroredAlbedo, OfSurface<FillDenoisingAlbedo>)},
+    {"denoising_normal", Support::kSupported, Mean("XYZ", kMirroredNormal, OfSurface<FillDenoisingNormal>)},
 };
 constexpr KindTable<Layer> kLayerTable("layer", kLayers);
 
@@ -183,7 +198,9 @@ std::vector<Channel> ChannelsOf(const Kind<Layer>& layer) {
 const std::vector<LayerSet>& LayerSets() {
   static const std::vector<LayerSet> sets{
       {"all", kLayerTable.Names()},
-      {"denoise", {"albedo", "normal", kDepthLayer, kMotionLayer, "variance", "halves"}},
+      {"denoise",
+       {"albedo", "normal", kDepthLayer, kMotionLayer, "variance", "halves", "denoising_albedo",
+        "denoising_normal"}},
   };
   return sets;
 }

@@ -58,6 +58,29 @@ TEST(Denoise, KeepsEdgesOfFeaturesAndOfLight) {
   EXPECT_LT(ErrorOf(Denoised(noisy), edges), before / 10);
 }
 
+// A pane of glass, whose own albedo and normal are the same everywhere, before a pattern.
+TEST(Denoise, IsGuidedByWhatIsSeenThroughGlass) {
+  const auto is_dark = [](int x, int y) { return (x / 2 + y / 3) % 2 == 0; };
+  const PaintPoint seen = [&](int x, int y) { return Point{is_dark(x, y) ? 0.3f : 1.2f, 1, 0, 1}; };
+  const LoadedPicture noisy = Rendered(80, 70, 0.8f, seen);
+  LoadedPicture guided = noisy;
+  const std::vector<std::string> guides{"denoising_albedo.B", "denoising_albedo.G", "denoising_albedo.R",
+                                        "denoising_normal.X", "denoising_normal.Y", "denoising_normal.Z"};
+  guided.channels.insert(guided.channels.end(), guides.begin(), guides.end());
+  guided.types.clear();
+  guided.values.clear();
+  for (int y = 0; y < 70; ++y) {
+    for (int x = 0; x < 80; ++x) {
+      const auto pixel = noisy.values.begin() + (y * 80 + x) * static_cast<int>(kNoisyChannels.size());
+      guided.values.insert(guided.values.end(), pixel, pixel + static_cast<int>(kNoisyChannels.size()));
+      const float albedo = is_dark(x, y) ? 0.2f : 0.8f;
+      for (const float value : {albedo, albedo, albedo, 0.0f, 0.0f, 1.0f}) guided.values.push_back(value);
+    }
+  }
+  const double without = ErrorOf(Denoised(noisy), seen), with = ErrorOf(Denoised(guided), seen);
+  EXPECT_LT(with, without / 3);
+}
+
 TEST(Denoise, LeavesAPictureWithoutNoiseAsItIs) {
   const PaintPoint shapes = [](int x, int y) {
     return Point{1 + static_cast<float>((x / 9 + y / 7) % 3), 0.3f + 0.1f * static_cast<float>(x % 5), 0, 1};

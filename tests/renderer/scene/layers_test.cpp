@@ -90,7 +90,8 @@ TEST(Layers, SetsStandForTheirLayersAndAllIsEverything) {
     }
   }
   const auto denoise = LoadWith(kBall, {"denoise"});
-  for (const char* channel : {"albedo.G", "normal.Z", "depth.Z", "variance.R", "halves.B"}) {
+  for (const char* channel : {"albedo.G", "normal.Z", "depth.Z", "variance.R", "halves.B",
+                              "denoising_albedo.R", "denoising_normal.Y"}) {
     EXPECT_TRUE(denoise->frame().Layout().SlotOf(channel)) << channel;
   }
 }

@@ -31,6 +31,11 @@ class Record : public SampleRecorder {
     EXPECT_FALSE(surface) << "two first hits in one path";
     surface = Surface{first.hit, first.surface, first.distance, first.albedo};
   }
+  void AddMirrored(const MirroredSurface& seen) override {
+    EXPECT_TRUE(surface) << "which is in its mirror image";
+    EXPECT_FALSE(mirrored) << "two surfaces in one mirror";
+    mirrored = seen;
+  }
 
   void AddShadow(SampledSpectrum blocked) override { shadow += blocked; }
   void Escape(SampledSpectrum transmittance) override {
@@ -50,6 +55,7 @@ class Record : public SampleRecorder {
 
   std::vector<Part> parts;
   std::optional<Surface> surface;
+  std::optional<MirroredSurface> mirrored;
   SampledSpectrum shadow{0.0f};
   std::optional<SampledSpectrum> escape;
 };
