@@ -11,6 +11,7 @@
 
 #include "proto/shell/console.h"
 #include "proto/shell/system.h"
+#include "proto/shell/values.h"
 #include "proto/terms.h"
 #include "renderer/text/unicode.h"
 #include "renderer/util/file.h"
@@ -61,7 +62,7 @@ LocalFarm::~LocalFarm() {
   if (closing_fd_ >= 0) ::close(closing_fd_);
 }
 
-Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Cancellation& cancellation,
+Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(const LocalWorkers& workers, Cancellation& cancellation,
                                                     const std::string& kept) {
   const auto programs = ProgramFolder();
   if (!programs) return programs.error();
@@ -71,7 +72,7 @@ Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Ca
   auto coordinator = ChildProcess::Start(
       *programs + "/tessera-coordinator",
       {"--listen", "unix:" + socket, "--data-dir", (kept.empty() ? folder->path() : kept) + "/coordinator",
-       "--keep-sums", "0", "--attempts-max", std::to_string(std::min(workers, kAttemptsMax))},
+       "--keep-sums", "0", "--attempts-max", std::to_string(std::min(workers.count, kAttemptsMax))},
       folder->path() + "/coordinator.log");
   if (!coordinator) return coordinator.error();
   std::unique_ptr<LocalFarm> farm(
@@ -79,7 +80,7 @@ Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(int workers, int threads, Ca
   farm->closing_fd_ = ::eventfd(0, EFD_CLOEXEC);
   if (farm->closing_fd_ < 0) return SystemError("eventfd", "cannot be created");
   if (auto ready = farm->AwaitCoordinator(); !ready) return ready.error();
-  if (auto started = farm->StartWorkers(*programs + "/tessera-worker", workers, threads); !started) {
+  if (auto started = farm->StartWorkers(*programs + "/tessera-worker", workers); !started) {
     return started.error();
   }
   if (auto started = farm->monitor_.Start([raw = farm.get()] { raw->Monitor(); }); !started)
@@ -99,13 +100,14 @@ Result<void> LocalFarm::AwaitCoordinator() {
   return {};
 }
 
-Result<void> LocalFarm::StartWorkers(const std::string& program, int workers, int threads) {
-  for (int i = 0; i < workers; ++i) {
+Result<void> LocalFarm::StartWorkers(const std::string& program, const LocalWorkers& workers) {
+  for (int i = 0; i < workers.count; ++i) {
     const std::string name = fmt::format("local-{}", i + 1);
-    auto worker = ChildProcess::Start(program,
-                                      {"--coordinator", address_, "--threads", std::to_string(threads),
-                                       "--cache-dir", folder_.path() + "/cache", "--name", name},
-                                      fmt::format("{}/{}.log", folder_.path(), name));
+    std::vector<std::string> words{
+        "--coordinator",           address_, "--threads", std::to_string(workers.threads), "--cache-dir",
+        folder_.path() + "/cache", "--name", name};
+    if (workers.scene_memory) words.insert(words.end(), {"--scene-memory", SizeText(*workers.scene_memory)});
+    auto worker = ChildProcess::Start(program, words, fmt::format("{}/{}.log", folder_.path(), name));
     if (!worker) return worker.error();
     workers_.push_back(std::move(*worker));
   }

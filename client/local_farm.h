@@ -1,7 +1,9 @@
 // A coordinator and workers on this machine, started for one job.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,12 @@
 
 namespace tessera {
 
+struct LocalWorkers {
+  int count = 1;                                        // processes
+  int threads = 1;                                      // of each
+  std::optional<uint64_t> scene_memory = std::nullopt;  // --scene-memory of each
+};
+
 // Its processes use a private folder and a Unix socket in it. They end with this object or with this process,
 // however it ends. If the coordinator or the last worker ends by itself, the farm cancels with the reason.
 class LocalFarm {
@@ -19,7 +27,7 @@ class LocalFarm {
   // Starts the programs that are in the folder of this one. Call from the main thread (ChildProcess).
   // `cancellation` must outlive the farm. `kept`: the folder of a data directory that outlives the farm;
   // empty for none.
-  static Result<std::unique_ptr<LocalFarm>> Start(int workers, int threads, Cancellation& cancellation,
+  static Result<std::unique_ptr<LocalFarm>> Start(const LocalWorkers& workers, Cancellation& cancellation,
                                                   const std::string& kept = "");
   ~LocalFarm();
   LocalFarm(const LocalFarm&) = delete;
@@ -29,7 +37,7 @@ class LocalFarm {
  private:
   LocalFarm(TemporaryFolder folder, std::string socket, ChildProcess coordinator, Cancellation& cancellation);
   Result<void> AwaitCoordinator();
-  Result<void> StartWorkers(const std::string& program, int workers, int threads);
+  Result<void> StartWorkers(const std::string& program, const LocalWorkers& workers);
   void Monitor();
 
   TemporaryFolder folder_;

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 
@@ -49,6 +50,18 @@ Result<LoadedFrame> LoadText(const SceneFrame& frame, Scene::Depth depth, DiskFi
   LoadedFrame loaded{std::move(*scene), files.FilesRead()};
   loaded.files[frame.name()] = {"", Sha256(*frame.text), frame.text->size()};
   return loaded;
+}
+
+Result<LoadedFrame> ReadUnbounded(const SceneFrame& frame, Scene::Depth depth,
+                                  const std::shared_ptr<SharedCache>& cache) {
+  DiskFileSource files(frame.folder(), cache);
+  if (frame.text != nullptr) return LoadText(frame, depth, files);
+  // Only files that a scene refers to are searched for. The scene itself is the file that the user named.
+  if (::access(frame.path.c_str(), R_OK) != 0)
+    return BadInput(fmt::format("{}: cannot be opened: {}", frame.path, std::strerror(errno)));
+  auto scene = Scene::Load(files, frame.name(), frame.options, depth);
+  if (!scene) return scene.error();
+  return LoadedFrame{std::move(*scene), files.FilesRead()};
 }
 
 }  // namespace
@@ -98,20 +111,19 @@ Result<std::vector<SceneFrame>> ListFrames(const SceneOptions& options) {
   }
   std::vector<SceneFrame> frames;
   for (SequenceFrame& frame : FramesOf(options.path, options.render, options.frames, options.fps))
-    frames.push_back({std::move(frame)});
+    frames.push_back({std::move(frame), nullptr, options.scene_memory});
   return frames;
+}
+
+LoadLimits LimitsOf(const SceneFrame& frame) {
+  constexpr std::chrono::seconds kAnyTime = std::chrono::years(1);
+  if (frame.memory) return {*frame.memory, kAnyTime};
+  return {UsableMemory(), kAnyTime, "all of this machine or its control group"};
 }
 
 Result<LoadedFrame> LoadFrame(const SceneFrame& frame, Scene::Depth depth,
                               const std::shared_ptr<SharedCache>& cache) {
-  DiskFileSource files(frame.folder(), cache);
-  if (frame.text != nullptr) return LoadText(frame, depth, files);
-  // Only files that a scene refers to are searched for. The scene itself is the file that the user named.
-  if (::access(frame.path.c_str(), R_OK) != 0)
-    return BadInput(fmt::format("{}: cannot be opened: {}", frame.path, std::strerror(errno)));
-  auto scene = Scene::Load(files, frame.name(), frame.options, depth);
-  if (!scene) return scene.error();
-  return LoadedFrame{std::move(*scene), files.FilesRead()};
+  return LoadWithinLimits(frame.path, LimitsOf(frame), [&] { return ReadUnbounded(frame, depth, cache); });
 }
 
 }  // namespace tessera

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "client/scene_options.h"
 #include "proto/sequence/sequence_frames.h"
 #include "renderer/description/file_source.h"
+#include "renderer/load/limited_load.h"
 #include "renderer/scene/scene.h"
 #include "renderer/util/shared_cache.h"
 
@@ -21,6 +23,7 @@ constexpr uint64_t kSharedBytesMax = uint64_t{2} << 30;
 struct SceneFrame : SequenceFrame {
   // If not null, what is read instead of the file: the scene came from standard input.
   std::shared_ptr<const std::string> text = nullptr;
+  std::optional<uint64_t> memory = std::nullopt;  // SceneOptions::scene_memory
 
   std::string folder() const;
   std::string name() const;  // of the file in its folder
@@ -45,7 +48,10 @@ struct LoadedFrame {
   std::map<std::string, DiskFileSource::File> files;  // by the names that the scene uses
 };
 
-// Reads the scene file and all files it refers to.
+// Of memory, by default all that the machine or the control group has. Of time, any: the user can interrupt.
+LoadLimits LimitsOf(const SceneFrame& frame);
+
+// Reads the scene file and all files it refers to, within LimitsOf.
 Result<LoadedFrame> LoadFrame(const SceneFrame& frame, Scene::Depth depth,
                               const std::shared_ptr<SharedCache>& cache);
 

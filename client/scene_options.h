@@ -1,6 +1,7 @@
 // Which scene or sequence to render, and how.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -17,6 +18,7 @@ struct SceneOptions {
   std::optional<FrameRange> frames;      // of a sequence
   double fps = kFramesPerSecondDefault;  // frames of one animated scene in a second of its time
   RenderOptions render;
+  std::optional<uint64_t> scene_memory;  // bytes that loading one scene may take; default: see LimitsOf
 };
 
 }  // namespace tessera

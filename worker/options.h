@@ -13,8 +13,8 @@
 #include "proto/shell/flags.h"
 #include "proto/shell/log.h"
 #include "proto/wire/address.h"
+#include "renderer/load/limited_load.h"
 #include "renderer/util/result.h"
-#include "worker/limited_load.h"
 
 namespace tessera {
 
@@ -23,7 +23,6 @@ constexpr uint64_t kCacheBytesDefault = uint64_t{20} << 30;
 constexpr uint64_t kCacheBytesMin = uint64_t{1} << 20;
 
 // Every scene that is worth a farm takes more.
-constexpr uint64_t kSceneMemoryMin = uint64_t{16} << 20;
 constexpr std::chrono::hours kLoadTimeMax{24 * 7};
 
 // Parsed and checked once, constant from then on.

@@ -9,8 +9,8 @@
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "proto/work.grpc.pb.h"
+#include "renderer/load/limited_load.h"
 #include "renderer/text/unicode.h"
-#include "worker/limited_load.h"
 
 namespace tessera {
 namespace {

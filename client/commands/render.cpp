@@ -27,6 +27,7 @@
 #include "client/scene_job.h"
 #include "proto/shell/console.h"
 #include "proto/shell/program.h"
+#include "proto/shell/values.h"
 #include "renderer/denoise/finished_picture.h"
 #include "renderer/util/cores.h"
 #include "renderer/util/threads.h"
@@ -53,6 +54,13 @@ struct RenderCommandOptions {
   bool json = false;
 };
 
+Result<void> SetSceneMemory(SceneOptions& options, const std::string& word) {
+  const auto size = ParseSize("--scene-memory", word, kSceneMemoryMin);
+  if (!size) return size.error();
+  options.scene_memory = *size;
+  return {};
+}
+
 void AddRenderFlags(CLI::App& app, RenderCommandOptions& options) {
   AddSceneFlags(app, options.scene);
   AddOutputFlags(app, options.output, "SCENE with the extension .exr, stdin.exr for -");
@@ -61,6 +69,12 @@ void AddRenderFlags(CLI::App& app, RenderCommandOptions& options) {
   AddInteger(app, "--threads",
              WithDefault("Render threads of each worker process", "all cores, divided among the workers"), 1,
              kProcessesMax, options.threads);
+  AddWord(app, "--scene-memory", "SIZE",
+          WithDefault(
+              "Memory that loading one scene may take, here and in each worker process; a scene that needs "
+              "more fails",
+              "all of that of the machine or its control group, in workers half"),
+          [&options](const std::string& word) { return SetSceneMemory(options.scene, word); });
   AddSwitch(app, "--in-process", "Render in this process instead of on a farm", options.in_process);
   AddSwitch(app, "--resume",
             "Keep what is rendered until the pictures are finished, and continue if an earlier command with "
@@ -205,8 +219,8 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
     if (kept->has_data()) PrintNote("continuing what was interrupted, kept in {}\n", kept->path());
   }
   const FarmSize size = ChooseSize(options);
-  const auto farm =
-      LocalFarm::Start(size.workers, size.threads, cancellation, kept != nullptr ? kept->path() : "");
+  const auto farm = LocalFarm::Start({size.workers, size.threads, options.scene.scene_memory}, cancellation,
+                                     kept != nullptr ? kept->path() : "");
   if (!farm) return farm.error();
   const auto endpoint = ChooseFarm({(*farm)->address(), "", false});
   if (!endpoint) return endpoint.error();

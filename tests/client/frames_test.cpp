@@ -148,5 +148,33 @@ TEST(ListFrames, GivesOneSceneOneFrameWithoutATime) {
   EXPECT_FALSE((*frames)[0].options.time);
 }
 
+TEST(SceneMemory, ASceneThatNeedsMoreFailsWithTheLimit) {
+  SceneFrame frame;
+  frame.path = "large.pbrt";
+  std::string text = "Camera \"perspective\"\nWorldBegin\nShape \"trianglemesh\" \"point3 P\" [";
+  for (int i = 0; i < 200'000; ++i) text += " 0 0 5 1 0 5 1 1 5";
+  frame.text = std::make_shared<const std::string>(text + "] \"integer indices\" [ 0 1 2 ]\n");
+  EXPECT_TRUE(LoadFrame(frame, Scene::Depth::kCheck, nullptr));
+  frame.memory = kSceneMemoryMin;
+  const auto refused = LoadFrame(frame, Scene::Depth::kCheck, nullptr);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "large.pbrt: loading the scene needs more than 16 MiB of memory (--scene-memory)");
+}
+
+TEST(SceneMemory, IsByDefaultThatOfTheMachineAndForAllFrames) {
+  SceneOptions options;
+  options.path = "a.pbrt";
+  const auto unlimited = ListFrames(options);
+  ASSERT_TRUE(unlimited);
+  EXPECT_EQ(LimitsOf(unlimited->front()).memory_bytes, UsableMemory());
+  options.frames = FrameRange{1, 3, 1};
+  options.scene_memory = kSceneMemoryMin;
+  const auto limited = ListFrames(options);
+  ASSERT_TRUE(limited);
+  ASSERT_EQ(limited->size(), 3u);
+  for (const SceneFrame& frame : *limited) EXPECT_EQ(LimitsOf(frame).memory_bytes, kSceneMemoryMin);
+}
+
 }  // namespace
 }  // namespace tessera

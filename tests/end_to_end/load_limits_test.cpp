@@ -1,6 +1,10 @@
 // Scenes that exceed the limits of a worker.
 #include <gmock/gmock.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "tests/end_to_end/farm_fixture.h"
 
 namespace tessera {
@@ -8,14 +12,23 @@ namespace {
 
 using testing::HasSubstr;
 
-using LoadLimits = EndToEnd;
+class LoadLimits : public EndToEnd {
+ protected:
+  // Takes less than 16 MiB when it is checked, and more when it is loaded to be rendered.
+  std::string WriteLargeScene() {
+    constexpr int kTriangles = 100'000;
+    std::string scene =
+        "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nShape \"trianglemesh\" \"point3 P\" [";
+    for (int i = 0; i < kTriangles; ++i) scene += " 0 0 5 1 0 5 1 1 5";
+    scene += "] \"integer indices\" [";
+    for (int i = 0; i < 3 * kTriangles; ++i) scene += " " + std::to_string(i);
+    return Write("large.pbrt", scene + "]\n");
+  }
+};
 
 TEST_F(LoadLimits, ASceneThatNeedsTooMuchMemoryFailsAndTheWorkerGoesOn) {
   StartCoordinator();
-  std::string mesh =
-      "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nShape \"trianglemesh\" \"point3 P\" [";
-  for (int i = 0; i < 200'000; ++i) mesh += " 0 0 5 1 0 5 1 1 5";
-  const std::string large = Write("large.pbrt", mesh + "] \"integer indices\" [0 1 2]\n");
+  const std::string large = WriteLargeScene();
   Process& worker = StartWorker("small", 1, {"--scene-memory", "16M"});
   const std::string job = Submit(large, {"--spp", "1", "--resolution", "16x16"});
   ASSERT_TRUE(worker.AwaitErrors("scene_failed"));
@@ -23,6 +36,23 @@ TEST_F(LoadLimits, ASceneThatNeedsTooMuchMemoryFailsAndTheWorkerGoesOn) {
   Ask({"cancel", job});
   const std::string other = Submit(BoxScene(), {"--spp", "1"});
   EXPECT_EQ(Ask({"watch", other}).code, 0);
+}
+
+TEST_F(LoadLimits, ASceneThatNeedsTooMuchMemoryFailsInProcessAndOnALocalFarm) {
+  const std::string large = WriteLargeScene();
+  const std::string reason =
+      "large.pbrt: loading the scene needs more than 16 MiB of memory (--scene-memory)";
+  for (const auto& [where, error] :
+       {std::pair("--in-process", "tessera: " + large.substr(0, large.size() - 10) + reason),
+        std::pair("--threads=1", "local-1: " + reason)}) {
+    std::vector<std::string> command{"render",       large,   where, "--accelerator",  "bvh", "--spp", "1",
+                                     "--resolution", "16x16", "-o",  Path("large.exr")};
+    EXPECT_EQ(Tessera(command).code, 0) << where;
+    command.insert(command.end(), {"--scene-memory", "16M"});
+    const Outcome refused = Tessera(command);
+    EXPECT_EQ(refused.code, 1) << where;
+    EXPECT_THAT(refused.errors, HasSubstr(error)) << where;
+  }
 }
 
 }  // namespace

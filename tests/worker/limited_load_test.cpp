@@ -1,4 +1,4 @@
-#include "worker/limited_load.h"
+#include "renderer/load/limited_load.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,6 +16,8 @@ using testing::HasSubstr;
 using namespace std::chrono_literals;
 
 constexpr uint64_t kMegabyte = uint64_t{1} << 20;
+
+using LoadedScene = Result<std::shared_ptr<const Scene>>;
 
 // A scene with a mesh of this many triangles.
 std::string SceneWithMesh(int triangles) {

@@ -1,24 +1,25 @@
-// Loads scenes within limits of memory and time. The worker's allocations are accounted for: in a program
-// with this file, operator new is the one in limited_load.cpp.
+// Loads scenes within limits of memory and time. Allocations are accounted for: in a program with this file,
+// operator new is the one in limited_load.cpp.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
 
 #include "renderer/util/result.h"
 
 namespace tessera {
 
-class Scene;
-
 struct LoadLimits {
   uint64_t memory_bytes = 0;
   std::chrono::seconds time{0};
+  std::string memory_source = "--scene-memory";  // for messages: what sets the limit
 };
 
+// The least limit of memory that options take.
+constexpr uint64_t kSceneMemoryMin = uint64_t{16} << 20;
 // Far more than production scenes take to load.
 constexpr std::chrono::seconds kLoadTimeDefault{3600};
 
@@ -29,12 +30,20 @@ uint64_t ResidentMemory();
 // By default one scene may take half of that, which leaves room for the scenes that are being rendered.
 uint64_t DefaultSceneMemory();
 
-using LoadedScene = Result<std::shared_ptr<const Scene>>;
-
 // Calls `load` on this thread. An error, that `name` and the limit explain, if it allocates more memory than
 // it frees beyond the limit, takes too long, or leaves the machine without memory. What `load` throws becomes
 // an error, too. Memory that its libraries allocate with malloc is not accounted for.
-LoadedScene LoadWithinLimits(const std::string& name, const LoadLimits& limits,
-                             const std::function<LoadedScene()>& load);
+Result<void> RunWithinLimits(const std::string& name, const LoadLimits& limits,
+                             const std::function<void()>& load);
+
+// The same for a `load` that returns a Result.
+template <typename Load>
+auto LoadWithinLimits(const std::string& name, const LoadLimits& limits, const Load& load)
+    -> decltype(load()) {
+  std::optional<decltype(load())> loaded;
+  if (auto within = RunWithinLimits(name, limits, [&] { loaded.emplace(load()); }); !within)
+    return within.error();
+  return *std::move(loaded);
+}
 
 }  // namespace tessera

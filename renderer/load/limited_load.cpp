@@ -1,4 +1,4 @@
-#include "worker/limited_load.h"
+#include "renderer/load/limited_load.h"
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -167,19 +167,19 @@ uint64_t DefaultSceneMemory() {
   return UsableMemory() / 2;
 }
 
-LoadedScene LoadWithinLimits(const std::string& name, const LoadLimits& limits,
-                             const std::function<LoadedScene()>& load) {
+Result<void> RunWithinLimits(const std::string& name, const LoadLimits& limits,
+                             const std::function<void()>& load) {
   LoadBudget budget(limits.memory_bytes,
-                    fmt::format("loading the scene needs more than {} MiB of memory (--scene-memory)",
-                                limits.memory_bytes >> 20));
+                    fmt::format("loading the scene needs more than {} MiB of memory ({})",
+                                limits.memory_bytes >> 20, limits.memory_source));
   LoadWatch watch(budget, limits.time);
   if (auto started = watch.Start(); !started) return started.error();
   std::string thrown;
   try {
     const LoadBudget::Scope scope(budget);
-    LoadedScene scene = load();
+    load();
     // What is left of the scene after a refused allocation may be incomplete.
-    if (!budget.is_exceeded()) return scene;
+    if (!budget.is_exceeded()) return {};
   } catch (const std::exception& e) {
     thrown = e.what();
   }
