@@ -52,7 +52,9 @@ TEST_F(Interface, ListsAreSearchedFilteredSortedAndCut) {
   EXPECT_EQ(page["jobs"][0]["id"], 4990);
   EXPECT_EQ(Get("jobs", "search=SHOT+001+layer+3")["total"], 1);
   EXPECT_EQ(Get("jobs", "search=4711&limit=1")["jobs"][0]["id"], 4711);
-  for (const json& job : Get("jobs", "state=open&owner=ada&limit=50")["jobs"]) {
+  const json open = Get("jobs", "state=open&owner=ada&limit=50");
+  EXPECT_FALSE(open["jobs"].empty());
+  for (const json& job : open["jobs"]) {
     EXPECT_EQ(job["owner"], "ada");
     EXPECT_THAT(job["state"], testing::AnyOf("running", "waiting", "paused"));
   }
