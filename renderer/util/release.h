@@ -1,5 +1,5 @@
-// The release, named here alone: CMakeLists.txt reads it, all programs and the headers of pictures show it, and
-// the programs of a farm must agree on it, because pictures are exact per release.
+// The release, named here alone: CMakeLists.txt reads it, all programs and the headers of pictures show it,
+// and the programs of a farm must agree on it, because pictures are exact per release.
 #pragma once
 
 namespace tessera {
