@@ -23,8 +23,8 @@ UnitQueue::UnitQueue(FrameSpec spec, int64_t samples_max, const ChooseTile& goes
   tiles_.resize(static_cast<size_t>(merger_.spec().TileCount()));
   std::iota(tiles_.begin(), tiles_.end(), 0);
   if (!goes_first) return;
-  std::ranges::stable_partition(tiles_,
-                                [&](int tile) { return goes_first(merger_.spec().TileBounds(tile)); });
+  std::stable_partition(tiles_.begin(), tiles_.end(),
+                        [&](int tile) { return goes_first(merger_.spec().TileBounds(tile)); });
 }
 
 std::optional<UnitQueue::Unit> UnitQueue::Take() {
