@@ -47,6 +47,6 @@ Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termi
 }  // namespace tessera
 
 int main(int argc, char** argv) {
-  tessera::AllowOnlyTls13();  // before there are threads
+  tessera::PrepareTls();  // before there are threads
   return tessera::RunProgram(tessera::kProgram, argc, argv, tessera::Run);
 }

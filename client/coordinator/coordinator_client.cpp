@@ -179,7 +179,7 @@ CoordinatorClient::CoordinatorClient(std::unique_ptr<Connection> connection)
 CoordinatorClient::~CoordinatorClient() = default;
 
 void CoordinatorClient::PrepareProcess() {
-  AllowOnlyTls13();
+  PrepareTls();
 }
 
 Result<void> CoordinatorClient::StartThreads() {

@@ -41,7 +41,7 @@ struct Patience {
 // asks to try again. A request to stop ends each of them with kInterrupted. Used by one thread at a time.
 class CoordinatorClient {
  public:
-  // Sets what connections take from the environment of the process. Call it before any thread is started.
+  // Prepares the process for encrypted connections. Call it first, before any thread is started.
   static void PrepareProcess();
   // Starts the threads that connections need, or fails if the system grants too few. Connect starts them too;
   // call this before other processes of this user are started.

@@ -54,7 +54,7 @@ constexpr int kGrpcThreads = 16;
 // Whoever uses gRPC last waits until all of its threads have ended, and for ever if one of them could not be
 // started. A channel that is never used and never deleted is a user that does not end.
 void KeepGrpcRunning() {
-  AllowOnlyTls13();  // before there are threads
+  PrepareTls();  // before there are threads
   // The attribute keeps the pointer, by which leak checkers find the channel, although nothing reads it.
   [[gnu::used]] static const auto* const kept = new std::shared_ptr<grpc::Channel>(
       grpc::CreateChannel("unix:/nowhere", grpc::InsecureChannelCredentials()));

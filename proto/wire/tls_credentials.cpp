@@ -5,6 +5,7 @@
 #include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_certificate_verifier.h>
 #include <grpcpp/security/tls_credentials_options.h>
+#include <openssl/rand.h>
 
 #include <cstdlib>
 #include <exception>
@@ -56,7 +57,7 @@ class PeerVerifier final : public grpc::experimental::ExternalCertificateVerifie
 // organisation.
 std::shared_ptr<grpc::ChannelCredentials> ClientCredentials(
     std::shared_ptr<grpc::experimental::CertificateProviderInterface> provider, AdmitPeer admit) {
-  AllowOnlyTls13();
+  PrepareTls();
   grpc::experimental::TlsChannelCredentialsOptions options;
   options.set_certificate_provider(std::move(provider));
   options.watch_identity_key_cert_pairs();
@@ -80,17 +81,27 @@ Result<void> AdmitCoordinator(const std::vector<Certificate>& chain, std::string
 
 }  // namespace
 
-// gRPC has no setting for the oldest version of TLS. It takes the cipher suites of TLS 1.2 from this
-// variable, and the only one named here needs a shared key that neither end has. TLS 1.3 has its own suites.
-void AllowOnlyTls13() {
+// OpenSSL has random number generators for each thread and frees them in a destructor of thread-specific
+// data, which finds them under another key. The C library calls destructors in the order of the keys and
+// clears each value first. A generator whose key precedes that of the destructor is therefore lost, some 7 KB
+// for each thread that ends. Embree deletes keys, whose places new ones take, so the keys are created here,
+// before it.
+void PrepareTls() {
   static std::once_flag once;
-  std::call_once(once, [] { ::setenv("GRPC_SSL_CIPHER_SUITES", "PSK-AES256-GCM-SHA384", 1); });
+  std::call_once(once, [] {
+    // gRPC has no setting for the oldest version of TLS. It takes the cipher suites of TLS 1.2 from this
+    // variable, and the only one named here needs a shared key that neither end has. TLS 1.3 has its own
+    // suites.
+    ::setenv("GRPC_SSL_CIPHER_SUITES", "PSK-AES256-GCM-SHA384", 1);
+    unsigned char unused = 0;
+    static_cast<void>(RAND_bytes(&unused, 1));
+  });
 }
 
 std::shared_ptr<grpc::ServerCredentials> TlsServerCredentials(const std::string& key_path,
                                                               const std::string& certificate_path,
                                                               AdmitPeer admit) {
-  AllowOnlyTls13();
+  PrepareTls();
   grpc::experimental::TlsServerCredentialsOptions options(
       std::make_shared<FileWatcherCertificateProvider>(key_path, certificate_path, kReloadInterval_s));
   options.watch_identity_key_cert_pairs();

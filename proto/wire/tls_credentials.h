@@ -21,9 +21,9 @@ class ServerCredentials;
 
 namespace tessera {
 
-// Lets this process speak TLS 1.3 and nothing older. Changes its environment, so it is called before other
-// threads start; later calls do nothing.
-void AllowOnlyTls13();
+// Prepares this process for TLS 1.3, and for no older version. Changes its environment and the order of its
+// thread-specific data, so it is called first, before other threads start; later calls do nothing.
+void PrepareTls();
 
 // Decides on the certificate of a peer, whose chain begins with its own. The peer has proved that it has the
 // key, nothing else. The error is for the log. Called from any thread.

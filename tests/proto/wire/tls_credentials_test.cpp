@@ -7,13 +7,20 @@
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <netinet/in.h>
+#include <openssl/crypto.h>
+#include <openssl/rand.h>
 #include <openssl/ssl.h>
+#include <pthread.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <mutex>
+#include <thread>
 
 #include "proto/identity/authority.h"
 #include "proto/identity/private_file.h"
@@ -178,6 +185,35 @@ TEST_F(TlsConnections, AnybodyMaySeeTheCertificateOfTheCoordinator) {
   ASSERT_TRUE(chain) << chain.error().message;
   ASSERT_EQ(chain->size(), 2u);
   EXPECT_EQ(chain->back().Fingerprint(), authority_.certificate().Fingerprint());
+}
+
+// In a process that has not used OpenSSL yet, deletes a key of thread-specific data that is older than those
+// of OpenSSL, as Embree does, and exits with 0 if threads that use OpenSSL afterwards free what they
+// allocate.
+[[noreturn]] void ReuseAKeyAndExit() {
+  constexpr int kThreads = 200;
+  constexpr size_t kLeftMax = 100'000;
+  ::mallopt(M_ARENA_MAX, 1);  // mallinfo2 counts one arena
+  std::array<pthread_key_t, 8> older{};
+  for (pthread_key_t& key : older)
+    if (::pthread_key_create(&key, nullptr) != 0) std::_Exit(2);
+  PrepareTls();
+  OPENSSL_init_crypto(OPENSSL_INIT_LOAD_CRYPTO_STRINGS, nullptr);  // creates the key of the destructor
+  for (const pthread_key_t key : older) ::pthread_key_delete(key);
+  const auto use_openssl = [] {
+    unsigned char unused = 0;
+    if (RAND_bytes(&unused, 1) != 1 || RAND_priv_bytes(&unused, 1) != 1) std::_Exit(3);
+  };
+  std::thread(use_openssl).join();
+  const size_t before = ::mallinfo2().uordblks;
+  for (int i = 0; i < kThreads; ++i) std::thread(use_openssl).join();
+  const size_t after = ::mallinfo2().uordblks;
+  std::_Exit(after > before + kLeftMax ? 1 : 0);
+}
+
+TEST(PreparedTls, ThreadsThatEndFreeTheirRandomNumberGenerators) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(ReuseAKeyAndExit(), testing::ExitedWithCode(0), "");
 }
 
 }  // namespace
