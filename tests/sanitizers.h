@@ -17,9 +17,9 @@ constexpr bool kHasSanitizer = false;
 constexpr int kSlowdown = kHasSanitizer ? 8 : 1;
 
 // The bound in bytes for a program of the same build that may take `bytes` without a sanitizer, which shadows
-// memory and keeps what is freed for a while.
+// memory and keeps what was freed last, up to 256 MB.
 constexpr size_t MemoryBound(size_t bytes) {
-  return kHasSanitizer ? 4 * bytes : bytes;
+  return kHasSanitizer ? 4 * bytes + (size_t{256} << 20) : bytes;
 }
 
 }  // namespace tessera

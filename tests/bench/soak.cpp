@@ -17,6 +17,7 @@
 #include "tests/bench/bench_farm.h"
 #include "tests/bench/flood.h"
 #include "tests/bench/synthetic_workers.h"
+#include "tests/sanitizers.h"
 
 namespace tessera {
 namespace {
@@ -167,6 +168,8 @@ bool Soak(const Plan& plan) {
     for (std::jthread& each : clients) each.request_stop();
   }
   const double megabytes = growth.most.megabytes - growth.warm.megabytes;
+  const double megabytes_max =
+      static_cast<double>(MemoryBound(static_cast<size_t>(plan.growth_mb * 1e6))) / 1e6;
   const auto descriptors =
       static_cast<int64_t>(growth.most.descriptors) - static_cast<int64_t>(growth.warm.descriptors);
   fmt::print(
@@ -175,7 +178,7 @@ bool Soak(const Plan& plan) {
       megabytes, descriptors, record.finished(), record.failed(), flood.opened(), flood.answered());
   if (!workers.error().empty()) fmt::print("a worker failed: {}\n", workers.error());
   return record.failed() == 0 && record.finished() > 0 && flood.answered() == 0 && workers.error().empty() &&
-         megabytes <= plan.growth_mb && descriptors <= kDescriptorsAccepted;
+         megabytes <= megabytes_max && descriptors <= kDescriptorsAccepted;
 }
 
 }  // namespace
