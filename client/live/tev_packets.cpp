@@ -14,7 +14,7 @@ class PacketWriter {
   void Add(int value) { PutNumber(bytes_.size(), static_cast<uint32_t>(value)); }
   // Up to its first zero byte.
   void AddText(const std::string& text) {
-    bytes_ += text.c_str();
+    bytes_.append(text, 0, text.find('\0'));
     bytes_.push_back('\0');
   }
   void AddTexts(const std::vector<std::string>& texts) {
