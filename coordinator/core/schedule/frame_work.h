@@ -34,9 +34,9 @@ class FrameWork {
   // Every tile gets more samples. The frame must not be adaptive.
   void Extend(uint32_t samples_per_pixel);
 
-  // Takes open samples of a tile that `may` allows, of tiles that go first as long as there are any. Among
-  // equal tiles: first those that complete the image at the fewest samples
-  // per pixel (a doubling), and as many as cost at most `cost_max` seconds, or one sample if nothing is
+  // Takes open samples of a tile that `may` allows. Tiles of the region that is rendered first precede all
+  // others; within each group, samples that complete the image at the fewest samples per pixel (a
+  // doubling) come first. Takes as many as cost at most `cost_max` seconds, or one sample if nothing is
   // measured yet. Returns nullopt if there are none.
   std::optional<TileSamples> Take(double cost_max, const std::function<bool(uint32_t tile)>& may);
   // Opens the samples again, except those that are done or in `held` (ranges of the same tile).
@@ -80,8 +80,8 @@ class FrameWork {
     double measured_samples = 0;  // pixel samples
     double measured_cost = 0;
   };
-  // Tiles with open samples: those that go first before the others, by the doubling that the first of their
-  // samples belongs to.
+  // Tiles with open samples: those of the region that is rendered first, then the others, each ordered by the
+  // doubling that their first open sample belongs to.
   struct Place {
     bool goes_later;
     int level;

@@ -26,7 +26,7 @@ class FakeTev {
     int updates = 0;
   };
 
-  // `port` 0: any. Reads nothing if `is_stuck`.
+  // Listens on `port`, or on any free port if it is 0. If `is_stuck`, accepts connections but reads nothing.
   explicit FakeTev(int port = 0, bool is_stuck = false) : is_stuck_(is_stuck) {
     listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const int one = 1;

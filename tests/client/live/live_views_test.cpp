@@ -13,7 +13,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-// Gives pictures of frame 1, 2, ...; fails if it is told to.
+// A source whose pictures are of frame 1, 2 and so on, and which fails while `fails` is true.
 class Counting : public PictureSource {
  public:
   explicit Counting(std::shared_ptr<std::atomic<bool>> fails = std::make_shared<std::atomic<bool>>(false))
