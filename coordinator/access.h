@@ -104,6 +104,7 @@ constexpr CallRule kCallRules[] = {
     {"Work.Synchronize", Permission::kWork, Effect::kWorks, kStateLimits},
     {"Work.ReturnResults", Permission::kWork, Effect::kWorks, kResultsLimits},
     {"Work.ReturnFailure", Permission::kWork, Effect::kWorks},
+    {"Work.ReturnPreparation", Permission::kWork, Effect::kWorks, kJobLimits},
     {"Access.Join", Permission::kJoin, Effect::kChanges},
     {"Access.Renew", Permission::kRenew, Effect::kChanges},
     {"Access.IssueToken", Permission::kAdminister, Effect::kChanges},

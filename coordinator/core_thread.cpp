@@ -148,6 +148,8 @@ void CoreThread::NoteOpenJobs() {
 void CoreThread::NoteOpenJobs(const Fact& fact) {
   if (const auto* submitted = std::get_if<JobSubmitted>(&fact)) {
     open_jobs_.Set(submitted->job, submitted->spec);
+  } else if (const auto* ordered = std::get_if<JobOrdered>(&fact)) {
+    if (auto spec = parts_.farm->Spec(ordered->job)) open_jobs_.Set(ordered->job, std::move(spec));
   } else if (const auto* extended = std::get_if<JobExtended>(&fact)) {
     if (auto spec = parts_.farm->Spec(extended->job)) open_jobs_.Set(extended->job, std::move(spec));
   } else if (const auto* ended = std::get_if<JobEnded>(&fact)) {

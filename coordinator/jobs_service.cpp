@@ -254,6 +254,9 @@ grpc::ServerUnaryReactor* JobsService::Frames(grpc::CallbackServerContext* conte
   return gate_.Unary(context, RuleFor("Jobs.Frames"), [=](const UnaryCall& call) {
     call.Ask([=, job = JobId{request->job()}](CoreContext& core) {
       const std::vector<FrameStatus> frames = core.farm.Frames(job);
+      if (frames.empty() && core.farm.Spec(job) != nullptr)
+        return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION,
+                            fmt::format("job {} has no frames: its scene is not prepared", Number(job)));
       Write(frames, *answer);
       return frames.empty() ? NoJob(job) : grpc::Status::OK;
     });

@@ -12,4 +12,10 @@ namespace tessera {
 // those that were not used since the start.
 Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs);
 
+// Whether the coordinator can make the pictures of these frames.
+Result<void> CheckFrames(const std::vector<FrameRequest>& frames);
+
+// The same as CheckSubmission for a job whose frames a worker is to make.
+Result<void> CheckOrder(const SceneOrder& order, const BlobStore& blobs);
+
 }  // namespace tessera

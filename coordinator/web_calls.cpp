@@ -11,6 +11,7 @@
 #include "coordinator/submission.h"
 #include "coordinator/web/api/routes.h"
 #include "coordinator/web_upload.h"
+#include "proto/shell/system.h"
 #include "proto/wire/convert.h"
 #include "renderer/text/unicode.h"
 
@@ -56,6 +57,7 @@ class WebCalls {
   WebResult<FrameState> Frame(JobId job, uint32_t frame) const;
   WebResult<JobLogPage> Log(JobId job, uint64_t after, size_t limit) const;
   WebResult<std::string> Read(JobId job, uint32_t frame, const std::optional<PictureFile>& file) const;
+  void OrderJob(const WebCaller& caller, JobOrder order, const WebDone<JobStatus>& done) const;
   void FindMissing(const std::vector<Digest>& digests, const WebDone<std::map<Digest, uint64_t>>& done) const;
   std::shared_ptr<BodySink> ReceiveBlob(const WebCaller& caller, const Digest& digest, uint64_t size,
                                         uint64_t offset) const {
@@ -290,6 +292,28 @@ WebResult<std::string> WebCalls::Read(JobId job, uint32_t frame,
   return WebError{503, bytes.error().message + "; it is made again if that is possible"};
 }
 
+// The files of the package may have to be read.
+void WebCalls::OrderJob(const WebCaller& caller, JobOrder order, const WebDone<JobStatus>& done) const {
+  const Principal principal = PrincipalOf(caller);
+  const CallRule& rule = *FindRule("Jobs.Submit");
+  if (order.submission == 0) order.submission = RandomId();
+  order.name = CleanName(order.name.empty() ? order.scene.scene_file : order.name);
+  const auto shared = std::make_shared<const JobOrder>(std::move(order));
+  parts_.files.lengthy.Post([=, this, &rule] {
+    const auto checked = GuardedResult([&] { return CheckOrder(shared->scene, parts_.blobs); });
+    if (!checked) {
+      const int status = checked.error().kind == ErrorKind::kBadInput ? 400 : 409;
+      return done(WebError{status, checked.error().message});
+    }
+    const auto submit = [=](CoreContext& context) -> WebResult<JobStatus> {
+      const auto job = context.farm.Order(context.now, shared, principal.Owner());
+      if (!job) return WebError{job.error().kind == ErrorKind::kBadInput ? 400 : 503, job.error().message};
+      return *context.farm.Status(context.now, *job);
+    };
+    Apply<JobStatus>(principal, rule, fmt::format("name={}", LogText(shared->name)), submit, done);
+  });
+}
+
 void WebCalls::FindMissing(const std::vector<Digest>& digests,
                            const WebDone<std::map<Digest, uint64_t>>& done) const {
   const auto find = [=, this] {
@@ -326,6 +350,9 @@ WebFarm MakeWebFarm(WebCallParts parts) {
   farm.frame = [calls](JobId job, uint32_t frame) { return calls->Frame(job, frame); };
   farm.log = [calls](JobId job, uint64_t after, size_t limit) { return calls->Log(job, after, limit); };
   farm.read = [calls](JobId job, uint32_t frame, const auto& file) { return calls->Read(job, frame, file); };
+  farm.order_job = [calls](const auto& caller, const auto& order, const auto& done) {
+    calls->OrderJob(caller, order, done);
+  };
   farm.find_missing = [calls](const auto& digests, const auto& done) { calls->FindMissing(digests, done); };
   farm.receive_blob = [calls](const auto& caller, const Digest& digest, uint64_t size, uint64_t offset) {
     return calls->ReceiveBlob(caller, digest, size, offset);

@@ -2,6 +2,7 @@
 
 #include "coordinator/call_gate.h"
 #include "coordinator/results_call.h"
+#include "coordinator/submission.h"
 #include "proto/shell/pause.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
@@ -50,6 +51,7 @@ WorkService::WorkService(const CallGate& gate) : gate_(gate) {
   serve(&WorkService::Synchronize, RuleFor("Work.Synchronize"));
   serve(&WorkService::ReturnResults, RuleFor("Work.ReturnResults"));
   serve(&WorkService::ReturnFailure, RuleFor("Work.ReturnFailure"));
+  serve(&WorkService::ReturnPreparation, RuleFor("Work.ReturnPreparation"));
   expiry_ = std::jthread([this](std::stop_token stop) { ExpireAnnouncements(std::move(stop)); });
 }
 
@@ -124,6 +126,28 @@ grpc::ServerUnaryReactor* WorkService::ReturnFailure(grpc::CallbackServerContext
     call.Apply([=, scene = *scene](CoreContext& core) {
       return apply(core, [&] { core.farm.FailScene(core.now, worker, scene, reason); });
     });
+  });
+}
+
+grpc::ServerUnaryReactor* WorkService::ReturnPreparation(grpc::CallbackServerContext* context,
+                                                         const proto::PreparationReport* request,
+                                                         proto::PreparationAnswer*) {
+  return gate_.Unary(context, RuleFor("Work.ReturnPreparation"), [=](const UnaryCall& call) {
+    auto read = ReadPreparationReport(*request);
+    if (!read) return call.Finish(ToStatus(read.error()));
+    if (const auto checked = CheckFrames(read->frames); !checked) {
+      read->frames.clear();
+      read->reason = CleanReason(checked.error().message);
+    }
+    const auto report = std::make_shared<const PreparationReport>(std::move(*read));
+    // A report of another farm is answered, so that the worker forgets it.
+    call.Apply(
+        [=, worker = WorkerId{request->worker()}](CoreContext& core) -> grpc::Status {
+          if (const grpc::Status admitted = call.AdmitToWorker(core, worker); !admitted.ok()) return admitted;
+          if (report->farm == core.farm.id()) core.farm.ReturnPreparation(core.now, worker, *report);
+          return grpc::Status::OK;
+        },
+        request->ByteSizeLong());
   });
 }
 

@@ -28,6 +28,9 @@ class WorkService final : public proto::Work::Service {
                                         const proto::WorkerState* request, proto::WorkerDirective* answer);
   grpc::ServerReadReactor<grpc::ByteBuffer>* ReturnResults(grpc::CallbackServerContext* context,
                                                            proto::ResultsAnswer* answer);
+  grpc::ServerUnaryReactor* ReturnPreparation(grpc::CallbackServerContext* context,
+                                              const proto::PreparationReport* request,
+                                              proto::PreparationAnswer* answer);
   grpc::ServerUnaryReactor* ReturnFailure(grpc::CallbackServerContext* context,
                                           const proto::FailureRequest* request, proto::FailureAnswer* answer);
 

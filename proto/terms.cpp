@@ -68,6 +68,16 @@ Digest SceneKey(const Digest& package, const std::string& scene_file, const std:
   return stream.Finish();
 }
 
+Digest PreparationKey(const JobOrder& order) {
+  const SceneOrder& scene = order.scene;
+  const FrameRange range = scene.frames.value_or(FrameRange{});
+  return Sha256(fmt::format("{} {}:{} {} {} {}:{} {}:{} {} {} {} {} {:016x}", order.submission,
+                            order.name.size(), order.name, order.priority, scene.package.Hex(),
+                            scene.scene_file.size(), scene.scene_file, scene.options.size(), scene.options,
+                            scene.frames ? 1 : 0, range.first, range.last, range.step,
+                            std::bit_cast<uint64_t>(scene.frames_per_second)));
+}
+
 bool IsTag(std::string_view word) {
   const auto belongs = [](char c) {
     const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
@@ -93,6 +103,7 @@ const char* JobStateName(JobState state) {
     case JobState::kFinished: return "finished";
     case JobState::kFailed: return "failed";
     case JobState::kCancelled: return "cancelled";
+    case JobState::kPreparing: return "preparing";
   }
   TESSERA_CHECK(false);
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "proto/membership.h"
+#include "proto/scene_order.h"
 #include "renderer/film/frame_spec.h"
 #include "renderer/film/pixel_mask.h"
 #include "renderer/film/sample_range.h"
@@ -21,7 +22,7 @@
 
 namespace tessera {
 
-constexpr uint32_t kProtocolVersion = 7;  // counts changes that older programs would misread
+constexpr uint32_t kProtocolVersion = 8;  // counts changes that older programs would misread
 constexpr const char* kSoftwareVersion = kRelease;
 
 constexpr int kFramesPerJobMax = 10'000;                // of one job: its specs fit into one message
@@ -39,6 +40,8 @@ constexpr uint64_t kBlobBytesMax = uint64_t{16} << 30;  // beyond any mesh or te
 constexpr int kSlotsMax = 1024;  // of one worker process: more than any machine has threads
 constexpr int kLeasesPerWorkerMax = 32 * kSlotsMax;  // listed in one state
 constexpr int kScenesPerWorkerMax = 256;             // listed in one state
+constexpr int kPreparationsPerWorkerMax = 16;        // listed in one state
+constexpr int kPreparationWarningsMax = 20;          // of a scene that was prepared
 constexpr size_t kNameBytesMax = 256;                // of a job, a worker, a version
 constexpr size_t kPathBytesMax = 4096;               // of a file in a package
 constexpr size_t kOptionsBytesMax = 64 << 10;        // of encoded render options
@@ -171,6 +174,7 @@ struct WorkerState {
   std::vector<HeldScene> scenes;
   std::vector<HeldLease> leases;
   std::vector<LeaseId> returned_leases;
+  std::vector<Digest> preparations;  // by their keys: to be done, being done, or to be reported
   bool draining = false;
   bool leaving = false;
   WorkerActivity activity;
@@ -184,6 +188,7 @@ struct WorkerDirective {
   std::vector<Lease> leases;
   std::vector<LeaseId> drop;
   std::vector<Digest> prefetch;  // packages
+  std::optional<PreparationRequest> preparation;
   std::chrono::milliseconds call_again{};
   std::string notice;
   FarmId farm{};
@@ -212,7 +217,29 @@ struct JobSpec {
   std::optional<Region> first;          // of each frame: rendered before the rest; IsRegion
 };
 
-enum class JobState { kWaiting, kRunning, kPaused, kFinished, kFailed, kCancelled };
+// What a client submits that cannot read scenes: a worker makes the frames of the job. Immutable once
+// accepted.
+struct JobOrder {
+  uint64_t submission = 0;
+  std::string name;
+  int32_t priority = 0;
+  SceneOrder scene;
+};
+// The SHA-256 of all of it.
+Digest PreparationKey(const JobOrder& order);
+
+// What became of a preparation.
+struct PreparationReport {
+  Digest key;
+  std::vector<FrameRequest> frames;
+  std::vector<std::string> warnings;  // of the scenes; at most kPreparationWarningsMax
+  std::string reason;                 // why there are no frames
+  FarmId farm{};                      // whose preparation it is
+};
+
+// kPreparing: a worker makes the frames of the job.
+enum class JobState { kWaiting, kRunning, kPaused, kFinished, kFailed, kCancelled, kPreparing };
+constexpr JobState kJobStateLast = JobState::kPreparing;
 const char* JobStateName(JobState state);  // "waiting", "running", ...
 constexpr bool HasEnded(JobState state) {
   return state == JobState::kFinished || state == JobState::kFailed || state == JobState::kCancelled;

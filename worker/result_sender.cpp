@@ -61,7 +61,7 @@ void LogVerdicts(const proto::ResultsAnswer& answer, const std::vector<FinishedU
   }
 }
 
-// The calls that send results and failures.
+// The calls that send results, failures and reports.
 class Calls {
  public:
   Calls(const std::shared_ptr<grpc::Channel>& channel, WorkerId worker, SharedWorkload& workload,
@@ -112,6 +112,17 @@ class Calls {
     return status;
   }
 
+  grpc::Status Send(const PreparationQueue::Report& report) {
+    proto::PreparationReport request;
+    Write(*report, request);
+    request.set_worker(Number(worker_));
+    proto::PreparationAnswer answer;
+    const grpc::Status status = Call(
+        [&](grpc::ClientContext* context) { return stub_->ReturnPreparation(context, request, &answer); });
+    if (status.ok()) workload_.Change()->PreparationAnswered(*report);
+    return status;
+  }
+
  private:
   template <typename Method>
   grpc::Status Call(Method method) {
@@ -138,8 +149,10 @@ void ResultSender::Run(std::stop_token stop) {
     const Workload::Batch batch = workload_.AwaitBatch(batch_bytes, stop);
     if (stop.stop_requested() || std::holds_alternative<std::monostate>(batch)) return;
     const auto* results = std::get_if<std::vector<FinishedUnit>>(&batch);
-    const grpc::Status status =
-        results != nullptr ? calls.Send(*results) : calls.Send(std::get<FailureReport>(batch));
+    const auto* report = std::get_if<PreparationQueue::Report>(&batch);
+    const grpc::Status status = results != nullptr  ? calls.Send(*results)
+                                : report != nullptr ? calls.Send(*report)
+                                                    : calls.Send(std::get<FailureReport>(batch));
     if (status.ok()) {
       backoff.Reset();
       batch_bytes = kResultsBatchBytes;
@@ -152,6 +165,9 @@ void ResultSender::Run(std::stop_token stop) {
       spdlog::error("result_not_accepted reason={}", LogText(status.error_message()));
       if (results != nullptr) {
         workload_.Change()->ResultsAnswered(*results);  // the lease expires
+      } else if (report != nullptr) {
+        workload_.Change()->PreparationRefused(**report,
+                                               "its frames were not accepted: " + status.error_message());
       } else {
         workload_.Change()->FailureAnswered(std::get<FailureReport>(batch));
       }

@@ -23,11 +23,16 @@ std::optional<UnitTask> SharedWorkload::AwaitUnit(std::stop_token stop) {
   return task;
 }
 
-std::optional<SceneRequest> SharedWorkload::AwaitSceneOrder(std::stop_token stop) {
+// Scenes of units go first: slots may wait for them.
+std::optional<SharedWorkload::LoaderTask> SharedWorkload::AwaitLoaderTask(std::stop_token stop) {
   std::unique_lock lock(mutex_);
-  std::optional<SceneRequest> order;
+  std::optional<LoaderTask> order;
   const auto has_order = [&] {
-    order = load_.StartScene(Clock::now());
+    if (auto scene = load_.StartScene(Clock::now())) {
+      order = std::move(*scene);
+    } else if (auto preparation = load_.StartPreparation()) {
+      order = std::move(*preparation);
+    }
     return order.has_value();
   };
   while (!order && !stop.stop_requested()) {

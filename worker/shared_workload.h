@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <variant>
 
 #include "proto/terms.h"
 #include "worker/core/workload.h"
@@ -46,7 +47,8 @@ class SharedWorkload {
   // For the rendering threads.
   std::optional<UnitTask> AwaitUnit(std::stop_token stop);
   // For the thread that loads scenes.
-  std::optional<SceneRequest> AwaitSceneOrder(std::stop_token stop);
+  using LoaderTask = std::variant<SceneRequest, PreparationRequest>;
+  std::optional<LoaderTask> AwaitLoaderTask(std::stop_token stop);
   // For the thread that sends results: Workload::NextBatch.
   Workload::Batch AwaitBatch(size_t bytes_max, std::stop_token stop);
   // Waits until nothing is being rendered and everything is returned and acknowledged, at most for

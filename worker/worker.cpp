@@ -18,9 +18,17 @@
 #include "worker/farm_login.h"
 #include "worker/machine_id.h"
 #include "worker/scene_loader.h"
+#include "worker/scene_preparation.h"
 
 namespace tessera {
 namespace {
+
+PreparationReport NotPrepared(const Digest& key, std::string reason) {
+  PreparationReport report;
+  report.key = key;
+  report.reason = std::move(reason);
+  return report;
+}
 
 using Clock = std::chrono::steady_clock;
 
@@ -240,13 +248,41 @@ void Worker::LoadScene(const SceneRequest& order) {
                std::chrono::duration<double>(Clock::now() - start).count());
 }
 
+void Worker::Prepare(const PreparationRequest& request) {
+  const auto start = Clock::now();
+  meter_.LoaderDoes(ActivityMeter::Loader::kLoading, Clock::now());
+  const FetchBlob fetch = [&](const Digest& digest, uint64_t size_max) {
+    return fetcher_.Get(request.scene.package, digest, size_max);
+  };
+  auto report = LoadWithinLimits(request.scene.scene_file, load_limits_,
+                                 [&] { return PrepareScene(request, fetch, assets_); });
+  if (closing_.stop_requested()) return;
+  const double load_s = std::chrono::duration<double>(Clock::now() - start).count();
+  if (report) {
+    spdlog::info("scene_prepared key={} frames={} load_s={:.3f}", request.key.Hex(), report->frames.size(),
+                 load_s);
+  } else {
+    spdlog::warn("scene_not_prepared key={} load_s={:.3f} reason={}", request.key.Hex(), load_s,
+                 LogText(report.error().message));
+    report = NotPrepared(request.key, report.error().message);
+  }
+  workload_.Change(kNews)->PreparationFinished(std::move(*report));
+}
+
 void Worker::LoadScenes() {
-  while (const auto order = workload_.AwaitSceneOrder(closing_.get_token())) {
+  while (const auto task = workload_.AwaitLoaderTask(closing_.get_token())) {
+    const auto* const scene = std::get_if<SceneRequest>(&*task);
+    const auto* const preparation = std::get_if<PreparationRequest>(&*task);
     try {
-      LoadScene(*order);
+      scene != nullptr ? LoadScene(*scene) : Prepare(*preparation);
     } catch (const std::exception& e) {  // such as std::bad_alloc
-      workload_.Change(kNews)->SceneFailed(order->key, fmt::format("{}: {}", order->scene_file, e.what()),
-                                           Clock::now());
+      if (scene != nullptr) {
+        workload_.Change(kNews)->SceneFailed(scene->key, fmt::format("{}: {}", scene->scene_file, e.what()),
+                                             Clock::now());
+      } else {
+        workload_.Change(kNews)->PreparationFinished(
+            NotPrepared(preparation->key, fmt::format("{}: {}", preparation->scene.scene_file, e.what())));
+      }
     }
     meter_.LoaderDoes(ActivityMeter::Loader::kIdle, Clock::now());
   }

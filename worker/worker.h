@@ -45,6 +45,7 @@ class Worker {
   void Render();
   void LoadScenes();
   void LoadScene(const SceneRequest& order);
+  void Prepare(const PreparationRequest& request);
   void FetchFiles(const SceneRequest& order);
   void OnRefusal(Error why);
   void Drain();

@@ -139,6 +139,8 @@ Progress ProgressOf(const JobStatus& status) {
   progress.elapsed_s = Seconds(status.elapsed);
   progress.left_s = status.left.count() >= 0 ? Seconds(status.left) : -1;
   progress.remark = status.reason;
+  if (status.state == JobState::kPreparing)
+    progress.remark = "a worker is to prepare the scene" + (status.reason.empty() ? "" : "; " + status.reason);
   progress.frames = {status.frames_finished, status.frames_total};
   progress.has_ended = HasEnded(status.state);
   if (const std::string text = VerificationText(status); !text.empty()) {

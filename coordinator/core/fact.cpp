@@ -24,6 +24,7 @@ enum class Kind : uint32_t {
   kCoordinatorStarted = 24,
   kFrameFinished = 25,
   kVoteRecorded = 26,
+  kJobOrdered = 27,
   kTokenIssued = 40,
   kTokenRevoked = 41,
   kMemberJoined = 42,
@@ -37,6 +38,12 @@ void Add(ByteWriter& out, const JobSubmitted& fact) {
   out.Add32(static_cast<uint32_t>(Kind::kJobSubmitted));
   out.Add64(Number(fact.job));
   AddJobSpec(out, *fact.spec);
+}
+
+void Add(ByteWriter& out, const JobOrdered& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kJobOrdered));
+  out.Add64(Number(fact.job));
+  AddJobOrder(out, *fact.order);
 }
 
 void Add(ByteWriter& out, const CoordinatorStarted& fact) {
@@ -193,6 +200,13 @@ std::optional<Fact> ReadMembershipFact(Kind kind, ByteReader& in) {
   }
 }
 
+std::optional<Fact> ReadJobOrdered(ByteReader& in) {
+  const JobId job{in.Read64()};
+  JobOrder order;
+  if (!ReadJobOrder(in, order)) return std::nullopt;
+  return JobOrdered{job, std::make_shared<const JobOrder>(std::move(order))};
+}
+
 CoordinatorStarted ReadCoordinatorStarted(ByteReader& in) {
   CoordinatorStarted fact;
   fact.epoch = in.Read32();
@@ -248,6 +262,7 @@ std::optional<Fact> ReadFact(ByteReader& in) {
         return std::nullopt;
       return JobSubmitted{job, std::make_shared<const JobSpec>(std::move(spec))};
     }
+    case Kind::kJobOrdered: return ReadJobOrdered(in);
     case Kind::kFrameFinishedWithoutSize:
     case Kind::kFrameFinished: return ReadFrameFinished(in, kind == Kind::kFrameFinished);
     case Kind::kJobEnded: {

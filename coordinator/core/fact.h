@@ -25,8 +25,14 @@ struct JobSubmitted {
   std::shared_ptr<const JobSpec> spec;
 };
 
-// Who submits the job. Comes before JobSubmitted, so that no crash leaves a job without its owner. Jobs of
-// earlier releases have no such fact.
+// A job whose frames a worker is to make. JobSubmitted follows when one has.
+struct JobOrdered {
+  JobId job{};
+  std::shared_ptr<const JobOrder> order;
+};
+
+// Who submits the job. Comes before JobSubmitted or JobOrdered, so that no crash leaves a job without its
+// owner. Jobs of earlier releases have no such fact.
 struct JobOwned {
   JobId job{};
   JobOwner owner;
@@ -130,7 +136,7 @@ struct AuthorityChosen {
 using Fact = std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended,
                           JobsForgotten, FrameResumed, JobPaused, JobPriorityChanged, WorkerQuarantined,
                           VoteRecorded, UnitsCounted, TokenIssued, TokenRevoked, MemberJoined, MemberRenewed,
-                          MemberRevoked, JobOwned, AuthorityChosen>;
+                          MemberRevoked, JobOwned, AuthorityChosen, JobOrdered>;
 
 // A 32-bit number of the kind, then its members in order (byte_codec.h), texts and lists preceded by a 64-bit
 // length. The meaning of a number never changes: a kind whose members change gets another number, and those

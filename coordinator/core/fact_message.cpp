@@ -7,10 +7,18 @@
 namespace tessera {
 namespace {
 
+std::string ByOwner(const Job& job) {
+  return job.owner.name.empty() ? "" : " by " + job.owner.name;
+}
+
+std::string TextOf(const JobOrdered& fact, const Job& job) {
+  return fmt::format("submitted{}: a worker prepares {}, priority {}", ByOwner(job),
+                     fact.order->scene.scene_file, fact.order->priority);
+}
+
 std::string TextOf(const JobSubmitted&, const Job& job) {
-  const std::string by = job.owner.name.empty() ? "" : " by " + job.owner.name;
   const size_t frames = job.spec->frames.size();
-  return fmt::format("submitted{}: {} frame{}, {} samples per pixel, priority {}", by, frames,
+  return fmt::format("submitted{}: {} frame{}, {} samples per pixel, priority {}", ByOwner(job), frames,
                      frames == 1 ? "" : "s", job.spec->frames.front().spec.samples_per_pixel,
                      job.spec->priority);
 }
@@ -47,7 +55,8 @@ MessageLevel LevelOf([[maybe_unused]] const EachFact& fact) {
 template <typename EachFact>
 std::optional<JobMessage::Change> ChangeOf(const EachFact&) {
   if (std::is_same_v<EachFact, JobEnded>) return JobMessage::Change::kEnds;
-  if (std::is_same_v<EachFact, JobExtended> || std::is_same_v<EachFact, JobSubmitted>)
+  if (std::is_same_v<EachFact, JobExtended> || std::is_same_v<EachFact, JobSubmitted> ||
+      std::is_same_v<EachFact, JobOrdered>)
     return JobMessage::Change::kOpens;
   return std::nullopt;
 }

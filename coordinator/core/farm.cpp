@@ -19,6 +19,7 @@ Farm::Farm(SchedulerOptions options, uint64_t kept_bytes_max, FarmId id)
       frames_(state_, end_),
       results_(state_, frames_),
       extension_(state_),
+      preparations_(state_, end_, options.attempts_max),
       recovery_(state_, end_, frames_, extension_) {
   state_.output.facts.emplace_back(CoordinatorStarted{options.epoch, id});
 }
@@ -28,6 +29,7 @@ void Farm::Advance(Instant now) {
   scheduler.Advance(now);
   for (const WorkerBlock& block : scheduler.TakeBlocks()) state_.output.facts.emplace_back(FactOf(block));
   results_.NoteSuspects();
+  preparations_.Advance(now);
   const auto failed = scheduler.TakeFailedJobs();
   for (const FailedJob& each : failed) {
     if (Job* const job = state_.jobs.Find(each.job)) end_.End(now, *job, JobState::kFailed, each.reason);
@@ -81,6 +83,7 @@ void Farm::Synchronize(Instant now, CallId call, WorkerState state) {
     state.returned_leases.clear();
   }
   state_.scheduler.Synchronize(now, state);
+  preparations_.Synchronize(now, state);
   const bool answer_now = state.leaving || is_stranger || state.wait.count() <= 0;
   const Instant wait = answer_now ? Instant{0} : std::min<Instant>(state.wait, kParkMax);
   // An older call of the same worker has nothing more to bring.
@@ -126,12 +129,18 @@ void Farm::AnswerParked(Instant now) {
   for (const WorkerId worker : state_.scheduler.news()) {
     if (parked_.Has(worker) && state_.scheduler.HasNews(worker)) with_news.push_back(worker);
   }
+  for (const WorkerId worker : preparations_.News()) {
+    if (parked_.Has(worker) && std::ranges::find(with_news, worker) == with_news.end())
+      with_news.push_back(worker);
+  }
   for (const WorkerId worker : with_news) Answer(now, worker);
   while (const auto due = parked_.FirstDue(now)) Answer(now, *due);
 }
 
 void Farm::Answer(Instant now, WorkerId worker) {
-  PushDirective(*parked_.Take(worker), state_.scheduler.TakeDirective(now, worker));
+  WorkerDirective directive = state_.scheduler.TakeDirective(now, worker);
+  directive.preparation = preparations_.Take(now, worker);
+  PushDirective(*parked_.Take(worker), std::move(directive));
 }
 
 void Farm::PushDirective(CallId call, WorkerDirective directive) {
@@ -149,8 +158,9 @@ std::vector<WorkerStatus> Farm::FindWorkers(Instant now, const std::string& whic
 
 // ---- Clients ----
 
-Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec, const JobOwner& owner) {
-  if (const Job* const known = state_.jobs.FindSubmission(spec->submission)) {
+std::optional<Result<JobId>> Farm::FindOrRefuse(uint64_t submission, const JobOwner& owner,
+                                                uint64_t bytes) const {
+  if (const Job* const known = state_.jobs.FindSubmission(submission)) {
     if (known->owner.member == owner.member) return known->id;
     return BadInput(
         "the number of this submission is that of a job of another owner; submit the scene again");
@@ -159,13 +169,31 @@ Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec, con
     return Failed(fmt::format(
         "the farm already has {} open jobs, which is its limit; wait for a job to end or cancel one",
         kOpenJobsMax));
-  const uint64_t bytes = state_.jobs.OpenSpecBytes();
-  if (bytes + MemoryOf(*spec) > kSpecBytesMax)
+  if (const auto room = state_.jobs.CheckSpecBytes(bytes); !room) return room.error();
+  return std::nullopt;
+}
+
+Result<JobId> Farm::Order(Instant now, std::shared_ptr<const JobOrder> order, const JobOwner& owner) {
+  if (const auto known = FindOrRefuse(order->submission, owner, sizeof *order + order->scene.options.size()))
+    return *known;
+  if (!preparations_.HasPlace(owner))
     return Failed(
-        fmt::format("the descriptions of the farm's open jobs take {} MB and would exceed the limit of {} MB "
-                    "with this job; "
-                    "wait for a job to end or cancel one, or submit fewer frames",
-                    bytes >> 20, kSpecBytesMax >> 20));
+        fmt::format("{} jobs of yours wait to be prepared, which is the limit; wait for one of them",
+                    kOrdersPerOwnerMax));
+  Job& job = state_.jobs.Add(state_.jobs.next_id(), order);
+  job.owner = owner;
+  job.began = now;
+  job.clock.begun = counters();
+  preparations_.Add(job);
+  if (owner != JobOwner{}) state_.output.facts.emplace_back(JobOwned{job.id, owner});
+  state_.output.facts.emplace_back(JobOrdered{job.id, order});
+  Log(fmt::format("job_ordered job={} name={} owner={} priority={}", Number(job.id), LogText(order->name),
+                  LogText(owner.name), order->priority));
+  return job.id;
+}
+
+Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec, const JobOwner& owner) {
+  if (const auto known = FindOrRefuse(spec->submission, owner, MemoryOf(*spec))) return *known;
   Job& job = state_.jobs.Add(state_.jobs.next_id(), spec);
   job.owner = owner;
   job.began = now;
@@ -195,6 +223,8 @@ Result<JobStatus> Farm::Extend(Instant now, JobId id, uint32_t samples_per_pixel
   Job* const job = state_.jobs.Find(id);
   if (job == nullptr) return NoSuchJob(id);
   TESSERA_CHECK(!IsMovingSums(id));
+  if (job->order != nullptr)
+    return BadInput(fmt::format("job {} has no frames: its scene is not prepared", Number(id)));
   if (const auto extended = extension_.Extend(now, *job, samples_per_pixel); !extended)
     return extended.error();
   return StatusOf(state_, now, *job);
@@ -205,7 +235,11 @@ Result<JobStatus> Farm::SetPaused(Instant now, JobId id, bool paused) {
   if (!found) return found.error();
   Job& job = **found;
   if (job.is_paused != paused) {
-    state_.scheduler.SetPaused(now, job, paused);
+    if (job.order != nullptr) {
+      job.is_paused = paused;
+    } else {
+      state_.scheduler.SetPaused(now, job, paused);
+    }
     state_.output.facts.emplace_back(JobPaused{id, paused});
     Log(fmt::format("{} job={}", paused ? "job_paused" : "job_continued", Number(id)));
   }
@@ -217,7 +251,11 @@ Result<JobStatus> Farm::SetPriority(Instant now, JobId id, int32_t priority) {
   if (!found) return found.error();
   Job& job = **found;
   if (job.priority != priority) {
-    state_.scheduler.SetPriority(job, priority);
+    if (job.order != nullptr) {
+      job.priority = priority;
+    } else {
+      state_.scheduler.SetPriority(job, priority);
+    }
     state_.output.facts.emplace_back(JobPriorityChanged{id, priority});
     Log(fmt::format("job_priority job={} priority={}", Number(id), priority));
   }

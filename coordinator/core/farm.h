@@ -18,6 +18,7 @@
 #include "coordinator/core/job_end.h"
 #include "coordinator/core/job_extension.h"
 #include "coordinator/core/parked_calls.h"
+#include "coordinator/core/preparations.h"
 #include "coordinator/core/result_acceptance.h"
 
 namespace tessera {
@@ -36,7 +37,10 @@ class Farm {
   void Restore(const Fact& fact) { recovery_.Restore(fact); }
   SpoolUse FoundInSpool(FrameId frame, bool begun) { return recovery_.FoundInSpool(frame, begun); }
   void RestoreNode(FrameId frame, TileNode node) { recovery_.RestoreNode(frame, std::move(node)); }
-  void Begin(Instant now) { recovery_.Begin(now); }
+  void Begin(Instant now) {
+    recovery_.Begin(now);
+    preparations_.Begin();
+  }
   // Facts that lead to the present state: they may take the place of all before.
   std::vector<Fact> Snapshot() const { return recovery_.Snapshot(); }
 
@@ -60,10 +64,17 @@ class Farm {
   void FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason);
   void FailScene(Instant now, WorkerId worker, const Digest& scene, const std::string& reason);
 
+  // The worker has prepared a scene of this farm, or could not.
+  void ReturnPreparation(Instant now, WorkerId worker, const PreparationReport& report) {
+    preparations_.Return(now, worker, report);
+  }
+
   // ---- Clients (proto/jobs.proto) ----
   // Returns the known id if the owner has submitted a job with the same submission number. The client may be
   // told once the output is journalled. kBadInput: the number is that of another owner's job.
   Result<JobId> Submit(Instant now, std::shared_ptr<const JobSpec> spec, const JobOwner& owner = {});
+  // The same for a job whose frames a worker is to make.
+  Result<JobId> Order(Instant now, std::shared_ptr<const JobOrder> order, const JobOwner& owner = {});
   // Returns nullptr if there is no such job.
   const JobOwner* OwnerOf(JobId job) const;
   Result<JobStatus> Cancel(Instant now, JobId job);
@@ -143,6 +154,8 @@ class Farm {
   const FarmCounters& counters() const { return state_.scheduler.counters(); }
 
  private:
+  // The job that was submitted with this number, or why another job cannot be taken; nullopt: it can be.
+  std::optional<Result<JobId>> FindOrRefuse(uint64_t submission, const JobOwner& owner, uint64_t bytes) const;
   struct PendingResults {
     CallId call{};
     WorkerId worker{};
@@ -160,6 +173,7 @@ class Farm {
   FrameCompletion frames_;
   ResultAcceptance results_;
   JobExtension extension_;
+  Preparations preparations_;
   FarmRecovery recovery_;
   ParkedCalls parked_;
   std::vector<PendingResults> pending_results_;

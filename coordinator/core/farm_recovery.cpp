@@ -33,7 +33,13 @@ void FarmRecovery::Restore(const Fact& fact) {
       Overloaded{
           [](const CoordinatorStarted&) {},
           [&](const JobOwned& each) { owners_[each.job] = each.owner; },
+          [&](const JobOrdered& each) {
+            const auto owner = owners_.extract(each.job);
+            state_.jobs.Add(each.job, each.order).owner = owner ? owner.mapped() : JobOwner{};
+          },
           [&](const JobSubmitted& each) {
+            if (Job* const job = state_.jobs.Find(each.job); job != nullptr && job->order != nullptr)
+              return state_.jobs.SetFrames(*job, each.spec);
             const auto owner = owners_.extract(each.job);
             state_.jobs.Add(each.job, each.spec).owner = owner ? owner.mapped() : JobOwner{};
           },
@@ -166,6 +172,7 @@ void FarmRecovery::Begin(Instant now) {
 void FarmRecovery::Resume(Instant now, Job& job) {
   job.began = now;
   job.clock.begun = state_.scheduler.counters();
+  if (job.order != nullptr) return;  // Preparations
   std::set<uint32_t> finished;
   for (const auto& [frame, file] : job.results.files) finished.insert(frame);
   state_.scheduler.AddJob(job, finished);
@@ -205,6 +212,10 @@ void FarmRecovery::ResumeFrame(Job& job, uint32_t frame, const Merger& merger) {
 // The job as it was submitted, then what it was extended to, with the frames that were finished before.
 void FarmRecovery::AppendHistory(const Job& job, std::vector<Fact>& facts) {
   if (job.owner != JobOwner{}) facts.emplace_back(JobOwned{job.id, job.owner});
+  if (job.order != nullptr) {
+    facts.emplace_back(JobOrdered{job.id, job.order});
+    return;
+  }
   facts.emplace_back(JobSubmitted{job.id, job.submitted});
   if (job.spec == job.submitted) return;
   std::set<uint32_t> steps;

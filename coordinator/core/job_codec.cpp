@@ -209,6 +209,42 @@ bool ReadJobSpec(ByteReader& in, JobSpec& spec) {
   return record->IsReadBy(kJobVersion);
 }
 
+void AddJobOrder(ByteWriter& out, const JobOrder& order) {
+  const SceneOrder& scene = order.scene;
+  const FrameRange range = scene.frames.value_or(FrameRange{});
+  ByteWriter body;
+  body.Add64(order.submission);
+  body.AddText(order.name);
+  body.Add32(static_cast<uint32_t>(order.priority));
+  AddDigest(body, scene.package);
+  body.AddText(scene.scene_file);
+  body.AddText(scene.options);
+  body.Add32(scene.frames ? 1 : 0);
+  for (const int value : {range.first, range.last, range.step}) body.Add32(static_cast<uint32_t>(value));
+  body.Add64(std::bit_cast<uint64_t>(scene.frames_per_second));
+  out.AddRecord(kVersion, kVersion, body.Take());
+}
+
+bool ReadJobOrder(ByteReader& in, JobOrder& order) {
+  auto record = in.ReadRecord(kVersion);
+  if (!record) return false;
+  ByteReader& body = record->body;
+  SceneOrder& scene = order.scene;
+  order.submission = body.Read64();
+  order.name = body.ReadText();
+  order.priority = static_cast<int32_t>(body.Read32());
+  if (!ReadDigest(body, scene.package)) return false;
+  scene.scene_file = body.ReadText();
+  scene.options = body.ReadText();
+  const uint32_t is_sequence = body.Read32();
+  FrameRange range;
+  for (int* value : {&range.first, &range.last, &range.step}) *value = static_cast<int>(body.Read32());
+  if (is_sequence == 1) scene.frames = range;
+  scene.frames_per_second = std::bit_cast<double>(body.Read64());
+  return is_sequence <= 1 && record->IsReadBy(kVersion) && order.priority >= -kPriorityMax &&
+         order.priority <= kPriorityMax && CheckSceneOrder(scene);
+}
+
 bool ReadJobSpecByNames(ByteReader& in, JobSpec& spec) {
   return ReadMembers(in, spec, ReadFrameRequestByNames);
 }

@@ -1,6 +1,8 @@
 // Bytes of a job's description, for facts (fact.h). Every part that may get new members is a versioned record
 // (byte_codec.h).
 //   digest      text of 32 bytes
+//   JobOrder    record: version 1: submission, name, priority, package, scene file, options, whether it is a
+//               sequence, first, last and step of its frames, frames per second
 //   JobSpec     record: version 1: submission, name, priority, package, frames, tags, verify share
 //               version 2, which readers of version 1 may ignore: whether there is a region that is rendered
 //               first, its x0, x1, y0, y1
@@ -27,6 +29,9 @@ bool ReadChannels(ByteReader& in, std::vector<Channel>& channels);
 void AddJobSpec(ByteWriter& out, const JobSpec& spec);
 // False for anything that AddJobSpec does not write, and for what is beyond the limits.
 bool ReadJobSpec(ByteReader& in, JobSpec& spec);
+void AddJobOrder(ByteWriter& out, const JobOrder& order);
+// False for anything that AddJobOrder does not write, and for what is beyond the limits.
+bool ReadJobOrder(ByteReader& in, JobOrder& order);
 // Reads what releases wrote whose channels were a list of names: no records, and the samples channel a flag
 // of its own.
 bool ReadJobSpecByNames(ByteReader& in, JobSpec& spec);

@@ -112,6 +112,13 @@ JobStatus StatusOf(const FarmState& state, Instant now, const Job& job) {
       status.samples_per_second = static_cast<double>(results.samples_done) / Seconds(elapsed);
     return status;
   }
+  if (job.order != nullptr) {
+    status.paused_by_user = job.is_paused;
+    status.state = job.is_paused ? JobState::kPaused : JobState::kPreparing;
+    status.reason = state.storage_reason.empty() ? job.order_problem : state.storage_reason;
+    if (job.is_paused) status.reason = PausedReason(status.reason);
+    return status;
+  }
   status.workers = state.scheduler.WorkersOf(job.id);
   const bool has_begun = status.workers > 0 || results.samples_done > 0;
   if (!results.unwritten.empty()) status.reason = results.unwritten.begin()->second;
@@ -132,6 +139,7 @@ JobStatus StatusOf(const FarmState& state, Instant now, const Job& job) {
 void MeasureProgress(FarmState& state, Instant now) {
   for (const JobId id : state.jobs.open()) {
     Job& job = state.jobs.At(id);
+    if (job.order != nullptr) continue;
     MeasurePhase(state, job);
     auto& progress = job.results.progress;
     // The clock of the rate starts with the first samples: waiting and loading are not rendering.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coordinator/core/extension.h"
+#include "coordinator/core/schedule/policy.h"
 
 namespace tessera {
 
@@ -38,6 +39,27 @@ Job& JobTable::Add(JobId id, std::shared_ptr<const JobSpec> spec) {
   return job;
 }
 
+Job& JobTable::Add(JobId id, std::shared_ptr<const JobOrder> order) {
+  JobSpec spec;
+  spec.submission = order->submission;
+  spec.name = order->name;
+  spec.priority = order->priority;
+  spec.package = order->scene.package;
+  Job& job = Add(id, std::make_shared<const JobSpec>(std::move(spec)));
+  job.order = std::move(order);
+  return job;
+}
+
+void JobTable::SetFrames(Job& job, std::shared_ptr<const JobSpec> spec) {
+  job.order = nullptr;
+  job.order_problem.clear();
+  job.results.samples_total = SamplesOf(*spec);
+  spec_bytes_ -= job.spec_bytes;
+  job.spec_bytes = MemoryOf(*spec);
+  spec_bytes_ += job.spec_bytes;
+  job.submitted = job.spec = std::move(spec);
+}
+
 Job* JobTable::Find(JobId id) {
   const auto found = jobs_.find(id);
   return found == jobs_.end() ? nullptr : &found->second;
@@ -65,6 +87,15 @@ uint64_t JobTable::OpenSpecBytes() const {
   uint64_t bytes = 0;
   for (const JobId id : open_) bytes += jobs_.at(id).spec_bytes;
   return bytes;
+}
+
+Result<void> JobTable::CheckSpecBytes(uint64_t bytes) const {
+  const uint64_t known_bytes = OpenSpecBytes();
+  if (known_bytes + bytes <= kSpecBytesMax) return {};
+  return Failed(
+      fmt::format("the descriptions of the farm's open jobs take {} MB and would exceed the limit of {} MB "
+                  "with this job; wait for a job to end or cancel one, or submit fewer frames",
+                  known_bytes >> 20, kSpecBytesMax >> 20));
 }
 
 void JobTable::Remove(JobId id) {

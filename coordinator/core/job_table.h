@@ -15,6 +15,10 @@ class JobTable {
  public:
   // A new open job.
   Job& Add(JobId id, std::shared_ptr<const JobSpec> spec);
+  // The same for a job whose frames a worker is to make.
+  Job& Add(JobId id, std::shared_ptr<const JobOrder> order);
+  // A worker has made them.
+  void SetFrames(Job& job, std::shared_ptr<const JobSpec> spec);
   JobId next_id() const { return JobId{next_}; }
   // No job gets an id up to this one again.
   void ReserveIds(JobId last) { next_ = std::max(next_, Number(last) + 1); }
@@ -39,6 +43,8 @@ class JobTable {
   // Memory that the specifications of all jobs, and of those that are open, take.
   uint64_t spec_bytes() const { return spec_bytes_; }
   uint64_t OpenSpecBytes() const;
+  // Whether another `bytes` of specifications of open jobs are within the limit.
+  Result<void> CheckSpecBytes(uint64_t bytes) const;
 
  private:
   std::map<JobId, Job> jobs_;

@@ -104,7 +104,7 @@ void AddWorkers(const FarmView& view, Families& out) {
 
 void AddJobs(const FarmView& view, Families& out) {
   std::map<JobState, int> states;
-  for (int state = 0; state <= static_cast<int>(JobState::kCancelled); ++state)
+  for (int state = 0; state <= static_cast<int>(kJobStateLast); ++state)
     states[static_cast<JobState>(state)] = 0;
   for (const JobStatus& job : view.jobs) ++states[job.state];
   for (const auto& [state, count] : states) {

@@ -11,6 +11,7 @@ namespace tessera {
 
 namespace proto {
 class FrameSpec;
+class FrameRequest;
 class FramesAnswer;
 class JobLogAnswer;
 class JobSpec;
@@ -18,6 +19,8 @@ class JobStatus;
 class Lease;
 class LeaseId;
 class PixelBounds;
+class PreparationReport;
+class PreparationRequest;
 class ResultsRequest;
 class SampleRange;
 class SceneRequest;
@@ -39,6 +42,9 @@ Result<SampleRange> ReadSampleRange(const proto::SampleRange& message);
 Result<FrameSpec> ReadFrameSpec(const proto::FrameSpec& message);
 Result<WorkUnit> ReadWorkUnit(const proto::WorkUnit& message);
 Result<Lease> ReadLease(const proto::Lease& message);
+Result<FrameRequest> ReadFrameRequest(const proto::FrameRequest& message);
+Result<PreparationRequest> ReadPreparationRequest(const proto::PreparationRequest& message);
+Result<PreparationReport> ReadPreparationReport(const proto::PreparationReport& message);
 Result<SceneRequest> ReadSceneOrder(const proto::SceneRequest& message);
 // Of a worker with another protocol version only what tells who it is, so that it can be refused by name.
 Result<WorkerState> ReadWorkerState(const proto::WorkerState& message);
@@ -61,6 +67,9 @@ void Write(SampleRange value, proto::SampleRange& message);
 void Write(const FrameSpec& value, proto::FrameSpec& message);
 void Write(const WorkUnit& value, proto::WorkUnit& message);
 void Write(const Lease& value, proto::Lease& message);
+void Write(const FrameRequest& value, proto::FrameRequest& message);
+void Write(const PreparationRequest& value, proto::PreparationRequest& message);
+void Write(const PreparationReport& value, proto::PreparationReport& message);
 void Write(const SceneRequest& value, proto::SceneRequest& message);
 void Write(const WorkerState& value, proto::WorkerState& message);
 void Write(const WorkerDirective& value, proto::WorkerDirective& message);

@@ -6,15 +6,6 @@
 namespace tessera {
 namespace {
 
-Result<FrameRequest> ReadFrameRequest(const proto::FrameRequest& message) {
-  if (!IsPackagePath(message.scene_file())) return BadField("scene_file", "is not a path in a package");
-  if (message.options().size() > kOptionsBytesMax) return BadField("options", "are too long");
-  auto spec = ReadFrameSpec(message.spec());
-  if (!spec) return spec.error();
-  return FrameRequest{message.scene_file(), message.options(), std::move(*spec), message.number(),
-                      message.extendable()};
-}
-
 std::chrono::milliseconds ReadDuration(uint64_t ms) {
   // Beyond the age of anything; keeps arithmetic in range.
   constexpr uint64_t kLongest_ms = uint64_t{1} << 52;
@@ -100,14 +91,7 @@ void Write(const JobSpec& value, proto::JobSpec& message) {
   message.set_name(CleanName(value.name));
   message.set_priority(value.priority);
   message.set_package(WriteDigest(value.package));
-  for (const FrameRequest& frame : value.frames) {
-    auto& written = *message.add_frames();
-    written.set_scene_file(frame.scene_file);
-    written.set_options(frame.options);
-    Write(frame.spec, *written.mutable_spec());
-    written.set_number(frame.number);
-    written.set_extendable(frame.extendable);
-  }
+  for (const FrameRequest& frame : value.frames) Write(frame, *message.add_frames());
   for (const std::string& tag : value.required_tags) message.add_required_tags(tag);
   message.set_verify_share(value.verify_share);
   if (!value.first) return;
@@ -153,6 +137,7 @@ static_assert(static_cast<int>(JobState::kPaused) == proto::JOB_STATE_PAUSED);
 static_assert(static_cast<int>(JobState::kFinished) == proto::JOB_STATE_FINISHED);
 static_assert(static_cast<int>(JobState::kFailed) == proto::JOB_STATE_FAILED);
 static_assert(static_cast<int>(JobState::kCancelled) == proto::JOB_STATE_CANCELLED);
+static_assert(static_cast<int>(JobState::kPreparing) == proto::JOB_STATE_PREPARING);
 
 void Write(const JobStatus& value, proto::JobStatus& message) {
   message.set_job(Number(value.job));

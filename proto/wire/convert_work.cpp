@@ -61,6 +61,8 @@ Result<void> CheckIdentity(const proto::WorkerState& message) {
   if (message.leases_size() > kLeasesPerWorkerMax) return BadField("leases", "are too many");
   if (message.returned_leases_size() > kLeasesPerWorkerMax)
     return BadField("returned_leases", "are too many");
+  if (message.preparations_size() > kPreparationsPerWorkerMax)
+    return BadField("preparations", "are too many");
   return {};
 }
 
@@ -80,6 +82,11 @@ Result<void> ReadHoldings(const proto::WorkerState& message, WorkerState& state)
     state.leases.push_back(*held);
   }
   for (const auto& lease : message.returned_leases()) state.returned_leases.push_back(ReadLeaseId(lease));
+  for (const std::string& bytes : message.preparations()) {
+    const auto key = ReadDigest(bytes, "preparations");
+    if (!key) return key.error();
+    state.preparations.push_back(*key);
+  }
   return {};
 }
 
@@ -136,6 +143,7 @@ void Write(const WorkerState& value, proto::WorkerState& message) {
     written.set_stage_ms(static_cast<uint32_t>(lease.stage_duration.count()));
   }
   for (const LeaseId lease : value.returned_leases) Write(lease, *message.add_returned_leases());
+  for (const Digest& key : value.preparations) message.add_preparations(WriteDigest(key));
   message.set_draining(value.draining);
   message.set_leaving(value.leaving);
   message.set_wait_ms(static_cast<uint32_t>(value.wait.count()));
@@ -166,6 +174,11 @@ Result<WorkerDirective> ReadWorkerDirective(const proto::WorkerDirective& messag
     if (!package) return package.error();
     directive.prefetch.push_back(*package);
   }
+  if (message.has_preparation()) {
+    auto preparation = ReadPreparationRequest(message.preparation());
+    if (!preparation) return preparation.error();
+    directive.preparation = std::move(*preparation);
+  }
   directive.call_again = std::chrono::milliseconds(message.call_again_ms());
   directive.notice = CleanReason(message.notice());
   return directive;
@@ -177,6 +190,7 @@ void Write(const WorkerDirective& value, proto::WorkerDirective& message) {
   for (const Lease& lease : value.leases) Write(lease, *message.add_leases());
   for (const LeaseId lease : value.drop) Write(lease, *message.add_drop());
   for (const Digest& package : value.prefetch) message.add_prefetch(WriteDigest(package));
+  if (value.preparation) Write(*value.preparation, *message.mutable_preparation());
   message.set_call_again_ms(static_cast<uint32_t>(value.call_again.count()));
   message.set_notice(CleanReason(value.notice));
 }

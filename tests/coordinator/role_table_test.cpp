@@ -29,19 +29,33 @@ struct Row {
 };
 
 constexpr Row kTable[] = {
-    {"Blobs.FindMissing", kNo, kAll, kNo, kAll, kNo},  {"Blobs.Upload", kNo, kAll, kNo, kAll, kNo},
-    {"Blobs.Download", kOwn, kNo, kNo, kAll, kNo},     {"Jobs.Submit", kNo, kAll, kNo, kAll, kNo},
-    {"Jobs.List", kNo, kAll, kAll, kAll, kNo},         {"Jobs.Status", kNo, kAll, kAll, kAll, kNo},
-    {"Jobs.Watch", kNo, kAll, kAll, kAll, kNo},        {"Jobs.Cancel", kNo, kOwn, kNo, kAll, kNo},
-    {"Jobs.Extend", kNo, kOwn, kNo, kAll, kNo},        {"Jobs.Pause", kNo, kOwn, kNo, kAll, kNo},
-    {"Jobs.Resume", kNo, kOwn, kNo, kAll, kNo},        {"Jobs.SetPriority", kNo, kOwn, kNo, kAll, kNo},
-    {"Jobs.Workers", kNo, kAll, kAll, kAll, kNo},      {"Jobs.Frames", kNo, kAll, kAll, kAll, kNo},
-    {"Jobs.DrainWorkers", kNo, kNo, kNo, kAll, kNo},   {"Jobs.ReleaseWorkers", kNo, kNo, kNo, kAll, kNo},
-    {"Jobs.FetchPicture", kNo, kOwn, kAll, kAll, kNo}, {"Jobs.Health", kAll, kAll, kAll, kAll, kNo},
-    {"Jobs.JobLog", kNo, kAll, kAll, kAll, kNo},       {"Work.Synchronize", kOwn, kNo, kNo, kAll, kNo},
-    {"Work.ReturnResults", kOwn, kNo, kNo, kAll, kNo}, {"Work.ReturnFailure", kOwn, kNo, kNo, kAll, kNo},
-    {"Access.Join", kNo, kNo, kNo, kNo, kAll},         {"Access.Renew", kAll, kAll, kAll, kAll, kNo},
-    {"Access.IssueToken", kNo, kNo, kNo, kAll, kNo},   {"Access.ListAccess", kNo, kNo, kNo, kAll, kNo},
+    {"Blobs.FindMissing", kNo, kAll, kNo, kAll, kNo},
+    {"Blobs.Upload", kNo, kAll, kNo, kAll, kNo},
+    {"Blobs.Download", kOwn, kNo, kNo, kAll, kNo},
+    {"Jobs.Submit", kNo, kAll, kNo, kAll, kNo},
+    {"Jobs.List", kNo, kAll, kAll, kAll, kNo},
+    {"Jobs.Status", kNo, kAll, kAll, kAll, kNo},
+    {"Jobs.Watch", kNo, kAll, kAll, kAll, kNo},
+    {"Jobs.Cancel", kNo, kOwn, kNo, kAll, kNo},
+    {"Jobs.Extend", kNo, kOwn, kNo, kAll, kNo},
+    {"Jobs.Pause", kNo, kOwn, kNo, kAll, kNo},
+    {"Jobs.Resume", kNo, kOwn, kNo, kAll, kNo},
+    {"Jobs.SetPriority", kNo, kOwn, kNo, kAll, kNo},
+    {"Jobs.Workers", kNo, kAll, kAll, kAll, kNo},
+    {"Jobs.Frames", kNo, kAll, kAll, kAll, kNo},
+    {"Jobs.DrainWorkers", kNo, kNo, kNo, kAll, kNo},
+    {"Jobs.ReleaseWorkers", kNo, kNo, kNo, kAll, kNo},
+    {"Jobs.FetchPicture", kNo, kOwn, kAll, kAll, kNo},
+    {"Jobs.Health", kAll, kAll, kAll, kAll, kNo},
+    {"Jobs.JobLog", kNo, kAll, kAll, kAll, kNo},
+    {"Work.Synchronize", kOwn, kNo, kNo, kAll, kNo},
+    {"Work.ReturnResults", kOwn, kNo, kNo, kAll, kNo},
+    {"Work.ReturnFailure", kOwn, kNo, kNo, kAll, kNo},
+    {"Work.ReturnPreparation", kOwn, kNo, kNo, kAll, kNo},
+    {"Access.Join", kNo, kNo, kNo, kNo, kAll},
+    {"Access.Renew", kAll, kAll, kAll, kAll, kNo},
+    {"Access.IssueToken", kNo, kNo, kNo, kAll, kNo},
+    {"Access.ListAccess", kNo, kNo, kNo, kAll, kNo},
     {"Access.Revoke", kNo, kNo, kNo, kAll, kNo},
 };
 
@@ -97,6 +111,14 @@ class RoleTable : public ServicesForMembers {
     if (name == "Work.ReturnResults") {
       const proto::ResultsRequest results = ResultOf(job, 0, {0, 4}, "x");
       return {Announcement(process, farm, results).SerializeAsString(), results.SerializeAsString()};
+    }
+    if (name == "Work.ReturnPreparation") {
+      proto::PreparationReport report;
+      report.set_worker(Number(process));
+      report.set_farm(WriteFarmId(farm));
+      report.set_key(WriteDigest(Sha256("an order")));
+      report.set_reason("no");
+      return {report.SerializeAsString()};
     }
     if (name == "Blobs.Download") {
       proto::DownloadRequest request;

@@ -56,6 +56,10 @@ JobSpec Job() {
   return job;
 }
 
+JobOrder Order() {
+  return {8, "shot", 2, {Sha256("package"), "b/scene.##.pbrt", "spp=4\n", FrameRange{1, 9, 2}, 25}};
+}
+
 WorkUnit Unit() {
   return {JobId{1}, 0, 2, {4, 4}, Sha256("scene")};
 }
@@ -109,7 +113,8 @@ void SaveFacts() {
                         AuthorityChosen{Sha256("authority")},
                         WorkerQuarantined{WorkerId{9}, "blade", true, "disagrees"},
                         VoteRecorded{Unit(), WorkerId{9}, "blade", Sha256("result")},
-                        UnitsCounted{JobId{1}, 1, 2, 3}};
+                        UnitsCounted{JobId{1}, 1, 2, 3},
+                        JobOrdered{JobId{1}, std::make_shared<const JobOrder>(Order())}};
   const fs::path path = folder / "journal" / "facts";
   fs::create_directories(path.parent_path());
   fs::remove(path);
@@ -151,6 +156,7 @@ proto::WorkerState State() {
   state.scenes = {{Sha256("scene"), true, false}, {Sha256("other"), false, true}};
   state.leases = {{{3, 4}, Unit(), LeaseStage::kRunning, std::chrono::milliseconds(20)}};
   state.returned_leases = {{1, 4}};
+  state.preparations = {PreparationKey(Order())};
   state.wait = std::chrono::milliseconds(500);
   proto::WorkerState message;
   Write(state, message);
@@ -207,6 +213,14 @@ void SaveRequestsOfWorkers() {
   failure.set_farm(WriteFarmId({5, 6}));
   failure.set_reason("out of memory\n");
   SaveMessage("request", "Work.ReturnFailure", "failure", failure);
+  PreparationReport made{PreparationKey(Order()), Job().frames, {"nothing moves"}, "", {5, 6}};
+  proto::PreparationReport prepared, refused;
+  Write(made, prepared);
+  SaveMessage("request", "Work.ReturnPreparation", "prepared", prepared);
+  made.frames.clear();
+  made.reason = "scene.pbrt:3:1: unknown directive";
+  Write(made, refused);
+  SaveMessage("request", "Work.ReturnPreparation", "not_prepared", refused);
 }
 
 void SaveRequestsAboutBlobs() {
@@ -235,6 +249,7 @@ void SaveAnswersToWorkers() {
   directive.leases = {all, some};
   directive.drop = {{1, 4}};
   directive.prefetch = {Sha256("package")};
+  directive.preparation = PreparationRequest{PreparationKey(Order()), Order().scene};
   directive.call_again = std::chrono::milliseconds(100);
   directive.notice = "quarantined";
   directive.farm = {5, 6};

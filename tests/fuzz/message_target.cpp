@@ -136,6 +136,8 @@ bool ReadRequest(const Message& message) {
     return ReadResults(*results);
   if (const auto* failure = DynamicCastToGenerated<proto::FailureRequest>(&message))
     return ReadFailure(*failure);
+  if (const auto* report = DynamicCastToGenerated<proto::PreparationReport>(&message))
+    return ReadsWhatItWrites(*report, ReadPreparationReport);
   if (const auto* digests = DynamicCastToGenerated<proto::FindMissingRequest>(&message))
     return ReadDigests(*digests);
   if (const auto* chunk = DynamicCastToGenerated<proto::UploadChunk>(&message))

@@ -1,12 +1,36 @@
 #include <algorithm>
 #include <charconv>
 
+#include <nlohmann/json.hpp>
+
 #include "coordinator/store/message_file.h"
+#include "coordinator/web/api/job_order.h"
 #include "coordinator/web/api/parameters.h"
+#include "renderer/scene/scene.h"
 #include "renderer/util/check.h"
 #include "tests/fuzz/targets.h"
 
 namespace tessera {
+namespace {
+
+// An order is within its limits, and its options are written as everybody writes them: a worker that reads
+// them writes the same again.
+bool ReadsOrder(const std::string& body) {
+  const auto json = nlohmann::json::parse(body, nullptr, false);
+  if (!json.is_object()) return false;
+  const auto read = ReadJobOrder(json);
+  if (const auto* const error = std::get_if<WebError>(&read)) {
+    TESSERA_CHECK(error->status == 400 && !error->reason.empty());
+    return false;
+  }
+  const auto& order = std::get<JobOrder>(read);
+  TESSERA_CHECK(CheckSceneOrder(order.scene).has_value());
+  const auto options = DecodeRenderOptions(order.scene.options);
+  if (options) TESSERA_CHECK(EncodeRenderOptions(*options) == order.scene.options);
+  return true;
+}
+
+}  // namespace
 
 // A line "METHOD PATH?QUERY", then the body, as the interface for programs gets them after the head was
 // parsed.
@@ -28,6 +52,7 @@ bool FuzzWebCall(std::string_view bytes) {
   const WebRoute& route = *match->route;
   TESSERA_CHECK(methods.empty() && (route.method == http.method || http.method == "HEAD"));
   TESSERA_CHECK(route.path.find("{job}") == std::string_view::npos || match->job != JobId{});
+  if (route.action == WebAction::kOrderJob) return ReadsOrder(http.body);
   const auto parameters = ReadParameters(http, route);
   const auto* const read = std::get_if<Query>(&parameters);
   if (read == nullptr) {

@@ -32,7 +32,8 @@ class EndChecker : public Checker {
     // Two different wrong results and the right one are three votes of which no two agree.
     // A unit with which three workers died one by one cannot be told from one that kills them.
     const bool may_be_taken_for_killer =
-        world_.deaths >= 3 && status.reason.find("kills its workers") != std::string::npos;
+        world_.deaths >= 3 && (status.reason.find("kills its workers") != std::string::npos ||
+                               status.reason.find("was lost while") != std::string::npos);
     const bool may_fail = job.is_killer || may_be_taken_for_killer || job.is_poisoned ||
                           options.one_fails_units || options.one_damages_results || options.one_lies;
     const std::string what =

@@ -54,6 +54,8 @@ void Clients::MakeJob(int number, size_t directory) {
   model.cost = world_.random.Real(0.00005, 0.001);
   model.is_poisoned = world_.options.poison && number == 0;
   model.is_killer = world_.options.killer && number == world_.options.jobs - 1;
+  model.is_ordered =
+      static_cast<double>(Hash(spec->submission, 5) % 100) < 100 * world_.options.ordered_share;
   world_.jobs.push_back(std::move(model));
   world_.queue.After(world_.random.Duration(0, 10), [this, job = world_.jobs.size() - 1] { Submit(job); });
 }
@@ -79,7 +81,10 @@ void Clients::Submit(size_t j) {
     Farm* const farm = coordinator_.farm();
     const bool is_mine = world_.jobs[j].directory == world_.directory;
     if (farm == nullptr || !is_mine || world_.jobs[j].is_acknowledged) return;
-    const auto id = farm->Submit(coordinator_.now(), world_.jobs[j].spec);
+    const JobModel& job = world_.jobs[j];
+    const auto id =
+        job.is_ordered ? farm->Order(coordinator_.now(), std::make_shared<const JobOrder>(OrderOf(*job.spec)))
+                       : farm->Submit(coordinator_.now(), job.spec);
     if (!id) return world_.Violation("a job is refused: " + id.error().message);
     coordinator_.AfterSync([this, j, id = *id, restored = world_.restored] {
       world_.Send([this, j, id, restored] {

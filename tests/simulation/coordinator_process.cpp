@@ -182,6 +182,8 @@ void CoordinatorProcess::WritePicture(JobId job, uint32_t frame) {
 void CoordinatorProcess::NoteFact(const Fact& fact) {
   if (const auto* submitted = std::get_if<JobSubmitted>(&fact)) {
     world_.jobs[submitted->spec->submission - 1].id = submitted->job;
+  } else if (const auto* ordered = std::get_if<JobOrdered>(&fact)) {
+    world_.jobs[ordered->order->submission - 1].id = ordered->job;
   } else if (const auto* ended = std::get_if<JobEnded>(&fact)) {
     world_.ModelOf(ended->job)->told = ended->state;
   }

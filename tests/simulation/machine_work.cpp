@@ -35,6 +35,7 @@ void Machines::Synchronize(size_t m) {
       OnMachine(m, Instant{0}, [=, this](Machine& at) {
         at.worker->Apply(Now(m), state, directive);
         LoadScenes(m);
+        Prepare(m);
         StartUnits(m);
         if (at.sync_awaited == number) Synchronize(m);
       });
@@ -62,6 +63,27 @@ void Machines::LoadScenes(size_t m) {
     OnMachine(m, FromSeconds(worker.traits().load_s), [=, this, key = scene->key](Machine& at) {
       at.worker->SceneLoaded(key);
       Synchronize(m);
+    });
+  }
+}
+
+// A worker that damages results makes other frames than those ordered.
+void Machines::Prepare(size_t m) {
+  WorkerModel& worker = *machines_[m].worker;
+  while (const auto request = worker.load().StartPreparation()) {
+    OnMachine(m, FromSeconds(worker.traits().load_s), [=, this](Machine& at) {
+      PreparationReport report;
+      report.key = request->key;
+      for (const JobModel& job : world_.jobs) {
+        if (job.is_ordered && PreparationKey(OrderOf(*job.spec)) == request->key)
+          report.frames = job.spec->frames;
+      }
+      const bool is_damaged =
+          world_.random.Chance(world_.is_healthy() ? 0 : at.worker->traits().damage_chance);
+      if (is_damaged && !report.frames.empty()) ++report.frames.front().number;
+      at.worker->load().PreparationFinished(std::move(report));
+      Synchronize(m);
+      SendBatch(m);
     });
   }
 }
@@ -118,6 +140,8 @@ void Machines::SendBatch(size_t m) {
   auto batch = machine.worker->load().NextBatch(kBatchBytesMax);
   if (const auto* failure = std::get_if<FailureReport>(&batch)) {
     SendFailure(m, number, *failure);
+  } else if (const auto* report = std::get_if<PreparationQueue::Report>(&batch)) {
+    SendReport(m, number, *report);
   } else {
     SendResults(m, number, std::move(std::get<std::vector<FinishedUnit>>(batch)));
   }
@@ -170,6 +194,20 @@ void Machines::SendResults(size_t m, uint64_t batch, std::vector<FinishedUnit> r
     };
     coordinator_.AwaitResults(call, std::move(units), on_answer);
     farm->ReturnResults(coordinator_.now(), call, worker, std::move(returned));
+    coordinator_.Touch();
+  });
+}
+
+void Machines::SendReport(size_t m, uint64_t batch, const PreparationQueue::Report& report) {
+  const WorkerId worker = machines_[m].worker->id();
+  SendToFarm(m, [=, this] {
+    Farm* const farm = coordinator_.farm();
+    if (farm == nullptr || !farm->HasJoined(worker)) return;
+    world_.Trace(fmt::format("report worker={} {}", Number(worker), report->key.Hex()));
+    if (report->farm == farm->id()) farm->ReturnPreparation(coordinator_.now(), worker, *report);
+    coordinator_.AfterSync([=, this] {
+      BatchAnswered(m, batch, [report](Machine& at) { at.worker->load().PreparationAnswered(*report); });
+    });
     coordinator_.Touch();
   });
 }

@@ -70,6 +70,8 @@ class Machines {
   // The answer to the batch that is on its way; an answer to an older one brings nothing new.
   void BatchAnswered(size_t machine, uint64_t batch, Action action);
   void SendResults(size_t machine, uint64_t batch, std::vector<FinishedUnit> results);
+  void Prepare(size_t machine);
+  void SendReport(size_t machine, uint64_t batch, const PreparationQueue::Report& report);
   void SendFailure(size_t machine, uint64_t batch, const FailureReport& failure);
   double CostOf(const WorkUnit& unit);
 

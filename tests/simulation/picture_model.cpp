@@ -105,4 +105,12 @@ Merger ReferenceMerger(uint64_t seed, const FrameSpec& spec) {
   return merger;
 }
 
+JobOrder OrderOf(const JobSpec& spec) {
+  JobOrder order{spec.submission, spec.name, spec.priority, {}};
+  order.scene.package = spec.package;
+  order.scene.scene_file = "scene#.pbrt";
+  order.scene.frames = FrameRange{spec.frames.front().number, spec.frames.back().number, 1};
+  return order;
+}
+
 }  // namespace tessera

@@ -18,4 +18,7 @@ RadianceTile RenderModel(uint64_t seed, const FrameSpec& spec, uint32_t tile, co
 // The whole picture, merged tile by tile in the largest possible units.
 Merger ReferenceMerger(uint64_t seed, const FrameSpec& spec);
 
+// What a client orders that cannot read the scenes of the job.
+JobOrder OrderOf(const JobSpec& spec);
+
 }  // namespace tessera

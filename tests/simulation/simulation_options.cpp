@@ -32,6 +32,7 @@ SimulationOptions DrawOptions(uint64_t seed) {
   options.noise_threshold = maybe(0.5, 0.02, 0.3);
   Random later(Hash(seed, 79));  // a new option does not change the others of a seed
   options.killer = later.Chance(0.15);
+  if (later.Chance(0.3) && options.verify_share == 0) options.ordered_share = 0.7;
   options.faults = DrawFaults(seed, options.faults_s);
   return options;
 }
@@ -48,10 +49,10 @@ std::string SimulationOptions::Text() const {
       "faults={} one_fails_units={} one_damages_results={} poison={} killer={} cancel_one={} "
       "verify_share={:.2f} "
       "one_lies={} "
-      "noise_threshold={:.3f}",
+      "noise_threshold={:.3f} ordered_share={:.2f}",
       workers, jobs, loss, duplication, reordering, delay_max_s, slow_share, FaultsText(faults),
       one_fails_units, one_damages_results, poison, killer, cancel_one, verify_share, one_lies,
-      noise_threshold);
+      noise_threshold, ordered_share);
 }
 
 }  // namespace tessera

@@ -26,6 +26,7 @@ struct JobModel {
   std::vector<Merger> reference;       // of each frame: everything merged by one machine
   std::vector<FramePicture> pictures;  // of the reference
   double cost = 0;                     // seconds per pixel sample
+  bool is_ordered = false;             // a worker makes its frames
   bool is_poisoned = false;            // has a unit that every worker fails
   bool is_killer = false;              // has a unit that kills every worker that renders it
   bool is_acknowledged = false;        // the client knows that the farm has it

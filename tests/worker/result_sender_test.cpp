@@ -73,8 +73,9 @@ TEST(ResultSender, WhatIsRefusedDoesNotDelayWhatComesAfterIt) {
   BlobMap blobs;
   const SceneRequest order = MakeOrder(blobs, kTinyScene);
   SharedWorkload workload([] {});
-  workload.Change()->Apply({{order}, {}, {}, {}, {}, {}}, Clock::now());
-  const auto started = workload.AwaitSceneOrder({});
+  workload.Change()->Apply({{order}, {}, {}, {}, {}, {}, {}}, Clock::now());
+  const auto task = workload.AwaitLoaderTask({});
+  const auto* const started = std::get_if<SceneRequest>(&*task);
   workload.Change()->SceneLoaded(started->key, *LoadOrderedScene(*started, blobs.Fetcher()));
   uint64_t id = 0;
   for (const char* tile : {"refused", "first", "second"}) {

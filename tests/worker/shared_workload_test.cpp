@@ -20,8 +20,9 @@ constexpr auto kNews = SharedWorkload::News::kYes;
 class SharedWorkloadTest : public testing::Test {
  protected:
   SharedWorkloadTest() : workload_([this] { ++news_; }), order_(MakeOrder(blobs_, kTinyScene)) {
-    workload_.Change()->Apply({{order_}, {}, {}, {}, {}, {}}, Clock::now());
-    const auto order = workload_.AwaitSceneOrder({});
+    workload_.Change()->Apply({{order_}, {}, {}, {}, {}, {}, {}}, Clock::now());
+    const auto task = workload_.AwaitLoaderTask({});
+    const auto* const order = std::get_if<SceneRequest>(&*task);
     workload_.Change(kNews)->SceneLoaded(order->key, *LoadOrderedScene(*order, blobs_.Fetcher()));
   }
   Lease MakeLease(uint64_t id) const {
@@ -73,7 +74,7 @@ TEST_F(SharedWorkloadTest, ResultsAreSentInBatchesOfBoundedSize) {
 
 TEST_F(SharedWorkloadTest, AtAnotherFarmAllWorkOfTheFirstIsForgotten) {
   WorkerDirective directive{
-      {order_}, {MakeLease(1), MakeLease(2), MakeLease(3), MakeLease(4)}, {}, {}, {}, {}, {1, 1}};
+      {order_}, {MakeLease(1), MakeLease(2), MakeLease(3), MakeLease(4)}, {}, {}, {}, {}, {}, {1, 1}};
   workload_.Change()->Apply(directive, Clock::now());
   EXPECT_EQ(State().farm, (FarmId{1, 1}));
   const auto running = workload_.AwaitUnit({});
@@ -135,11 +136,11 @@ TEST_F(SharedWorkloadTest, ALeaseForASceneThatIsNotExpectedIsReturned) {
 
 TEST_F(SharedWorkloadTest, ASceneThatFailsReturnsItsLeasesAndIsReported) {
   const SceneRequest bad = MakeOrder(blobs_, "WorldBegin\nnonsense\n");
-  workload_.Change()->Apply({{order_, bad}, {}, {}, {}, {}, {}}, Clock::now());
+  workload_.Change()->Apply({{order_, bad}, {}, {}, {}, {}, {}, {}}, Clock::now());
   Lease lease = MakeLease(1);
   lease.unit.scene = bad.key;
   workload_.Change()->AddLeases({}, {lease}, {}, Clock::now());
-  EXPECT_EQ(workload_.AwaitSceneOrder({})->key, bad.key);
+  EXPECT_EQ(std::get<SceneRequest>(*workload_.AwaitLoaderTask({})).key, bad.key);
   workload_.Change(kNews)->SceneFailed(bad.key, "nonsense in it", Clock::now());
   EXPECT_THAT(State().returned_leases, ElementsAre(LeaseId{1}));
   const auto report = std::get<FailureReport>(workload_.AwaitBatch(0, {}));
@@ -181,7 +182,7 @@ TEST_F(SharedWorkloadTest, TheStateIsReportedSeveralTimesDuringALease) {
 TEST_F(SharedWorkloadTest, WaitingEndsWhenAStopIsRequested) {
   std::stop_source stop;
   std::thread slot([&] { EXPECT_FALSE(workload_.AwaitUnit(stop.get_token())); });
-  std::thread loader([&] { EXPECT_FALSE(workload_.AwaitSceneOrder(stop.get_token())); });
+  std::thread loader([&] { EXPECT_FALSE(workload_.AwaitLoaderTask(stop.get_token())); });
   std::thread returner([&] {
     EXPECT_TRUE(std::holds_alternative<std::monostate>(workload_.AwaitBatch(0, stop.get_token())));
   });

@@ -25,6 +25,7 @@ void Workload::JoinFarm(FarmId farm) {
   failures_.clear();
   results_first_ = false;
   returned_.clear();
+  preparations_.Clear();
   scenes_.Want({}, [](const Digest&) { return false; });
   farm_ = farm;
 }
@@ -32,11 +33,13 @@ void Workload::JoinFarm(FarmId farm) {
 void Workload::Apply(const WorkerDirective& directive, TimePoint now) {
   JoinFarm(directive.farm);
   if (!draining_) scenes_.Want(directive.scenes, [this](const Digest& key) { return leases_.Uses(key); });
+  if (!draining_ && directive.preparation) preparations_.Add(*directive.preparation);
   AddLeases(directive.leases, directive.drop, now);
 }
 
 void Workload::ApplyOvertaken(const WorkerDirective& directive, TimePoint now) {
   JoinFarm(directive.farm);
+  if (!draining_ && directive.preparation) preparations_.Add(*directive.preparation);
   AddLeases(directive.leases, directive.drop, now);
 }
 
@@ -63,6 +66,7 @@ void Workload::FillState(WorkerState& state, TimePoint now) const {
   state.scenes = scenes_.Held();
   state.leases = leases_.Held(now);
   state.returned_leases = returned_;
+  state.preparations = preparations_.Held();
   state.draining = draining_;
   state.wait = kSynchronizeWaitMax;
   if (const auto shortest = leases_.ShortestDuration())
@@ -100,6 +104,7 @@ void Workload::AddFailure(FailureReport failure) {
 }
 
 void Workload::FailureAnswered(const FailureReport& failure) {
+  reports_last_ = false;
   std::erase_if(failures_, [&](const FailureReport& each) { return each.number == failure.number; });
 }
 
@@ -118,7 +123,24 @@ void Workload::SceneFailed(const Digest& key, std::string reason, TimePoint now)
   AddFailure({LeaseId{}, {}, key, std::move(reason)});
 }
 
+std::optional<PreparationRequest> Workload::StartPreparation() {
+  if (draining_) return std::nullopt;
+  return preparations_.Start();
+}
+
+void Workload::PreparationFinished(PreparationReport report) {
+  report.farm = farm_;
+  preparations_.Finish(std::move(report));
+}
+
+void Workload::PreparationAnswered(const PreparationReport& report) {
+  preparations_.Answered(report.key);
+}
+
 Workload::Batch Workload::NextBatch(size_t bytes_max) const {
+  const bool has_others = !failures_.empty() || !results_.empty();
+  if (const auto report = preparations_.NextReport(); report != nullptr && !(reports_last_ && has_others))
+    return report;
   if (!failures_.empty() && !(results_first_ && !results_.empty())) return failures_.front();
   if (results_.empty()) return {};
   std::vector<FinishedUnit> results;
@@ -132,6 +154,8 @@ Workload::Batch Workload::NextBatch(size_t bytes_max) const {
 }
 
 void Workload::Postpone(const Batch& batch) {
+  reports_last_ = std::holds_alternative<PreparationQueue::Report>(batch);
+  if (reports_last_) return preparations_.Postpone();
   results_first_ = std::holds_alternative<FailureReport>(batch);
   if (results_first_ && failures_.size() > 1)
     std::rotate(failures_.begin(), failures_.begin() + 1, failures_.end());
@@ -144,7 +168,7 @@ void Workload::Postpone(const Batch& batch) {
 }
 
 void Workload::ResultsAnswered(const std::vector<FinishedUnit>& results) {
-  results_first_ = false;
+  results_first_ = reports_last_ = false;
   for (const FinishedUnit& answered : results) {
     leases_.Forget(answered.lease);
     std::erase_if(results_, [&](const FinishedUnit& unit) { return unit.lease == answered.lease; });
@@ -153,11 +177,13 @@ void Workload::ResultsAnswered(const std::vector<FinishedUnit>& results) {
 
 void Workload::Drain() {
   draining_ = true;
+  preparations_.Drain();
   Append(returned_, leases_.TakeWaiting());
 }
 
 bool Workload::IsIdle() const {
-  return leases_.running() == 0 && results_.empty() && failures_.empty() && returned_.empty();
+  return leases_.running() == 0 && results_.empty() && failures_.empty() && returned_.empty() &&
+         preparations_.NextReport() == nullptr;
 }
 
 void Workload::StopRendering() {

@@ -11,6 +11,7 @@
 
 #include "proto/terms.h"
 #include "worker/core/held_leases.h"
+#include "worker/core/preparation_queue.h"
 #include "worker/core/scene_table.h"
 
 namespace tessera {
@@ -77,13 +78,25 @@ class Workload {
   void SceneLoaded(const Digest& key, SceneTable::ScenePointer scene);
   void SceneFailed(const Digest& key, std::string reason, TimePoint now);
 
-  // ---- Results and failures
-  bool HasBatch() const { return !failures_.empty() || !results_.empty(); }
-  // The next failure, or the next results: the first and up to `bytes_max` bytes more. They stay here until
-  // they are acknowledged.
-  using Batch = std::variant<std::monostate, FailureReport, std::vector<FinishedUnit>>;
+  // ---- Preparations
+  // The next scene to prepare; nullopt while draining.
+  std::optional<PreparationRequest> StartPreparation();
+  void PreparationFinished(PreparationReport report);
+
+  // ---- Results, failures and reports of preparations
+  bool HasBatch() const {
+    return !failures_.empty() || !results_.empty() || preparations_.NextReport() != nullptr;
+  }
+  // The next report or failure, or the next results: the first and up to `bytes_max` bytes more. They stay
+  // here until they are acknowledged.
+  using Batch =
+      std::variant<std::monostate, FailureReport, std::vector<FinishedUnit>, PreparationQueue::Report>;
   Batch NextBatch(size_t bytes_max) const;
-  // This failure, or these results, have been acknowledged.
+  // This failure, this report or these results have been acknowledged.
+  void PreparationAnswered(const PreparationReport& report);
+  void PreparationRefused(const PreparationReport& report, const std::string& reason) {
+    preparations_.Refuse(report.key, reason);
+  }
   void FailureAnswered(const FailureReport& failure);
   void ResultsAnswered(const std::vector<FinishedUnit>& results);
   // This failure, or these results, could not be delivered: others go first now.
@@ -105,9 +118,11 @@ class Workload {
   FarmId farm_;  // of everything below but the scenes
   HeldLeases leases_;
   SceneTable scenes_;
+  PreparationQueue preparations_;
   std::deque<FinishedUnit> results_;
   std::deque<FailureReport> failures_;
   bool results_first_ = false;  // after a failure that could not be delivered
+  bool reports_last_ = false;   // after a report that could not be delivered
   uint64_t failure_count_ = 0;
   std::vector<LeaseId> returned_;  // to be reported
   bool draining_ = false;

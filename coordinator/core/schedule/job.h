@@ -124,6 +124,10 @@ struct JobResults {
 struct Job {
   JobId id{};
   JobOwner owner;
+  // While a worker has not made its frames: its specifications have none then, and the scheduler does not
+  // know it.
+  std::shared_ptr<const JobOrder> order;
+  std::string order_problem;  // why nobody has made them yet, or empty
   std::shared_ptr<const JobSpec> submitted;
   std::shared_ptr<const JobSpec> spec;  // as submitted, or extended since
   uint64_t spec_bytes = 0;              // MemoryOf(*submitted)

@@ -135,6 +135,38 @@ bool Scheduler::IsTrusted(WorkerId id) const {
   return worker == nullptr || !worker->is_quarantined();
 }
 
+bool Scheduler::IsConnected(WorkerId id) const {
+  const WorkerRecord* const worker = state_.workers.Find(id);
+  return worker != nullptr && worker->is_live;
+}
+
+bool Scheduler::MayWork(WorkerId id) const {
+  const WorkerRecord* const worker = state_.workers.Find(id);
+  return worker != nullptr && worker->may_work();
+}
+
+std::string Scheduler::NameOf(WorkerId id) const {
+  const WorkerRecord* const worker = state_.workers.Find(id);
+  return worker != nullptr ? worker->name : "";
+}
+
+std::optional<WorkerId> Scheduler::LeastLoaded(const std::set<WorkerId>& excluded) const {
+  std::optional<WorkerId> chosen;
+  double load_min = 0;
+  for (const auto& [id, worker] : state_.workers.all()) {
+    if (!worker.may_work() || excluded.contains(id)) continue;
+    const double load = static_cast<double>(state_.leases.OfWorker(id).size()) / worker.slots;
+    if (chosen && load >= load_min) continue;
+    chosen = id;
+    load_min = load;
+  }
+  return chosen;
+}
+
+std::string Scheduler::WhyNoWorker() const {
+  return AbleWorkers().empty() ? state_.workers.WhyNoneFor({}) : "";
+}
+
 bool Scheduler::IsFull(WorkerId worker) const {
   return state_.workers.is_full() && state_.workers.Find(worker) == nullptr;
 }

@@ -73,6 +73,19 @@ class Scheduler {
   void RestoreBlock(Instant now, const WorkerBlock& block) { state_.workers.RestoreBlock(now, block); }
   // Whether results of the worker count: those of a worker in quarantine do not.
   bool IsTrusted(WorkerId worker) const;
+  // Whether the worker is in contact.
+  bool IsConnected(WorkerId id) const;
+  // Whether it may get work.
+  bool MayWork(WorkerId id) const;
+  // Empty if it is not known.
+  std::string NameOf(WorkerId id) const;
+  std::set<WorkerId> AbleWorkers() const { return state_.workers.AbleFor({}); }
+  size_t WorkerCount() const { return state_.workers.size(); }
+  // Of the workers that may work, the one with the fewest units for its slots; nullopt if there is none
+  // besides those excluded.
+  std::optional<WorkerId> LeastLoaded(const std::set<WorkerId>& excluded) const;
+  // Why no worker may work, for people; empty if some may.
+  std::string WhyNoWorker() const;
   bool IsFull(WorkerId worker) const;
   // The member whose certificate the worker has, 0 if it has none. Returns nullopt if the worker has not sent
   // its state to this process.

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "coordinator/web/api/job_order.h"
 #include "coordinator/web/api/json_views.h"
 #include "coordinator/web/api/parameters.h"
 
@@ -62,6 +63,22 @@ void FindMissing(const WebFarm& farm, const json& body, const Answer& answer) {
                     [answer](const auto& found) { answer->Give([found] { return ShowMissing(found); }); });
 }
 
+HttpResponse ShowJob(const WebResult<JobStatus>& ordered) {
+  if (const auto* const error = std::get_if<WebError>(&ordered))
+    return HttpResponse::JsonError(error->status, error->reason);
+  HttpResponse response = HttpResponse::Plain(200, JsonText(JobJson(std::get<JobStatus>(ordered))) + "\n");
+  response.type = kJsonText;
+  return response;
+}
+
+void OrderJob(const WebFarm& farm, const WebCaller& caller, const json& body, const Answer& answer) {
+  const auto order = ReadJobOrder(body);
+  if (const auto* const error = std::get_if<WebError>(&order))
+    return answer->Give(HttpResponse::JsonError(error->status, error->reason));
+  farm.order_job(caller, std::get<JobOrder>(order),
+                 [answer](const auto& ordered) { answer->Give([ordered] { return ShowJob(ordered); }); });
+}
+
 WebResult<std::shared_ptr<BodySink>> ReceiveBlob(const WebFarm& farm, const HttpRequest& http,
                                                  const WebRouteMatch& match, const WebCaller& caller) {
   const auto query = ReadParameters(http, *match.route);
@@ -81,6 +98,9 @@ WebResult<std::shared_ptr<BodySink>> MakeBodySink(const WebFarm& farm, const Htt
   if (!http.is_json) return WebError{400, "the body is not a JSON object"};
   if (http.body_size > kBodyPieceBytes) return WebError{413, "the request is too long"};
   if (!http.query.empty()) return WebError{400, "the call takes no query"};
+  if (match.route->action == WebAction::kOrderJob)
+    return std::make_shared<JsonSink>(
+        [&farm, caller](const json& body, const Answer& answer) { OrderJob(farm, caller, body, answer); });
   return std::make_shared<JsonSink>(
       [&farm](const json& body, const Answer& answer) { FindMissing(farm, body, answer); });
 }

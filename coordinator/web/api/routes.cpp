@@ -55,8 +55,12 @@ std::optional<WebRouteMatch> FindRoute(std::string_view method, std::string_view
   for (const WebRoute& route : kWebRoutes) {
     WebRouteMatch match{&route, {}, {}, {}};
     if (!Matches(route.path, path, match)) continue;
-    if (route.method == wanted) return match;
-    methods = route.method == "GET" ? "GET, HEAD" : std::string(route.method);
+    if (route.method == wanted) {
+      methods.clear();
+      return match;
+    }
+    const std::string more = route.method == "GET" ? "GET, HEAD" : std::string(route.method);
+    methods += methods.empty() ? more : ", " + more;
   }
   return std::nullopt;
 }

@@ -29,6 +29,7 @@ enum class WebAction {
   kChangeJob,
   kChangeWorkers,
   kMissingBlobs,
+  kOrderJob,
   kUploadBlob
 };
 
@@ -74,6 +75,8 @@ inline constexpr WebRoute kWebRoutes[] = {
     {"POST", "/api/v1/workers/{worker}/release", "Jobs.ReleaseWorkers", WebAction::kChangeWorkers},
     {"POST", "/api/v1/blobs/missing", "Blobs.FindMissing", WebAction::kMissingBlobs, "digests",
      WebBody::kJson},
+    {"POST", "/api/v1/jobs", "Jobs.Submit", WebAction::kOrderJob,
+     "submission name priority package scene_file frames frames_per_second options", WebBody::kJson},
     {"PUT", "/api/v1/blobs/{blob}", "Blobs.Upload", WebAction::kUploadBlob, "offset", WebBody::kBytes},
 };
 

@@ -22,7 +22,8 @@ using nlohmann::json;
 constexpr const char* kMetricsType = "text/plain; version=0.0.4; charset=utf-8";
 constexpr const char* kBusy = "the coordinator is busy";
 constexpr int kDownloadsWaitingMax = 16;  // each may need the memory of a picture, one after the other
-constexpr const char* kProbedCalls[] = {"Jobs.FetchPicture", "Jobs.Pause", "Jobs.DrainWorkers"};
+constexpr const char* kProbedCalls[] = {"Jobs.Submit", "Jobs.FetchPicture", "Jobs.Pause",
+                                        "Jobs.DrainWorkers"};
 
 HttpResponse Show(const json& value) {
   HttpResponse response = HttpResponse::Plain(200, JsonText(value) + "\n");
@@ -170,6 +171,7 @@ HttpResponse WebApi::Run(const Request& request) {
     case WebAction::kPng:
     case WebAction::kThumbnail: return ShowPicture(request);
     case WebAction::kMissingBlobs:
+    case WebAction::kOrderJob:
     case WebAction::kUploadBlob: break;  // TakeBody
   }
   return HttpResponse::JsonError(404, "there is no such path");

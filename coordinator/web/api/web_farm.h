@@ -81,7 +81,8 @@ struct WebFarm {
   std::function<std::optional<FarmView>()> look;
   // With the units of frame `frame`.
   std::function<void(JobId job, uint32_t frame, WebDone<JobDetail> done)> detail;
-  // These are entered in the audit log.
+  // Submits a job whose frames a worker makes. Entered in the audit log, as the next two.
+  std::function<void(const WebCaller& caller, const JobOrder& order, WebDone<JobStatus> done)> order_job;
   std::function<void(const WebCaller& caller, const JobChange& change, WebDone<JobStatus> done)> change_job;
   std::function<void(const WebCaller& caller, std::string_view call, const std::string& which,
                      WebDone<std::vector<WorkerStatus>> done)>

@@ -36,6 +36,40 @@ Fact Submitted() {
   return JobSubmitted{JobId{12}, spec};
 }
 
+TEST(Fact, AnOrderSurvivesItsBytesAndWhatIsBeyondItsLimitsIsRefused) {
+  JobOrder order{9, "a job", -7, {Sha256("p"), "shot/s.##.pbrt", "spp=3\n", FrameRange{1, 9, 2}, 29.97}};
+  const auto read_back = [&] {
+    return DecodeFact(EncodeFact(JobOrdered{JobId{12}, std::make_shared<const JobOrder>(order)}));
+  };
+  for (const auto& frames : {std::optional(FrameRange{1, 9, 2}), std::optional<FrameRange>()}) {
+    order.scene.frames = frames;
+    const auto fact = read_back();
+    ASSERT_TRUE(fact);
+    const auto& read = std::get<JobOrdered>(*fact);
+    EXPECT_EQ(read.job, JobId{12});
+    EXPECT_EQ(read.order->submission, 9u);
+    EXPECT_EQ(read.order->name, "a job");
+    EXPECT_EQ(read.order->priority, -7);
+    EXPECT_EQ(read.order->scene, order.scene);
+  }
+  const SceneOrder good = order.scene;
+  for (const char* path : {"", "../s.pbrt", "/s.pbrt", "a//b"}) {
+    order.scene.scene_file = path;
+    EXPECT_FALSE(read_back()) << path;
+  }
+  order.scene = good;
+  order.scene.frames = FrameRange{5, 4, 1};
+  EXPECT_FALSE(read_back());
+  order.scene.frames = FrameRange{0, kFramesPerJobMax, 1};
+  EXPECT_FALSE(read_back());
+  order.scene = good;
+  order.scene.frames_per_second = 0;
+  EXPECT_FALSE(read_back());
+  order.scene = good;
+  order.priority = kPriorityMax + 1;
+  EXPECT_FALSE(read_back());
+}
+
 TEST(Fact, SurvivesItsBytes) {
   const Fact submitted = *DecodeFact(EncodeFact(Submitted()));
   const auto& read = std::get<JobSubmitted>(submitted);

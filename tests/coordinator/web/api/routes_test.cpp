@@ -61,8 +61,14 @@ TEST(WebRoutes, AWrongMethodNamesTheRightOnes) {
   std::string methods;
   EXPECT_FALSE(FindRoute("GET", "/api/v1/jobs/1/pause", methods));
   EXPECT_EQ(methods, "POST");
+  methods.clear();
   EXPECT_FALSE(FindRoute("DELETE", "/api/v1/jobs/1", methods));
   EXPECT_EQ(methods, "GET, HEAD");
+  methods.clear();
+  EXPECT_FALSE(FindRoute("PUT", "/api/v1/jobs", methods));
+  EXPECT_EQ(methods, "GET, HEAD, POST");
+  EXPECT_TRUE(FindRoute("POST", "/api/v1/jobs", methods));
+  EXPECT_EQ(methods, "");
 }
 
 std::set<std::string> WordsOf(std::string_view list) {

@@ -1,0 +1,278 @@
+#include "coordinator/core/preparations.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "coordinator/core/schedule/policy.h"
+#include "proto/frame_name.h"
+#include "renderer/text/unicode.h"
+
+namespace tessera {
+namespace {
+
+// Between looks at the workers, unless there is news.
+constexpr Instant kPreparationInterval = milliseconds(250);
+// Jobs that a worker is looked for in one of these, each of which looks at all workers. The others follow.
+constexpr int kAttemptsPerLookMax = 64;
+
+// The lines of render options without those that differ from frame to frame.
+std::string WithoutFrame(std::string_view options) {
+  std::string kept;
+  while (!options.empty()) {
+    const size_t end = std::min(options.find('\n'), options.size() - 1) + 1;
+    const std::string_view line = options.substr(0, end);
+    const std::string_view key = line.substr(0, line.find('='));
+    const bool is_of_frame = key == "time" || key == "time-step" || key == "frame" || key == "fps";
+    if (!is_of_frame) kept += line;
+    options.remove_prefix(end);
+  }
+  return kept;
+}
+
+// Whether a job with these frames is the one that was ordered, as far as that can be told without its scene.
+bool AreOf(const std::vector<FrameRequest>& frames, const SceneOrder& order) {
+  const std::vector<int> numbers = order.frames ? order.frames->Numbers() : std::vector<int>{0};
+  const FrameName name(order.scene_file);
+  if (frames.size() != numbers.size()) return false;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const FrameRequest& frame = frames[i];
+    const std::string file = order.frames ? name.Of(numbers[i]) : order.scene_file;
+    if (frame.number != numbers[i] || frame.scene_file != file ||
+        WithoutFrame(frame.options) != order.options)
+      return false;
+  }
+  return true;
+}
+
+using Owner = std::pair<MemberId, std::string>;
+
+Owner OwnerOf(const Job& job) {
+  return {job.owner.member, job.owner.name};
+}
+
+std::string ReasonsOf(const std::map<WorkerId, std::string>& failures) {
+  std::string reasons;
+  for (const auto& [worker, reason] : failures) reasons += (reasons.empty() ? "" : "; ") + reason;
+  return reasons;
+}
+
+}  // namespace
+
+// Returns nullptr if the job has ended.
+Job* Preparations::OpenJob(JobId id) const {
+  Job* const job = state_.jobs.Find(id);
+  return job == nullptr || HasEnded(job->state) ? nullptr : job;
+}
+
+void Preparations::Begin() {
+  for (const JobId id : state_.jobs.open()) {
+    if (const Job& job = state_.jobs.At(id); job.order != nullptr) Add(job);
+  }
+}
+
+bool Preparations::HasPlace(const JobOwner& owner) const {
+  const auto waiting = std::ranges::count_if(open_, [&](const auto& each) {
+    const Job* const job = OpenJob(each.first);
+    return job != nullptr && job->owner == owner;
+  });
+  return static_cast<size_t>(waiting) < kOrdersPerOwnerMax;
+}
+
+void Preparations::Add(const Job& job) {
+  open_[job.id].key = PreparationKey(*job.order);
+  due_ = {};
+}
+
+void Preparations::Advance(Instant now) {
+  CountLosses(now);
+  std::erase_if(open_, [&](const auto& each) { return OpenJob(each.first) == nullptr; });
+  if (open_.empty() || now < due_) return;
+  due_ = now + kPreparationInterval;
+  for (auto& [job, preparation] : open_) {
+    CheckWorker(now, preparation);
+    JudgeLosses(now, state_.jobs.At(job), preparation);
+  }
+  Assign(now);
+  FailHopeless(now);
+}
+
+void Preparations::CountLosses(Instant now) {
+  const uint64_t lost = state_.scheduler.counters().workers_lost;
+  if (lost_.empty() || lost_.back().second != lost) lost_.emplace_back(now, lost);
+  while (lost_.size() > 1 && now - lost_[1].first > kSilentLossSettles + 2 * kCrowdWindow) lost_.pop_front();
+}
+
+// Whether too many others were lost at the same time for the scene to be the cause.
+bool Preparations::IsOneOfCrowd(Instant at) const {
+  const auto count_until = [this](Instant until) {
+    uint64_t count = lost_.front().second;
+    for (const auto& [when, lost] : lost_) {
+      if (when <= until) count = lost;
+    }
+    return count;
+  };
+  const uint64_t lost = count_until(at + kCrowdWindow) - count_until(at - kCrowdWindow);
+  return lost > std::max<uint64_t>(1, state_.scheduler.WorkerCount() / kCrowdDivisor);
+}
+
+void Preparations::JudgeLosses(Instant now, Job& job, Preparation& preparation) {
+  std::vector<WorkerId> alone;
+  std::erase_if(preparation.losses, [&](const auto& loss) {
+    if (now - loss.second < kSilentLossSettles) return false;
+    if (!state_.scheduler.IsConnected(loss.first) && !IsOneOfCrowd(loss.second)) alone.push_back(loss.first);
+    return true;
+  });
+  for (const WorkerId worker : alone)
+    Fail(now, job, preparation, worker, "was lost while it prepared the scene");
+}
+
+// A worker that drains finishes what it has begun.
+void Preparations::CheckWorker(Instant now, Preparation& preparation) {
+  if (!preparation.worker) return;
+  const WorkerId worker = *preparation.worker;
+  if (!state_.scheduler.IsConnected(worker)) {
+    if (preparation.is_listed) {
+      preparation.losses.emplace_back(worker, now);
+      preparation.rests_until = now + kTrialRest;
+    }
+    preparation.worker.reset();
+  } else if (!state_.scheduler.MayWork(worker) && !preparation.is_listed) {
+    preparation.worker.reset();
+  }
+}
+
+void Preparations::Assign(Instant now) {
+  std::vector<Job*> waiting;
+  std::set<WorkerId> busy;
+  std::set<Owner> served;
+  for (const auto& [id, preparation] : open_) {
+    Job* const job = OpenJob(id);
+    if (job == nullptr) continue;
+    if (preparation.worker) {
+      busy.insert(*preparation.worker);
+      served.insert(OwnerOf(*job));
+    } else if (!job->is_paused) {
+      waiting.push_back(job);
+    }
+  }
+  std::ranges::stable_sort(waiting, std::ranges::greater(), [](const Job* job) { return job->priority; });
+  int attempts = 0;
+  for (Job* const job : waiting) {
+    Preparation& preparation = open_.at(job->id);
+    job->order_problem = ReasonsOf(preparation.failures);
+    if (served.contains(OwnerOf(*job)) || now < preparation.rests_until) continue;
+    if (++attempts > kAttemptsPerLookMax) return;
+    std::set<WorkerId> excluded = busy;
+    for (const auto& [worker, reason] : preparation.failures) excluded.insert(worker);
+    const auto worker = state_.scheduler.LeastLoaded(excluded);
+    if (!worker && excluded.empty()) job->order_problem = state_.scheduler.WhyNoWorker();
+    if (!worker) continue;
+    preparation.worker = worker;
+    preparation.is_told = preparation.is_listed = false;
+    busy.insert(*worker);
+    served.insert(OwnerOf(*job));
+  }
+}
+
+void Preparations::FailHopeless(Instant now) {
+  const std::set<WorkerId> able = state_.scheduler.AbleWorkers();
+  if (able.empty()) return;
+  for (auto& [id, preparation] : open_) {
+    const auto has_failed = [&](WorkerId worker) { return preparation.failures.contains(worker); };
+    Job& job = state_.jobs.At(id);
+    const bool is_settled = preparation.losses.empty() && !preparation.failures.empty();
+    if (preparation.worker || !is_settled || now - preparation.failed_at < kPoisonGrace ||
+        HasEnded(job.state))
+      continue;
+    if (std::ranges::all_of(able, has_failed))
+      end_.End(now, job, JobState::kFailed,
+               "the scene cannot be prepared: " + ReasonsOf(preparation.failures));
+  }
+}
+
+void Preparations::Synchronize(Instant now, const WorkerState& state) {
+  for (auto& [id, preparation] : open_) {
+    if (preparation.worker != state.worker) continue;
+    preparation.is_listed =
+        std::ranges::find(state.preparations, preparation.key) != state.preparations.end();
+    if (state.leaving) {
+      preparation.worker.reset();
+      due_ = {};
+    } else if (!preparation.is_listed && now - preparation.told_at >= kAnnounceAgain) {
+      preparation.is_told = false;
+    }
+  }
+}
+
+std::vector<WorkerId> Preparations::News() const {
+  std::vector<WorkerId> workers;
+  for (const auto& [id, preparation] : open_) {
+    if (preparation.worker && !preparation.is_told && OpenJob(id) != nullptr)
+      workers.push_back(*preparation.worker);
+  }
+  return workers;
+}
+
+std::optional<PreparationRequest> Preparations::Take(Instant now, WorkerId worker) {
+  for (auto& [id, preparation] : open_) {
+    const Job* const job = OpenJob(id);
+    if (preparation.worker != worker || preparation.is_told || job == nullptr) continue;
+    preparation.is_told = true;
+    preparation.told_at = now;
+    return PreparationRequest{preparation.key, job->order->scene};
+  }
+  return std::nullopt;
+}
+
+void Preparations::Return(Instant now, WorkerId worker, const PreparationReport& report) {
+  const auto found =
+      std::ranges::find_if(open_, [&](const auto& each) { return each.second.key == report.key; });
+  Job* const job = found != open_.end() ? OpenJob(found->first) : nullptr;
+  if (job == nullptr) return;
+  due_ = {};
+  if (!state_.scheduler.IsTrusted(worker)) {
+    if (found->second.worker == worker) found->second.worker.reset();
+    return;
+  }
+  if (!report.reason.empty()) return Fail(now, *job, found->second, worker, report.reason);
+  if (!AreOf(report.frames, job->order->scene))
+    return Fail(now, *job, found->second, worker, "returned frames that were not ordered");
+  Admit(now, *job, report);
+  open_.erase(found);
+}
+
+void Preparations::Fail(Instant now, Job& job, Preparation& preparation, WorkerId worker,
+                        const std::string& reason) {
+  const std::string name = state_.scheduler.NameOf(worker);
+  if (preparation.worker == worker) preparation.worker.reset();
+  state_.output.log.push_back(fmt::format("preparation_failed worker={:016x} name={} job={} reason={}",
+                                          Number(worker), LogText(name), Number(job.id), LogText(reason)));
+  state_.Tell(MessageLevel::kWarning, job.id,
+              fmt::format("worker {} did not prepare the scene: {}", name, reason));
+  preparation.failures.try_emplace(worker, name + ": " + reason);
+  preparation.failed_at = now;
+  job.order_problem = ReasonsOf(preparation.failures);
+  if (preparation.failures.size() < static_cast<size_t>(attempts_max_)) return;
+  end_.End(now, job, JobState::kFailed, "the scene cannot be prepared: " + job.order_problem);
+}
+
+// The job is from now on like one that came with its frames.
+void Preparations::Admit(Instant now, Job& job, const PreparationReport& report) {
+  JobSpec spec = *job.spec;
+  spec.frames = report.frames;
+  if (const auto room = state_.jobs.CheckSpecBytes(MemoryOf(spec)); !room)
+    return end_.End(now, job, JobState::kFailed, room.error().message);
+  const auto shared = std::make_shared<const JobSpec>(std::move(spec));
+  state_.jobs.SetFrames(job, shared);
+  job.clock = {};
+  job.clock.begun = state_.scheduler.counters();
+  state_.scheduler.AddJob(job);
+  state_.output.facts.emplace_back(JobSubmitted{job.id, shared});
+  state_.output.log.push_back(fmt::format("job_prepared job={} frames={} samples={}", Number(job.id),
+                                          shared->frames.size(), job.results.samples_total));
+  for (const std::string& warning : report.warnings) state_.Tell(MessageLevel::kWarning, job.id, warning);
+}
+
+}  // namespace tessera

@@ -1,0 +1,74 @@
+// Jobs whose frames a worker is to make, and which worker does. Such a job is a fact before anybody reads its
+// scene; its frames are another. A worker has one preparation at a time, and of an owner one is done at a
+// time, by priority. Whoever answers first is believed as far as the order tells what its frames are: the
+// workers that render them read the scene again and refuse frames that differ. A worker that is lost with a
+// preparation in hand counts as one that failed it unless it returns or others are lost at the same time
+// (loss_book.h). Owned by the farm.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coordinator/core/farm_state.h"
+#include "coordinator/core/job_end.h"
+
+namespace tessera {
+
+// Waiting for a worker, of one owner. More than anybody submits by hand.
+constexpr size_t kOrdersPerOwnerMax = 100;
+
+class Preparations {
+ public:
+  Preparations(FarmState& state, JobEnd& end, int attempts_max)
+      : state_(state), end_(end), attempts_max_(attempts_max) {}
+
+  // The jobs that wait after a start.
+  void Begin();
+  // Whether the owner may have another one.
+  bool HasPlace(const JobOwner& owner) const;
+  void Add(const Job& job);
+  void Advance(Instant now);
+
+  // What the worker has, as it lists it.
+  void Synchronize(Instant now, const WorkerState& state);
+  // Workers that are to be told what to prepare.
+  std::vector<WorkerId> News() const;
+  // What the worker is told now.
+  std::optional<PreparationRequest> Take(Instant now, WorkerId worker);
+  // Late reports and copies are harmless. Those of a worker in quarantine do not count.
+  void Return(Instant now, WorkerId worker, const PreparationReport& report);
+
+ private:
+  struct Preparation {
+    Digest key;
+    std::optional<WorkerId> worker;  // that does it
+    bool is_told = false, is_listed = false;
+    Instant told_at{};
+    std::vector<std::pair<WorkerId, Instant>> losses;  // not judged yet
+    Instant rests_until{};                             // after a loss
+    std::map<WorkerId, std::string> failures;
+    Instant failed_at{};
+  };
+  Job* OpenJob(JobId id) const;
+  void CountLosses(Instant now);
+  bool IsOneOfCrowd(Instant at) const;
+  void CheckWorker(Instant now, Preparation& preparation);
+  void JudgeLosses(Instant now, Job& job, Preparation& preparation);
+  void Assign(Instant now);
+  void Fail(Instant now, Job& job, Preparation& preparation, WorkerId worker, const std::string& reason);
+  void FailHopeless(Instant now);
+  void Admit(Instant now, Job& job, const PreparationReport& report);
+
+  FarmState& state_;
+  JobEnd& end_;
+  const int attempts_max_;
+  std::map<JobId, Preparation> open_;
+  std::deque<std::pair<Instant, uint64_t>> lost_;  // when the number of workers lost became what
+  Instant due_{};
+};
+
+}  // namespace tessera
