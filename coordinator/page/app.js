@@ -6,6 +6,7 @@ import {JobsView} from "./jobs.js";
 import {JobView} from "./job.js";
 import {WorkersView} from "./workers.js";
 import {FarmView} from "./farm.js";
+import {SubmitView} from "./submit.js";
 
 const main = document.getElementById("main");
 let view = null;
@@ -22,6 +23,7 @@ function makeView(path) {
   if (job) return new JobView(Number(job[1]), Number(job[2] || 0), note);
   if (path.startsWith("/workers")) return new WorkersView(note);
   if (path.startsWith("/farm")) return new FarmView(note);
+  if (path.startsWith("/submit")) return new SubmitView(note);
   return new JobsView(note);
 }
 
@@ -43,7 +45,7 @@ function show() {
 }
 
 function showSummary(farm) {
-  const jobs = (farm.jobs.running || 0) + (farm.jobs.waiting || 0) + (farm.jobs.paused || 0);
+  const jobs = ["preparing", "waiting", "running", "paused"].reduce((sum, state) => sum + (farm.jobs[state] || 0), 0);
   const slots = farm.slots.leased + farm.slots.fetching + farm.slots.loading + farm.slots.idle;
   setText(document.getElementById("summary"),
     `${jobs} open jobs · ${farm.slots.leased}/${slots} slots · ${count(farm.samples_per_second)} samples/s`);
@@ -63,7 +65,7 @@ function typing(event) {
   return event.target.closest("input, select, textarea") || event.ctrlKey || event.metaKey || event.altKey;
 }
 
-const kKeys = {j: "#/jobs", w: "#/workers", f: "#/farm"};
+const kKeys = {j: "#/jobs", w: "#/workers", f: "#/farm", s: "#/submit"};
 
 addEventListener("keydown", (event) => {
   if (typing(event)) return;
@@ -86,6 +88,7 @@ async function start() {
     return;
   }
   showWho();
+  document.getElementById("submit-link").hidden = me.may["Jobs.Submit"] === "none";
   events = new Events((name, data) => {
     if (name === "farm") showSummary(data);
     if (view) view.onEvent(name, data);

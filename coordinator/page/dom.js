@@ -59,3 +59,5 @@ export function duration(seconds) {
   if (s < 86400) return `${Math.floor(s / 3600)} h ${Math.floor((s % 3600) / 60)} min`;
   return `${Math.floor(s / 86400)} d ${Math.floor((s % 86400) / 3600)} h`;
 }
+
+export const isOpenState = (state) => ["preparing", "waiting", "running", "paused"].includes(state);

@@ -1,7 +1,7 @@
 // One job: its picture while it refines, what it does, and buttons that change it.
 
 import {get, mayControl, maySeePicture, post} from "./api.js";
-import {count, duration, h, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
+import {count, duration, h, isOpenState, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
 import {Strip} from "./strip.js";
 import {Viewer} from "./viewer.js";
 
@@ -71,15 +71,21 @@ export class JobView {
       this.missing.hidden = error.status !== 404;
       setText(this.missing, error.message);
     }
-    const isOpen = this.status && ["running", "waiting", "paused"].includes(this.status.state);
+    const isOpen = this.status && isOpenState(this.status.state);
     this.timer = setTimeout(() => document.hidden || this.loadDetail(!this.isOpened), isOpen ? kDetailInterval_ms : 5000);
   }
 
+  // A job has no frames while it is prepared.
   open(detail) {
-    this.isOpened = true;
-    this.buttons.replaceChildren(...this.makeButtons(detail));
-    if (maySeePicture(detail)) this.viewer.watch();
-    else {
+    this.isOpened = detail.frames_total > 0;
+    if (this.isOpened || !this.pause) this.buttons.replaceChildren(...this.makeButtons(detail));
+    if (!this.isOpened) {
+      const isOpen = isOpenState(detail.state);
+      this.viewer.showProblem(detail.reason || (isOpen ? "A worker prepares the scene." : "The scene was not prepared."));
+    } else if (maySeePicture(detail)) {
+      this.viewer.showProblem("");
+      this.viewer.watch();
+    } else {
       this.viewer.showProblem("Its owner, viewers and operators may see the picture.");
     }
     this.enable();
@@ -189,7 +195,7 @@ export class JobView {
     const link = (id, text, file) => h("a", {class: "button", id, download: "",
       href: `/api/v1/jobs/${this.job}/${file}?frame=${this.frame}`}, text);
     this.downloads = h("span", {class: "inline"}, link("exr", "EXR", "picture.exr"), link("png", "PNG", "picture.png"));
-    this.downloads.hidden = !maySeePicture(detail);
+    this.downloads.hidden = !maySeePicture(detail) || detail.frames_total === 0;
     return [this.pause, this.resume, this.cancel, this.priorityForm, this.extendForm, this.downloads];
   }
 
@@ -197,13 +203,13 @@ export class JobView {
     if (!this.pause || !this.status) return;
     const job = this.status;
     const may = mayControl(job);
-    const isOpen = ["running", "waiting", "paused"].includes(job.state);
+    const isOpen = isOpenState(job.state);
     const isPaused = job.state === "paused" && job.paused_by_user;
     this.pause.hidden = !may || !isOpen || isPaused;
     this.resume.hidden = !may || !isPaused;
     this.cancel.hidden = !may || !isOpen;
     this.priorityForm.hidden = !may || !isOpen;
-    this.extendForm.hidden = !may || !["running", "waiting", "paused", "finished"].includes(job.state);
+    this.extendForm.hidden = !may || job.frames_total === 0 || !(isOpen || job.state === "finished");
     this.extendForm.querySelector("button").disabled = !(this.detail && this.detail.can_extend);
   }
 

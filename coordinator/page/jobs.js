@@ -1,7 +1,7 @@
 // All jobs: small pictures, progress, time left. Fluent with thousands.
 
 import {get, maySeePicture} from "./api.js";
-import {count, duration, h, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
+import {count, duration, h, isOpenState, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
 import {sortButtons, VirtualList} from "./list.js";
 
 const kColumns = [
@@ -9,7 +9,7 @@ const kColumns = [
   ["noise", "Noise", "c-noise"], ["left", "Time left", "c-left"], ["rate", "Samples/s", "c-rate"], ["priority", "Priority", "c-priority"],
   ["owner", "Owner", "c-owner"],
 ];
-const kStates = [["", "All"], ["open", "Open"], ["running", "Running"], ["waiting", "Waiting"], ["paused", "Paused"],
+const kStates = [["", "All"], ["open", "Open"], ["preparing", "Preparing"], ["running", "Running"], ["waiting", "Waiting"], ["paused", "Paused"],
   ["finished", "Finished"], ["failed", "Failed"], ["cancelled", "Cancelled"]];
 const kPictureInterval_ms = 20000;
 const kMissingPictureInterval_ms = 3000;
@@ -28,7 +28,7 @@ export class JobsView {
     this.heads = sortButtons(kColumns, this.sort, (key) => this.sortBy(key));
     this.list = new VirtualList({
       label: "Jobs",
-      empty: "No jobs. Submit one: tessera submit scene.pbrt",
+      empty: "No jobs. Submit one: here, or with tessera submit scene.pbrt",
       load: (offset, limit) => this.load(offset, limit),
       makeRow: () => makeRow(),
     });
@@ -114,7 +114,7 @@ function makeRow() {
     bar.value = job.progress;
     setText(done, percent(job.progress));
     setText(noise, noiseText(job.noise));
-    const isOpen = ["running", "waiting", "paused"].includes(job.state);
+    const isOpen = isOpenState(job.state);
     setText(left, job.left_s !== null ? duration(job.left_s) : isOpen ? "" : `took ${duration(job.elapsed_s)}`);
     setText(rate, isOpen && job.samples_per_second > 0 ? `${count(job.samples_per_second)}/s` : "");
     setText(priority, String(job.priority));

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The page with 5,000 jobs and 1,000 workers. Prints its figures. Usage: large_farm_test.py PROGRAMS"""
+import os
 import subprocess
 import sys
 import tempfile
@@ -24,6 +25,34 @@ def timed(browser, script):
 
 def wait_for(condition):
     return "while (!(%s)) await new Promise((r) => setTimeout(r, 4));" % condition
+
+
+def tab_mb(profile):
+    """Resident memory of the process that renders the tab, and of it what it shares with no other process."""
+    found = []
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{pid}/cmdline") as command:
+                words = command.read()
+            if "--type=renderer" not in words or "--extension-process" in words or profile not in parents(pid):
+                continue
+            with open(f"/proc/{pid}/smaps_rollup") as file:
+                sizes = dict(line.split()[:2] for line in file if line.split()[0].endswith(":"))
+            found.append((int(sizes["Rss:"]) / 1e3, (int(sizes["Private_Clean:"]) + int(sizes["Private_Dirty:"])) / 1e3))
+        except OSError:  # it has ended
+            continue
+    return max(found)
+
+
+def parents(pid):
+    """The command lines of the processes that started a process."""
+    commands = ""
+    while pid not in ("0", "1"):
+        with open(f"/proc/{pid}/stat") as file:
+            pid = file.read().rsplit(")", 1)[1].split()[1]
+        with open(f"/proc/{pid}/cmdline") as command:
+            commands += command.read()
+    return commands
 
 
 def main():
@@ -59,7 +88,9 @@ def main():
             heap_mb = browser.execute_script("return performance.memory.usedJSHeapSize") / 1e6
             for name, value in figures.items():
                 print(f"{name}: {value:.0f} ms")
-            print(f"rows that are elements: {shown}; JavaScript heap: {heap_mb:.1f} MB")
+            resident, private = tab_mb(folder)
+            print(f"rows that are elements: {shown}; JavaScript heap: {heap_mb:.1f} MB; "
+                  f"process of the tab: {resident:.0f} MB resident, {private:.0f} MB of it its own")
             assert paint < PAINT_MAX_MS and rows < PAINT_MAX_MS
             assert all(value < INTERACTION_MAX_MS for value in list(figures.values())[2:]), figures
             assert shown < ROWS_MAX and heap_mb < HEAP_MAX_MB

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import re
+import shutil
 import subprocess
 import sys
 
@@ -205,9 +206,87 @@ def check_viewer(browser, farm, job):
           headers: {'Content-Type': 'application/json', 'X-Tessera-Proof': me.proof}})).then((r) => done(r.status));
         """, job)
     assert status == 403, status
+    assert not find(browser, "#submit-link").is_displayed()
+    refused = browser.execute_async_script("""
+        const done = arguments[0], digest = 'a'.repeat(64);
+        const send = (me, path, method, body) => fetch(`/api/v1/${path}`, {method, body,
+          headers: {'Content-Type': 'application/json', 'X-Tessera-Proof': me.proof}}).then((r) => r.status);
+        fetch('/api/v1/me').then((r) => r.json()).then(async (me) => done([
+          await send(me, 'blobs/missing', 'POST', JSON.stringify({digests: [digest]})),
+          await send(me, `blobs/${digest}`, 'PUT', 'x'),
+          await send(me, 'jobs', 'POST', JSON.stringify({package: digest, scene_file: 'a.pbrt'}))]));
+        """)
+    assert refused == [403, 403, 403], refused
     assert farm.status(job)["priority"] != 3
     find(browser, "#who button").click()
     await_that("the form again", lambda: find(browser, "#token"))
+
+
+def check_submit(browser, farm, scenes):
+    """A chosen folder becomes the job that tessera submit makes of it, and what is there is not sent again."""
+    folder = f"{farm.folder}/upload/shot"
+    os.makedirs(f"{folder}/scene files/.hidden")
+    os.makedirs(f"{folder}/maps")
+    for name in ("box.pbrt", "box-walls.pbrt"):
+        shutil.copy(f"{scenes}/{name}", f"{folder}/scene files/{name}")
+    with open(f"{folder}/scene files/box.pbrt", "a") as scene:
+        scene.write('\nAttributeBegin\nTexture "map" "spectrum" "imagemap" "string filename" "../maps/map \u00fc.pfm"\nAttributeEnd\n')
+    with open(f"{folder}/maps/map \u00fc.pfm", "wb") as image:
+        image.write(b"PF\n400 400\n-1.0\n" + b"\x00\x00\x00\x3f" * 480000)
+    open(f"{folder}/scene files/second.pbrt", "w").write("no scene\n")
+    open(f"{folder}/scene files/.hidden/secret", "w").write("not sent\n")
+    browser.get(f"{farm.plain}#/jobs")
+    find(browser, "body").send_keys("s")
+    await_that("the form", lambda: find(browser, "#choose-folder").is_displayed())
+    browser.execute_script("document.getElementById('folder').classList.remove('hidden')")
+    find(browser, "#folder").send_keys(folder)
+    await_that("the scene files", lambda: len(browser.find_elements(By.CSS_SELECTOR, "#scene option")) == 3)
+    assert "4 files" in text_of(browser, "#found"), text_of(browser, "#found")
+    assert find(browser, "#scene").get_attribute("value") == "scene files/box.pbrt"
+    for field, value in (("name", "from the page"), ("priority", "3"), ("spp", "8"), ("width", "96"), ("height", "54"),
+                         ("noise", "0.05"), ("layers", "normal, albedo"), ("frames", "1-2")):
+        find(browser, f"#{field}").send_keys(Keys.CONTROL + "a" + Keys.NULL, value)
+    find(browser, "#denoise").click()
+    find(browser, "#name").send_keys(Keys.ENTER)
+    await_that("the job", lambda: "#/jobs/" in browser.current_url and browser.current_url.rsplit("/", 1)[1].isdigit())
+    job = int(browser.current_url.rsplit("/", 1)[1])
+    await_that("its end", lambda: farm.status(job)["state"] == "finished")
+    status = farm.status(job)
+    assert (status["name"], status["priority"], status["frames_total"]) == ("from the page", 3, 2), status
+    await_that("its picture", lambda: find(browser, ".viewer").get_attribute("data-finished") == "true")
+    twin = farm.submit(f"{folder}/scene files/box.pbrt", "--spp", "8", "--resolution", "96x54", "--noise-threshold", "0.05",
+                       "--aov", "albedo,normal", "--frames", "1-2", "--denoise")
+    await_that("the end of its twin", lambda: farm.status(twin)["state"] == "finished")
+    digests = []
+    for number in (job, twin):
+        for frame in (1, 2):
+            path = f"{farm.folder}/same-{number}-{frame}.exr"
+            farm.tessera("fetch", str(number), "--frame", str(frame), "-o", path)
+            digests.append(hashlib.sha256(open(path, "rb").read()).hexdigest())
+    assert digests[:2] == digests[2:], digests
+    # The same folder again: nothing is sent. A scene that is wrong names its place.
+    browser.get(f"{farm.plain}#/submit")
+    await_that("an empty form", lambda: not find(browser, "#start").is_displayed())
+    browser.execute_script("document.getElementById('folder').classList.remove('hidden')")
+    find(browser, "#folder").send_keys(folder)
+    await_that("the scene files again", lambda: find(browser, "#start").is_displayed())
+    choose(browser, "#scene", "scene files/second.pbrt")
+    browser.execute_script("window.texts = []; new MutationObserver(() => window.texts.push("
+                           "document.getElementById('doing').textContent)).observe("
+                           "document.getElementById('doing'), {childList: true, characterData: true, subtree: true})")
+    find(browser, "#start").click()
+    await_that("the job", lambda: "#/jobs/" in browser.current_url)
+    bad = int(browser.current_url.rsplit("/", 1)[1])
+    texts = browser.execute_script("return window.texts")
+    assert any(re.match(r"Uploaded [01] of 5 files", each) for each in texts), texts
+    await_that("the reason", lambda: "second.pbrt:1:1" in farm.status(bad)["reason"])
+    await_that("the state on the page", lambda: "second.pbrt:1:1" in text_of(browser, "main"))
+    assert text_of(browser, ".job-head .state") in ("preparing", "failed")
+    assert "preparing" in farm.tessera("status", str(bad)) or "failed" in farm.tessera("status", str(bad))
+    if farm.status(bad)["state"] == "preparing":
+        find(browser, "#cancel").click()
+        browser.switch_to.alert.accept()
+        await_that("the end", lambda: farm.status(bad)["state"] in ("cancelled", "failed"))
 
 
 def check_other_views(browser, farm):
@@ -241,6 +320,7 @@ def main():
         check_extend_and_cancel(browser, farm, job)
         check_layers(browser, farm, scenes)
         check_sequence(browser, farm, scenes)
+        check_submit(browser, farm, scenes)
         check_other_views(browser, farm)
         severe = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"
                   and "thumbnail.png" not in entry["message"]]

@@ -123,10 +123,30 @@ TEST(PageFiles, AreServedUnderTheirNamesAlone) {
 
 // Data of the farm never becomes markup or script, and nothing is loaded from elsewhere.
 TEST(PageFiles, NeitherMakeMarkupOfTextNorLoadFromElsewhere) {
-  for (const char* name :
-       {"api.js", "app.js", "chart.js", "color.js", "dom.js", "farm.js", "job.js", "jobs.js", "legend.js",
-        "list.js", "picture_source.js", "picture_stream.js", "strip.js", "viewer.js", "viewer_overlay.js",
-        "viewer_tools.js", "workers.js", "style.css", "job.css"}) {
+  for (const char* name : {"api.js",
+                           "app.js",
+                           "chart.js",
+                           "color.js",
+                           "dom.js",
+                           "farm.js",
+                           "job.js",
+                           "jobs.js",
+                           "legend.js",
+                           "list.js",
+                           "picture_source.js",
+                           "picture_stream.js",
+                           "strip.js",
+                           "viewer.js",
+                           "viewer_overlay.js",
+                           "viewer_tools.js",
+                           "workers.js",
+                           "sha256.js",
+                           "scene_package.js",
+                           "submit.js",
+                           "upload.js",
+                           "style.css",
+                           "job.css",
+                           "submit.css"}) {
     const PageFile* const file = FindPageFile(std::string("/page/") + name);
     ASSERT_NE(file, nullptr) << name;
     for (const char* word : {"innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval(",
