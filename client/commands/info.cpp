@@ -18,6 +18,7 @@ struct InfoOptions {
 
 void AddInfoFlags(CLI::App& app, InfoOptions& options) {
   AddSceneFlags(app, options.scene);
+  AddSceneMemoryFlag(app, options.scene);
   AddJsonFlag(app, options.json);
 }
 

@@ -14,18 +14,17 @@ void AddJobFlags(CLI::App& app, JobOptions& options) {
   AddJsonFlag(app, options.json);
 }
 
-void PrintStatus(const JobOptions& options, const JobStatus& status) {
-  fmt::print("{}\n", options.json ? JobJson(status) : JobText(status));
+Result<int> PrintJobCall(const Result<JobStatus>& status, bool json) {
+  if (!status) return status.error();
+  fmt::print("{}\n", json ? JobJson(*status) : JobText(*status));
+  if (!json) fmt::print("{}", TimesTable(status->times));
+  return 0;
 }
 
 Result<int> RunJobCall(const JobOptions& options, Cancellation& cancellation, const JobCall& call) {
   const auto client = Connect(options.connection, cancellation);
   if (!client) return client.error();
-  const auto status = call(**client, options.job);
-  if (!status) return status.error();
-  PrintStatus(options, *status);
-  if (!options.json) fmt::print("{}", TimesTable(status->times));
-  return 0;
+  return PrintJobCall(call(**client, options.job), options.json);
 }
 
 Command JobCommand(const std::string& name, const std::string& summary, const JobCall& call) {

@@ -23,7 +23,7 @@ Result<int> RunJobCall(const JobOptions& options, Cancellation& cancellation, co
 // A command without further options.
 Command JobCommand(const std::string& name, const std::string& summary, const JobCall& call);
 
-// Prints the status in the way that the options ask for.
-void PrintStatus(const JobOptions& options, const JobStatus& status);
+// Prints the status that a call answered, as JSON or as text with a table of times. Returns the exit code.
+Result<int> PrintJobCall(const Result<JobStatus>& status, bool json);
 
 }  // namespace tessera

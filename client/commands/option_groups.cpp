@@ -14,6 +14,7 @@
 #include "renderer/accelerator/accelerator.h"
 #include "renderer/film/adaptive.h"
 #include "renderer/integrator/integrator_kinds.h"
+#include "renderer/load/limited_load.h"
 
 namespace tessera {
 namespace {
@@ -166,6 +167,23 @@ void AddSceneFlags(CLI::App& app, SceneOptions& options) {
   AddFilmFlags(app, options.render);
   AddDebugFlags(app, options.render);
   AddUnsupported(app, "--camera");
+}
+
+void AddSceneMemoryFlag(CLI::App& app, SceneOptions& options, const std::string& description,
+                        const std::string& default_text) {
+  AddWord(app, "--scene-memory", "SIZE", WithDefault(description, default_text),
+          [&options](const std::string& word) -> Result<void> {
+            const auto size = ParseSize("--scene-memory", word, kSceneMemoryMin);
+            if (!size) return size.error();
+            options.scene_memory = *size;
+            return {};
+          });
+}
+
+void AddSceneMemoryFlag(CLI::App& app, SceneOptions& options) {
+  AddSceneMemoryFlag(app, options,
+                     "Memory that loading one scene may take in this command; a scene that needs more fails",
+                     "all of that of the machine or its control group");
 }
 
 void AddRequiredSamples(CLI::App& app, uint32_t& samples_per_pixel) {

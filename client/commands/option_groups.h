@@ -20,6 +20,12 @@ namespace tessera {
 // SCENE, and what flags override of its frames.
 void AddSceneFlags(CLI::App& app, SceneOptions& options);
 
+// --scene-memory, as a command describes it that loads scenes here, and perhaps in workers.
+void AddSceneMemoryFlag(CLI::App& app, SceneOptions& options, const std::string& description,
+                        const std::string& default_text);
+// The same of a command that loads scenes here alone.
+void AddSceneMemoryFlag(CLI::App& app, SceneOptions& options);
+
 // --spp of a command that has no other render options and cannot do without it.
 void AddRequiredSamples(CLI::App& app, uint32_t& samples_per_pixel);
 

@@ -27,7 +27,6 @@
 #include "client/scene_job.h"
 #include "proto/shell/console.h"
 #include "proto/shell/program.h"
-#include "proto/shell/values.h"
 #include "renderer/denoise/finished_picture.h"
 #include "renderer/util/cores.h"
 #include "renderer/util/threads.h"
@@ -54,13 +53,6 @@ struct RenderCommandOptions {
   bool json = false;
 };
 
-Result<void> SetSceneMemory(SceneOptions& options, const std::string& word) {
-  const auto size = ParseSize("--scene-memory", word, kSceneMemoryMin);
-  if (!size) return size.error();
-  options.scene_memory = *size;
-  return {};
-}
-
 void AddRenderFlags(CLI::App& app, RenderCommandOptions& options) {
   AddSceneFlags(app, options.scene);
   AddOutputFlags(app, options.output, "SCENE with the extension .exr, stdin.exr for -");
@@ -69,12 +61,10 @@ void AddRenderFlags(CLI::App& app, RenderCommandOptions& options) {
   AddInteger(app, "--threads",
              WithDefault("Render threads of each worker process", "all cores, divided among the workers"), 1,
              kProcessesMax, options.threads);
-  AddWord(app, "--scene-memory", "SIZE",
-          WithDefault(
-              "Memory that loading one scene may take, here and in each worker process; a scene that needs "
-              "more fails",
-              "all of that of the machine or its control group, in workers half"),
-          [&options](const std::string& word) { return SetSceneMemory(options.scene, word); });
+  AddSceneMemoryFlag(app, options.scene,
+                     "Memory that loading one scene may take, here and in each worker process; a scene that "
+                     "needs more fails",
+                     "all of that of the machine or its control group, in workers half");
   AddSwitch(app, "--in-process", "Render in this process instead of on a farm", options.in_process);
   AddSwitch(app, "--resume",
             "Keep what is rendered until the pictures are finished, and continue if an earlier command with "

@@ -37,6 +37,7 @@ struct SubmitOptions {
 
 void AddSubmitFlags(CLI::App& app, SubmitOptions& options) {
   AddSceneFlags(app, options.scene);
+  AddSceneMemoryFlag(app, options.scene);
   AddConnectionFlags(app, options.connection);
   AddText(app, "--name", "NAME", WithDefault("Name of the job", "SCENE without its extension"), options.name);
   AddValue(app, "--priority", "N", WithDefault("Jobs with a higher priority run first", "0"),

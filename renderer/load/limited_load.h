@@ -25,7 +25,7 @@ constexpr std::chrono::seconds kLoadTimeDefault{3600};
 
 // The memory that this process may use: that of the machine or, if less, of its control group.
 uint64_t UsableMemory();
-// The memory that this process has now, resident; 0 if the system does not tell.
+// The memory that this process has now, resident; 0 if it is unknown.
 uint64_t ResidentMemory();
 // By default one scene may take half of that, which leaves room for the scenes that are being rendered.
 uint64_t DefaultSceneMemory();

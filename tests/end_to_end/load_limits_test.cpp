@@ -14,14 +14,13 @@ using testing::HasSubstr;
 
 class LoadLimits : public EndToEnd {
  protected:
-  // Takes less than 16 MiB when it is checked, and more when it is loaded to be rendered.
-  std::string WriteLargeScene() {
-    constexpr int kTriangles = 100'000;
+  // By default it takes less than 16 MiB when it is checked, and more when it is loaded to be rendered.
+  std::string WriteLargeScene(int triangles = 100'000) {
     std::string scene =
         "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nShape \"trianglemesh\" \"point3 P\" [";
-    for (int i = 0; i < kTriangles; ++i) scene += " 0 0 5 1 0 5 1 1 5";
+    for (int i = 0; i < triangles; ++i) scene += " 0 0 5 1 0 5 1 1 5";
     scene += "] \"integer indices\" [";
-    for (int i = 0; i < 3 * kTriangles; ++i) scene += " " + std::to_string(i);
+    for (int i = 0; i < 3 * triangles; ++i) scene += " " + std::to_string(i);
     return Write("large.pbrt", scene + "]\n");
   }
 };
@@ -36,6 +35,18 @@ TEST_F(LoadLimits, ASceneThatNeedsTooMuchMemoryFailsAndTheWorkerGoesOn) {
   Ask({"cancel", job});
   const std::string other = Submit(BoxScene(), {"--spp", "1"});
   EXPECT_EQ(Ask({"watch", other}).code, 0);
+}
+
+TEST_F(LoadLimits, ASceneThatNeedsTooMuchMemoryIsNotSubmittedOrDescribed) {
+  StartCoordinator();
+  const std::string large = WriteLargeScene(400'000);
+  const std::string reason = large + ": loading the scene needs more than 16 MiB of memory (--scene-memory)";
+  for (const char* command : {"submit", "info"}) {
+    std::vector<std::string> words{command, large, "--scene-memory", "16M"};
+    const Outcome refused = std::string(command) == "info" ? Tessera(words) : Ask(words);
+    EXPECT_EQ(refused.code, 1) << command;
+    EXPECT_THAT(refused.errors, HasSubstr(reason)) << command;
+  }
 }
 
 TEST_F(LoadLimits, ASceneThatNeedsTooMuchMemoryFailsInProcessAndOnALocalFarm) {

@@ -37,13 +37,13 @@ TEST_F(Logs, PrintWhatHappenedAndFollowAJobUntilItHasEnded) {
   EXPECT_EQ(Ask({"logs", "99"}).code, 2);
 }
 
-// As watch and fetch do.
+// As watch, fetch and status do.
 TEST_F(Logs, AreThoseOfTheOnlyOpenJobIfNoneIsNamed) {
   StartCoordinator();
   EXPECT_THAT(Ask({"logs"}).errors, HasSubstr("no job of this farm is yours"));
   const std::string first = Submit(BoxScene(), {"--spp", "16", "--name", "first"});
   const std::string second = Submit(BoxScene(), {"--spp", "16", "--name", "second"});
-  for (const char* command : {"logs", "watch", "fetch"}) {
+  for (const char* command : {"logs", "watch", "fetch", "status"}) {
     const Outcome refused = Ask({command});
     EXPECT_EQ(refused.code, 2) << command;
     EXPECT_THAT(refused.errors, HasSubstr("1 \"first\" (waiting), 2 \"second\" (waiting)")) << command;
@@ -52,6 +52,9 @@ TEST_F(Logs, AreThoseOfTheOnlyOpenJobIfNoneIsNamed) {
   const Outcome log = Ask({"logs"});
   EXPECT_EQ(log.code, 0) << log.errors;
   EXPECT_THAT(log.errors, HasSubstr("job 1 \"first\"\n"));
+  const Outcome status = Ask({"status", "--json"});
+  EXPECT_EQ(status.code, 0) << status.errors;
+  EXPECT_THAT(status.output, HasSubstr("\"name\":\"first\""));
   StartWorker("one");
   const Outcome watch = Ask({"watch"});
   EXPECT_EQ(watch.code, 0) << watch.errors;
