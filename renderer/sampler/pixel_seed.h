@@ -12,11 +12,13 @@ class PixelSeed {
  public:
   explicit PixelSeed(uint64_t seed) : seed_(seed) {}
 
-  void SetPixel(int x, int y) {
-    if (x == x_ && y == y_) return;
+  // Returns whether the pixel changes.
+  bool SetPixel(int x, int y) {
+    if (x == x_ && y == y_) return false;
     x_ = x;
     y_ = y;
     value_ = Hash(seed_, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+    return true;
   }
 
   uint64_t value() const { return value_; }

@@ -1,5 +1,7 @@
 #include "renderer/sampler/sobol.h"
 
+#include <immintrin.h>
+
 #include <vector>
 
 namespace tessera {
@@ -23,6 +25,31 @@ void FillColumns(uint32_t polynomial, const uint16_t* start, int columns, uint32
   }
 }
 
+// PermuteUpwards, lane by lane.
+__m256i PermuteLanesUpwards(__m256i v, __m256i seed) {
+  const auto times = [](__m256i a, uint32_t b) {
+    return _mm256_mullo_epi32(a, _mm256_set1_epi32(static_cast<int>(b)));
+  };
+  v = _mm256_xor_si256(v, times(v, 0x3d20adeau));
+  v = _mm256_add_epi32(v, seed);
+  v = _mm256_mullo_epi32(v, _mm256_or_si256(_mm256_srli_epi32(seed, 16), _mm256_set1_epi32(1)));
+  v = _mm256_xor_si256(v, times(v, 0x05526c56u));
+  return _mm256_xor_si256(v, times(v, 0x53a22864u));
+}
+
+// ReverseBits, lane by lane: of each byte by a table of half bytes, then the bytes.
+__m256i ReverseLaneBits(__m256i v) {
+  const __m256i half = _mm256_set1_epi8(15);
+  const __m256i reversed_halves =
+      _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+  const __m256i low = _mm256_shuffle_epi8(reversed_halves, _mm256_and_si256(v, half));
+  const __m256i high = _mm256_shuffle_epi8(reversed_halves, _mm256_and_si256(_mm256_srli_epi32(v, 4), half));
+  const __m256i bytes = _mm256_or_si256(_mm256_slli_epi32(low, 4), high);
+  const __m256i last_first =
+      _mm256_broadcastsi128_si256(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+  return _mm256_shuffle_epi8(bytes, last_first);
+}
+
 SobolMatrices MakeMatrices() {
   SobolMatrices matrices{};
   for (int k = 0; k < SobolMatrices::kColumns; ++k)
@@ -36,7 +63,8 @@ SobolMatrices MakeMatrices() {
   }
   for (int dimension = 0; dimension < kSobolDimensions; ++dimension) {
     for (int k = 0; k < SobolMatrices::kColumns; ++k)
-      matrices.reversed[dimension][k] = ReverseBits(matrices.narrow[dimension][k]);
+      matrices.reversed[dimension / SobolMatrices::kLanes][k][dimension % SobolMatrices::kLanes] =
+          ReverseBits(matrices.narrow[dimension][k]);
   }
   return matrices;
 }
@@ -46,6 +74,20 @@ SobolMatrices MakeMatrices() {
 const SobolMatrices& Matrices() {
   static const SobolMatrices matrices = MakeMatrices();
   return matrices;
+}
+
+void FastOwenSobolBlock(const SobolMatrices& matrices, uint32_t index, int block, const uint32_t* seeds,
+                        float* values) {
+  const auto load = [](const uint32_t* lanes) {
+    return _mm256_load_si256(reinterpret_cast<const __m256i*>(lanes));
+  };
+  __m256i points = _mm256_setzero_si256();
+  for (; index != 0; index &= index - 1)
+    points = _mm256_xor_si256(points, load(matrices.reversed[block][std::countr_zero(index)]));
+  const __m256i bits = ReverseLaneBits(PermuteLanesUpwards(points, load(seeds)));
+  // As UniformFloat: 24 bits fit into a signed integer and into a float.
+  const __m256 fractions = _mm256_cvtepi32_ps(_mm256_srli_epi32(bits, 8));
+  _mm256_store_ps(values, _mm256_mul_ps(fractions, _mm256_set1_ps(0x1p-24f)));
 }
 
 uint32_t OwenScramble(uint32_t v, uint32_t seed) {

@@ -1,5 +1,5 @@
 // The sampler "sobol": Sobol' points in as many dimensions as a path asks for, scrambled anew for every
-// pixel.
+// pixel. Dimensions are computed several at a time.
 #pragma once
 
 #include "renderer/math/vec.h"
@@ -18,35 +18,37 @@ class SobolSampler {
       : seed_(seed), matrices_(&Matrices()), randomization_(randomization) {}
 
   void StartSample(int x, int y, uint32_t index) {
-    seed_.SetPixel(x, y);
+    if (seed_.SetPixel(x, y)) seeded_ = 0;
     index_ = index;
     dimension_ = 0;
+    drawn_ = 0;
   }
-  float Get1D() { return At(dimension_++); }
+  float Get1D() {
+    if (dimension_ == drawn_) DrawBlock();
+    return values_[dimension_++ % kLanes];
+  }
   Point2 Get2D() {
-    const float a = At(dimension_++);
-    const float b = At(dimension_++);
+    const float a = Get1D();
+    const float b = Get1D();
     return {a, b};
   }
 
  private:
-  float At(int dimension) const {
-    const uint64_t seed = seed_.OfDimension(dimension);
-    uint32_t index = index_;
-    int column = dimension;
-    if (dimension >= kSobolDimensions) {
-      // Beyond the table its dimensions are used again, with the samples in another order.
-      column = dimension % kSobolDimensions;
-      index = ShuffledIndex(index_, seed_.OfDimension(dimension / kSobolDimensions + (1 << 20)));
-    }
-    return RandomizedSobol(*matrices_, randomization_, index, column, static_cast<uint32_t>(seed));
-  }
+  static constexpr int kLanes = SobolMatrices::kLanes;
+
+  // Computes values_ from dimension_ on, which is a multiple of kLanes.
+  void DrawBlock();
+  float At(int dimension) const;
 
   PixelSeed seed_;
   const SobolMatrices* matrices_;
   Randomization randomization_;
   uint32_t index_ = 0;
-  int dimension_ = 0;
+  unsigned dimension_ = 0;
+  unsigned drawn_ = 0;   // the dimension after those of values_
+  unsigned seeded_ = 0;  // the dimensions of this pixel that have seeds_
+  alignas(32) float values_[kLanes] = {};
+  alignas(32) uint32_t seeds_[kSobolDimensions];
 };
 
 }  // namespace tessera

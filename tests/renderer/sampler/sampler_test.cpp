@@ -173,6 +173,26 @@ TEST(Sampler, RandomizedSobolIsTheRandomizationOfTheSobolPoint) {
   }
 }
 
+// Several dimensions are computed at a time; each must be the point of its own dimension and seed.
+TEST(Sampler, SobolNumbersAreTheRandomizedPointsOfTheirDimensions) {
+  for (const Randomization randomization : {Randomization::kNone, Randomization::kPermuteDigits,
+                                            Randomization::kFastOwen, Randomization::kOwen}) {
+    SobolSampler sampler(9, randomization);
+    for (const uint32_t index : {0u, 1u, 77u, 0xffffffffu}) {
+      for (const int x : {4, 5}) {
+        PixelSeed seed(9);
+        seed.SetPixel(x, 3);
+        sampler.StartSample(x, 3, index);
+        for (int d = 0; d < kSobolDimensions; ++d) {
+          EXPECT_EQ(sampler.Get1D(), RandomizedSobol(Matrices(), randomization, index, d,
+                                                     static_cast<uint32_t>(seed.OfDimension(d))))
+              << d;
+        }
+      }
+    }
+  }
+}
+
 TEST(Sampler, ZSobolSamplesOfAPixelAreStratifiedInEveryPairOfDimensions) {
   ZSobolSampler sampler(0, kRandomization, 6, 32, 32);
   for (int pixel = 0; pixel < 16; ++pixel) {
