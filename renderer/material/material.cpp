@@ -34,21 +34,23 @@ MaterialTable::Traits MaterialTable::TraitsOf(const Material& material) const {
             const bool reads = Dispatch(surface.kind, [](const auto& kind) { return kind.ReadsTextures(); });
             return Traits{std::holds_alternative<InterfaceMaterial>(surface.kind),
                           reads || surface.relief.ReadsTextures(),
-                          std::holds_alternative<SubsurfaceMaterial>(surface.kind)};
+                          std::holds_alternative<SubsurfaceMaterial>(surface.kind),
+                          surface.relief.NeedsNormalDerivatives()};
           },
           // A mix needs what the materials it chooses from need.
           [&](const MixMaterial& mix) {
             const Traits& first = traits_[mix.first];
             const Traits& second = traits_[mix.second];
             return Traits{false, mix.ReadsTextures() || first.needs_footprint || second.needs_footprint,
-                          first.scatters_below || second.scatters_below};
+                          first.scatters_below || second.scatters_below,
+                          first.needs_normal_derivatives || second.needs_normal_derivatives};
           },
       });
 }
 
 void MaterialTable::SetTraits() {
   // A mix without a name may choose from materials that come later in the table. Those count as needing it.
-  traits_.assign(materials_.size(), {false, true, true});
+  traits_.assign(materials_.size(), {false, true, true, true});
   for (size_t i = 0; i < materials_.size(); ++i) traits_[i] = TraitsOf(materials_[i]);
 }
 

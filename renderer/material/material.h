@@ -26,6 +26,9 @@ class MaterialTable {
   // Whether Evaluate looks up textures, so that `context` must hold the footprint.
   bool NeedsFootprint(int material) const { return traits_[material].needs_footprint; }
 
+  // Whether Evaluate uses the derivatives of the interaction's normal.
+  bool NeedsNormalDerivatives(int material) const { return traits_[material].needs_normal_derivatives; }
+
   // The Bsdf of `material` at a surface point. Chooses among mixed materials by a hash of the point, changes
   // `interaction.shading` by bump or normal maps, and drops secondary wavelengths where the material
   // disperses. `context` holds the texture footprint if NeedsFootprint.
@@ -51,6 +54,7 @@ class MaterialTable {
     bool is_interface;
     bool needs_footprint;
     bool scatters_below;
+    bool needs_normal_derivatives;
   };
   Traits TraitsOf(const Material& material) const;
   void SetTraits();

@@ -18,6 +18,8 @@ class Relief {
   static Relief Read(MaterialReader& reader);
 
   bool ReadsTextures() const { return displacement_ || normal_map_; }
+  // Whether Apply uses the derivatives of the normal.
+  bool NeedsNormalDerivatives() const { return displacement_ && !normal_map_; }
   // A normal map takes precedence over a displacement. Leaves the shading frame as it is if there is neither,
   // or where the relief gives no normal.
   void Apply(const TextureTable& textures, const TextureContext& context,

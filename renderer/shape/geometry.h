@@ -28,6 +28,8 @@ struct SurfaceProperties {
   // Only a change of medium, no surface: rays pass.
   bool is_interface = false;
   uint8_t hidden_from = 0;  // HiddenFrom
+  // Whether the material uses SurfaceInteraction::Shading::dndu and dndv. They are not computed otherwise.
+  bool needs_normal_derivatives = true;
   uint64_t light_links = kAllLightLinks;
   // Opacity. Below 1 a ray passes with probability 1 - alpha, decided by a hash of its origin and direction.
   FloatInput alpha{1.0f, -1};

@@ -40,7 +40,7 @@ struct SurfaceInteraction {
   struct Shading {  // as interpolated from vertex normals and tangents
     Normal3 n;      // unit, in the hemisphere of n
     Vec3 dpdu, dpdv;
-    Vec3 dndu, dndv;
+    Vec3 dndu, dndv;  // 0 unless SurfaceProperties::needs_normal_derivatives
   } shading;
   Vec3 wo;  // unit, against the ray
   float time = 0;

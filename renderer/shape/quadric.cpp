@@ -32,7 +32,7 @@ struct LocalDerivatives {
   NormalDerivatives dn;
 };
 
-LocalDerivatives DifferentiateSphere(const Quadric& sphere, Point3 p) {
+LocalDerivatives DifferentiateSphere(const Quadric& sphere, Point3 p, bool needs_normal_derivatives) {
   p = AvoidPole(sphere, p);
   const float range = SphereAngles(sphere).Range();
   const float phi_max = sphere.phi_max;
@@ -42,6 +42,7 @@ LocalDerivatives DifferentiateSphere(const Quadric& sphere, Point3 p) {
   LocalDerivatives d;
   d.dpdu = {-phi_max * p.y, phi_max * p.x, 0};
   d.dpdv = Vec3{p.z * cos_phi, p.z * sin_phi, -z_radius} * range;
+  if (!needs_normal_derivatives) return d;
   d.dn = DifferentiateNormal(d.dpdu, d.dpdv, Vec3{p.x, p.y, 0} * (-phi_max * phi_max),
                              Vec3{-sin_phi, cos_phi, 0} * (range * p.z * phi_max), p * (-range * range));
   return d;
@@ -84,9 +85,9 @@ Double3 ObjectPoint(const Quadric& quadric, const Hit& hit, const HitRay& ray) {
   return TransformPoint(quadric.render_from_object.inverse_matrix(), ray.InShapeSpace().At(hit.t));
 }
 
-LocalDerivatives Differentiate(const Quadric& quadric, Point3 p) {
+LocalDerivatives Differentiate(const Quadric& quadric, Point3 p, bool needs_normal_derivatives) {
   switch (quadric.kind) {
-    case Quadric::Kind::kSphere: return DifferentiateSphere(quadric, p);
+    case Quadric::Kind::kSphere: return DifferentiateSphere(quadric, p, needs_normal_derivatives);
     case Quadric::Kind::kCylinder: return DifferentiateCylinder(quadric, p);
     case Quadric::Kind::kDisk: return DifferentiateDisk(quadric, p);
   }
@@ -161,7 +162,7 @@ Vec3 QuadricPointError(const Quadric& quadric, Point3 p) {
 void Quadric::FillInteraction(const Hit& hit, const HitRay& ray, SurfaceInteraction* interaction) const {
   const Double3 exact = ProjectToQuadric(*this, ObjectPoint(*this, hit, ray));
   const Point3 p = exact.ToFloat();
-  const LocalDerivatives d = Differentiate(*this, p);
+  const LocalDerivatives d = Differentiate(*this, p, ray.needs_normal_derivatives);
   const PointWithError point =
       TransformPointWithError(render_from_object, exact, QuadricPointError(*this, p));
   interaction->p = point.p;

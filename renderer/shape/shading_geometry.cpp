@@ -1,20 +1,32 @@
 #include "renderer/shape/shading_geometry.h"
 
+#include "renderer/math/packed3.h"
+
 namespace tessera {
 namespace {
 
-// The matrix of absolute values times a vector that has no negative components.
-Vec3 AbsTimes(const Matrix4& matrix, Vec3 v) {
-  const auto& m = matrix.m;
-  Vec3 r;
-  for (int i = 0; i < 3; ++i)
-    r[i] = std::abs(m[i][0]) * v.x + std::abs(m[i][1]) * v.y + std::abs(m[i][2]) * v.z;
-  return r;
-}
+// The columns of an affine matrix.
+struct PackedColumns {
+  Packed3 x, y, z, translation;
 
-Vec3 AbsTranslation(const Matrix4& m) {
-  return {std::abs(m.m[0][3]), std::abs(m.m[1][3]), std::abs(m.m[2][3])};
-}
+  explicit PackedColumns(const Matrix4& matrix)
+      : x(_mm_loadu_ps(matrix.m[0].data())),
+        y(_mm_loadu_ps(matrix.m[1].data())),
+        z(_mm_loadu_ps(matrix.m[2].data())),
+        translation(_mm_setzero_ps()) {
+    _MM_TRANSPOSE4_PS(x.v, y.v, z.v, translation.v);
+  }
+  // The linear part of the matrix of absolute values times a vector that has no negative components.
+  Packed3 AbsTimes(Vec3 v) const { return Abs(x) * v.x + Abs(y) * v.y + Abs(z) * v.z; }
+  // As TransformPoint of Double3.
+  Packed3 Times(Double3 p) const {
+    const auto scaled = [](Packed3 column, double s) {
+      return _mm256_mul_pd(_mm256_cvtps_pd(column.v), _mm256_set1_pd(s));
+    };
+    const __m256d linear = _mm256_add_pd(_mm256_add_pd(scaled(x, p.x), scaled(y, p.y)), scaled(z, p.z));
+    return _mm256_cvtpd_ps(_mm256_add_pd(linear, _mm256_cvtps_pd(translation.v)));
+  }
+};
 
 }  // namespace
 
@@ -52,12 +64,12 @@ Vec3 RotateFromTo(Vec3 v, Vec3 from, Vec3 to) {
 }
 
 PointWithError TransformPointWithError(const Transform& transform, Double3 p, Vec3 error) {
-  const Matrix4& m = transform.matrix();
-  const Point3 r = TransformPoint(m, p).ToFloat();
-  const Vec3 there = AbsTimes(m, Abs(p.ToFloat())) + AbsTranslation(m);
-  const Matrix4& inverse = transform.inverse_matrix();
-  const Vec3 back = AbsTimes(inverse, Abs(r)) + AbsTranslation(inverse);
-  return {r, AbsTimes(m, error * (Gamma(3) + 1) + back * Gamma(5)) + there * Gamma(3)};
+  const PackedColumns m(transform.matrix()), inverse(transform.inverse_matrix());
+  const Packed3 r = m.Times(p);
+  const Packed3 there = m.AbsTimes(Abs(p.ToFloat())) + Abs(m.translation);
+  const Packed3 back = inverse.AbsTimes(Abs(r).Unpack()) + Abs(inverse.translation);
+  const Vec3 box = (Packed3(error) * (Gamma(3) + 1) + back * Gamma(5)).Unpack();
+  return {r.Unpack(), (m.AbsTimes(box) + there * Gamma(3)).Unpack()};
 }
 
 }  // namespace tessera

@@ -7,17 +7,21 @@
 
 namespace tessera {
 
-// Sets `shading`, whose normal decides on which side the geometric normal lies. Derivatives so long
-// that their squares would overflow are scaled down.
-inline void SetShading(const SurfaceInteraction::Shading& shading, SurfaceInteraction* interaction) {
+// Scales tangents down whose squares would overflow.
+inline void BoundTangents(SurfaceInteraction::Shading* shading) {
   constexpr float kLengthSquaredMax = 1e16f, kScale = 1e-8f;  // as pbrt's
+  while (LengthSquared(shading->dpdu) > kLengthSquaredMax ||
+         LengthSquared(shading->dpdv) > kLengthSquaredMax) {
+    shading->dpdu *= kScale;
+    shading->dpdv *= kScale;
+  }
+}
+
+// Sets `shading` with bounded tangents. Its normal decides on which side the geometric normal lies.
+inline void SetShading(const SurfaceInteraction::Shading& shading, SurfaceInteraction* interaction) {
   interaction->shading = shading;
   interaction->n = FaceForward(interaction->n, shading.n);
-  SurfaceInteraction::Shading& s = interaction->shading;
-  while (LengthSquared(s.dpdu) > kLengthSquaredMax || LengthSquared(s.dpdv) > kLengthSquaredMax) {
-    s.dpdu *= kScale;
-    s.dpdv *= kScale;
-  }
+  BoundTangents(&interaction->shading);
 }
 
 // Derivatives of the unit normal of a surface by its parameters, from the derivatives of position (Weingarten

@@ -20,6 +20,7 @@ struct Crossing {
 struct HitRay {
   const Ray& ray;                                // in rendering space
   const Transform* render_from_group = nullptr;  // null if the shape is not instanced
+  bool needs_normal_derivatives = true;          // whether dndu and dndv are used
 
   DoubleRay InShapeSpace() const {
     const DoubleRay exact{Double3(ray.o), Double3(ray.d)};

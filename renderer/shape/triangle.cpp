@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "renderer/math/ray.h"
+#include "renderer/shape/packed_triangle.h"
 
 namespace tessera {
 
@@ -22,28 +22,21 @@ bool CrossTriangle(const TrianglePoints& triangle, const DoubleRay& ray, Triangl
 }
 
 Normal3 TriangleWindingNormal(const TrianglePoints& triangle) {
-  const Vec3 n = Cross(triangle.p0 - triangle.p2, triangle.p1 - triangle.p2);
-  const float length_squared = LengthSquared(n);
-  constexpr float kSafe = 1e-30f;  // no underflow in the squares
-  if (length_squared > kSafe && length_squared < std::numeric_limits<float>::infinity()) {
-    return n / std::sqrt(length_squared);
-  }
+  return PackedTriangle(triangle).WindingNormal().Unpack();
+}
+
+Normal3 NormalOfExtremeTriangle(const TrianglePoints& triangle) {
   const Double3 exact = Cross(Difference(triangle.p0, triangle.p2), Difference(triangle.p1, triangle.p2));
   const double length = std::sqrt(Dot(exact, exact));
   return length > 0 ? (exact * (1 / length)).ToFloat() : Normal3{0, 0, 1};
 }
 
-// In double: the point lies in the triangle's plane except for the last rounding.
 Point3 TrianglePoint(const TrianglePoints& triangle, float u, float v) {
-  const Double3 p0(triangle.p0);
-  return (p0 + Difference(triangle.p1, triangle.p0) * u + Difference(triangle.p2, triangle.p0) * v).ToFloat();
+  return PackedTriangle(triangle).PointAt(u, v).Unpack();
 }
 
 Vec3 TrianglePointError(const TrianglePoints& triangle, float u, float v) {
-  const Vec3 sum = Abs(triangle.p0 * (1 - u - v)) + Abs(triangle.p1 * u) + Abs(triangle.p2 * v);
-  const Vec3 extent =
-      Max(triangle.p0, Max(triangle.p1, triangle.p2)) - Min(triangle.p0, Min(triangle.p1, triangle.p2));
-  return sum * Gamma(7) + extent * Gamma(3);
+  return PackedTriangle(triangle).PointErrorAt(u, v).Unpack();
 }
 
 float TriangleArea(const TrianglePoints& triangle) {

@@ -20,6 +20,8 @@ bool CrossTriangle(const TrianglePoints& triangle, const DoubleRay& ray, Triangl
 
 // Unit normal of the vertices' winding, not flipped. Never NaN: (0, 0, 1) if the triangle has no area.
 Normal3 TriangleWindingNormal(const TrianglePoints& triangle);
+// The same for triangles whose area float cannot hold.
+Normal3 NormalOfExtremeTriangle(const TrianglePoints& triangle);
 
 Point3 TrianglePoint(const TrianglePoints& triangle, float u, float v);
 // Half size of a box around TrianglePoint(u, v) such that rays that start outside are also *found* to start

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "renderer/shape/packed_triangle.h"
 #include "renderer/shape/shading_geometry.h"
 
 namespace tessera {
@@ -31,10 +32,18 @@ Vec3 Interpolate(Vec3 a, Vec3 b, Vec3 c, float u, float v) {
   return a * (1 - u - v) + b * u + c * v;
 }
 
-// a * v - b * w, component by component, without cancellation.
-Vec3 DifferenceOfProducts(float a, Vec3 v, float b, Vec3 w) {
-  return {tessera::DifferenceOfProducts(a, v.x, b, w.x), tessera::DifferenceOfProducts(a, v.y, b, w.y),
-          tessera::DifferenceOfProducts(a, v.z, b, w.z)};
+Packed3 Interpolate(Packed3 a, Packed3 b, Packed3 c, float u, float v) {
+  return a * (1 - u - v) + b * u + c * v;
+}
+
+// Two unit vectors across unit n.
+struct Tangents {
+  Packed3 u, v;
+};
+Tangents AnyTangents(Packed3 n) {
+  Vec3 u, v;
+  CoordinateSystem(n.Unpack(), &u, &v);
+  return {u, v};
 }
 
 // The map from changes of barycentrics to changes of texture coordinates, and its inverse applied to a
@@ -42,64 +51,71 @@ Vec3 DifferenceOfProducts(float a, Vec3 v, float b, Vec3 w) {
 class UvMap {
  public:
   explicit UvMap(const CornerUv& uv) : d02_(uv.uv0 - uv.uv2), d12_(uv.uv1 - uv.uv2) {
-    determinant_ = tessera::DifferenceOfProducts(d02_.x, d12_.y, d02_.y, d12_.x);
+    determinant_ = DifferenceOfProducts(d02_.x, d12_.y, d02_.y, d12_.x);
+    inverse_ = 1 / determinant_;
   }
   bool degenerate() const { return std::abs(determinant_) < kSmallestDeterminant; }
   // q02 is the quantity at vertex 0 minus that at vertex 2, q12 at 1 minus 2.
-  Vec3 ByU(Vec3 q02, Vec3 q12) const {
-    return DifferenceOfProducts(d12_.y, q02, d02_.y, q12) * (1 / determinant_);
+  Packed3 ByU(Packed3 q02, Packed3 q12) const {
+    return DifferenceOfProducts(d12_.y, q02, d02_.y, q12) * inverse_;
   }
-  Vec3 ByV(Vec3 q02, Vec3 q12) const {
-    return DifferenceOfProducts(d02_.x, q12, d12_.x, q02) * (1 / determinant_);
+  Packed3 ByV(Packed3 q02, Packed3 q12) const {
+    return DifferenceOfProducts(d02_.x, q12, d12_.x, q02) * inverse_;
   }
 
  private:
   static constexpr float kSmallestDeterminant = 1e-9f;  // as pbrt's
   Vec2 d02_, d12_;
-  float determinant_;
+  float determinant_, inverse_;
 };
 
 // Derivatives of the shading normal by texture u and v.
-void FillNormalDerivatives(const CornerNormals& n, const UvMap& uv_map,
+void FillNormalDerivatives(Packed3 n0, Packed3 n1, Packed3 n2, const UvMap& uv_map,
                            SurfaceInteraction::Shading* shading) {
-  const Vec3 dn02 = n.n0 - n.n2;
-  const Vec3 dn12 = n.n1 - n.n2;
   if (!uv_map.degenerate()) {
-    shading->dndu = uv_map.ByU(dn02, dn12);
-    shading->dndv = uv_map.ByV(dn02, dn12);
+    const Packed3 dn02 = n0 - n2, dn12 = n1 - n2;
+    uv_map.ByU(dn02, dn12).Store(&shading->dndu);
+    uv_map.ByV(dn02, dn12).Store(&shading->dndv);
     return;
   }
   // By the same arbitrary parametrisation that stands in for dpdu and dpdv.
-  const Vec3 dn = Cross(n.n2 - n.n0, n.n1 - n.n0);
-  if (LengthSquared(dn) > 0) CoordinateSystem(Normalize(dn), &shading->dndu, &shading->dndv);
+  const Packed3 dn = Cross(n2 - n0, n1 - n0);
+  if (LengthSquared(dn) > 0) CoordinateSystem(Normalize(dn).Unpack(), &shading->dndu, &shading->dndv);
 }
 
-void FillShading(const TriangleMesh& mesh, uint32_t primitive, float u, float v, const UvMap& uv_map,
-                 SurfaceInteraction* interaction) {
-  Normal3 ns = interaction->n;
-  SurfaceInteraction::Shading shading;
+// Of a mesh with normals or tangents. n is the geometric normal and dpdu its tangent.
+void FillShading(const TriangleMesh& mesh, const uint32_t* corners, const Hit& hit, const UvMap& uv_map,
+                 bool needs_normal_derivatives, Packed3 n, Packed3 dpdu, SurfaceInteraction* interaction) {
+  SurfaceInteraction::Shading& shading = interaction->shading;
+  Packed3 ns = n;
   if (!mesh.N.empty()) {
-    const CornerNormals n = NormalsAt(mesh, primitive);
-    const Normal3 interpolated = Interpolate(n.n0, n.n1, n.n2, u, v);
-    if (LengthSquared(interpolated) > 0) ns = Normalize(interpolated);
-    FillNormalDerivatives(n, uv_map, &shading);
+    const Packed3 n0 = Packed3::Load(mesh.N[corners[0]]), n1 = Packed3::Load(mesh.N[corners[1]]),
+                  n2 = Packed3::Load(mesh.N[corners[2]]);
+    const Packed3 interpolated = Interpolate(n0, n1, n2, hit.u, hit.v);
+    const float length_squared = LengthSquared(interpolated);
+    if (length_squared > 0) ns = interpolated / std::sqrt(length_squared);
+    if (needs_normal_derivatives) FillNormalDerivatives(n0, n1, n2, uv_map, &shading);
   }
-  Vec3 ss = interaction->dpdu;
+  Packed3 ss = dpdu;
   if (!mesh.S.empty()) {
-    const uint32_t* i = &mesh.indices[3 * size_t{primitive}];
-    const Vec3 interpolated = Interpolate(mesh.S[i[0]], mesh.S[i[1]], mesh.S[i[2]], u, v);
+    const Packed3 interpolated =
+        Interpolate(Packed3::Load(mesh.S[corners[0]]), Packed3::Load(mesh.S[corners[1]]),
+                    Packed3::Load(mesh.S[corners[2]]), hit.u, hit.v);
     if (LengthSquared(interpolated) > 0) ss = interpolated;
   }
-  Vec3 ts = Cross(ns, ss);
+  Packed3 ts = Cross(ns, ss);
   if (LengthSquared(ts) > 0) {
     ss = Cross(ts, ns);
   } else {
-    CoordinateSystem(ns, &ss, &ts);
+    const Tangents any = AnyTangents(ns);
+    ss = any.u;
+    ts = any.v;
   }
-  shading.n = ns;
-  shading.dpdu = ss;
-  shading.dpdv = ts;
-  SetShading(shading, interaction);
+  ns.Store(&shading.n);
+  ss.Store(&shading.dpdu);
+  ts.Store(&shading.dpdv);
+  FaceForward(n, ns).Store(&interaction->n);
+  BoundTangents(&shading);
 }
 
 }  // namespace
@@ -130,29 +146,31 @@ bool TriangleMesh::Refine(const HitRay& ray, Hit* hit) const {
   return true;
 }
 
-void TriangleMesh::FillInteraction(const Hit& hit, const HitRay&, SurfaceInteraction* interaction) const {
+void TriangleMesh::FillInteraction(const Hit& hit, const HitRay& ray, SurfaceInteraction* interaction) const {
   const float u = hit.u, v = hit.v;
-  const TrianglePoints triangle = At(hit.primitive);
+  const uint32_t* const corners = &indices[3 * size_t{hit.primitive}];
+  const PackedTriangle triangle(P[corners[0]], P[corners[1]], P[corners[2]]);
   const CornerUv corner_uv = UvAt(*this, hit.primitive);
-  interaction->p = TrianglePoint(triangle, u, v);
-  interaction->p_error = TrianglePointError(triangle, u, v);
+  triangle.PointAt(u, v).Store(&interaction->p);
+  triangle.PointErrorAt(u, v).Store(&interaction->p_error);
   interaction->uv = corner_uv.At(u, v);
-  const Normal3 winding = TriangleWindingNormal(triangle);
+  const Packed3 winding = triangle.WindingNormal();
   const UvMap uv_map(corner_uv);
-  bool degenerate = uv_map.degenerate();
-  if (!degenerate) {
-    const Vec3 dp02 = triangle.p0 - triangle.p2;
-    const Vec3 dp12 = triangle.p1 - triangle.p2;
-    interaction->dpdu = uv_map.ByU(dp02, dp12);
-    interaction->dpdv = uv_map.ByV(dp02, dp12);
-    degenerate = LengthSquared(Cross(interaction->dpdu, interaction->dpdv)) == 0;
-  }
-  if (degenerate) CoordinateSystem(-winding, &interaction->dpdu, &interaction->dpdv);
-  interaction->n = flip_normals ? -winding : winding;
+  const Packed3 dp02 = triangle.p0 - triangle.p2, dp12 = triangle.p1 - triangle.p2;
+  Tangents tangents{uv_map.ByU(dp02, dp12), uv_map.ByV(dp02, dp12)};
+  if (uv_map.degenerate() || LengthSquared(Cross(tangents.u, tangents.v)) == 0)
+    tangents = AnyTangents(-winding);
+  tangents.u.Store(&interaction->dpdu);
+  tangents.v.Store(&interaction->dpdv);
+  const Packed3 n = flip_normals ? -winding : winding;
   if (N.empty() && S.empty()) {
-    interaction->shading = {interaction->n, interaction->dpdu, interaction->dpdv, {}, {}};
+    SurfaceInteraction::Shading& shading = interaction->shading;
+    n.Store(&interaction->n);
+    n.Store(&shading.n);
+    tangents.u.Store(&shading.dpdu);
+    tangents.v.Store(&shading.dpdv);
   } else {
-    FillShading(*this, hit.primitive, u, v, uv_map, interaction);
+    FillShading(*this, corners, hit, uv_map, ray.needs_normal_derivatives, n, tangents.u, interaction);
   }
 }
 

@@ -145,6 +145,23 @@ TEST(Material, MixesNestAndChooseIndependently) {
   EXPECT_NEAR(light / 20000.0, 0.25, 0.015);
 }
 
+TEST(Material, OnlyDisplacedMaterialsNeedTheDerivativesOfTheNormal) {
+  const auto needs = [&](const std::string& material) {
+    const Materials m(R"(Texture "c" "float" "checkerboard"
+MakeNamedMaterial "plain" "string type" "diffuse"
+MakeNamedMaterial "bumped" "string type" "diffuse" "texture displacement" "c"
+Material )" + material);
+    EXPECT_EQ(m.error, "") << material;
+    return m.table.NeedsNormalDerivatives(m.last);
+  };
+  EXPECT_FALSE(needs(R"("interface")"));
+  EXPECT_FALSE(needs(R"("diffuse" "float displacement" 0)"));
+  EXPECT_FALSE(needs(R"("mix" "string materials" [ "plain" "plain" ])"));
+  EXPECT_TRUE(needs(R"("conductor" "float displacement" 0.1)"));
+  EXPECT_TRUE(needs(R"("diffuse" "texture displacement" "c")"));
+  EXPECT_TRUE(needs(R"("mix" "string materials" [ "plain" "bumped" ])"));
+}
+
 TEST(Material, OnlyMaterialsThatReadTexturesNeedTheFootprint) {
   const std::string checks = R"(Texture "c" "float" "checkerboard" Texture "s" "spectrum" "checkerboard"
 MakeNamedMaterial "plain" "string type" "diffuse"

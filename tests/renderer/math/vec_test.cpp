@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "renderer/math/bounds.h"
 #include "renderer/math/float4.h"
+#include "renderer/math/packed3.h"
 #include "renderer/math/sampling.h"
 #include "tests/chi_square.h"
 
@@ -112,6 +115,31 @@ TEST(Float4, ReducesInAFixedOrder) {
   EXPECT_TRUE(AllFinite(a));
   EXPECT_FALSE(AllFinite(Float4(0, INFINITY, 0, 0)));
   EXPECT_FALSE(AllFinite(Float4(0, 0, 0, NAN)));
+}
+
+TEST(Packed3, HasTheBitsOfTheOperationsOfVectors) {
+  TestRandom random(5);
+  std::vector<Vec3> vectors = {{0, 0, 0}, {1, -0.0f, 0.0f}, {-1, 0.5f, 1e-20f}, {1e18f, -1e18f, 3}};
+  for (int i = 0; i < 100; ++i) vectors.push_back(RandomDirection(random) * (1 + 100 * random.Next()));
+  for (const Vec3 a : vectors) {
+    for (const Vec3 b : vectors) {
+      const Packed3 p = Packed3::Load(a), q(b);
+      EXPECT_EQ((p + q).Unpack(), a + b);
+      EXPECT_EQ((p - q).Unpack(), a - b);
+      EXPECT_EQ((-p).Unpack(), -a);
+      EXPECT_EQ((p * b.x).Unpack(), a * b.x);
+      EXPECT_EQ((p / 3.0f).Unpack(), a / 3.0f);
+      EXPECT_EQ(Abs(p).Unpack(), Abs(a));
+      EXPECT_EQ(Min(p, q).Unpack(), Min(a, b));
+      EXPECT_EQ(Max(p, q).Unpack(), Max(a, b));
+      EXPECT_EQ(Dot(p, q), Dot(a, b));
+      EXPECT_EQ(Cross(p, q).Unpack(), Cross(a, b));
+      EXPECT_EQ(FaceForward(p, q).Unpack(), FaceForward(a, b));
+      if (LengthSquared(a) > 0) {
+        EXPECT_EQ(Normalize(p).Unpack(), Normalize(a));
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -136,6 +136,23 @@ TEST(ShapeInteraction, VertexNormalsDecideTheSideAndAreInterpolated) {
   ExpectNear(at.dpdv, {0, 0.25f, 0}, 1e-6f, "dpdv");
 }
 
+TEST(ShapeInteraction, DerivativesOfTheNormalAreLeftOutWhereTheMaterialDoesNotUseThem) {
+  for (const bool is_sphere : {false, true}) {
+    Shape shape = is_sphere ? QuadricShape(kSphere, Transform(), 1, -1, 1) : ShadedTriangle();
+    const Ray ray{{0.25f, 0.5f, 5}, {0, 0, -1}};
+    const SurfaceInteraction with = InteractionOf(shape, ray);
+    shape.surface.needs_normal_derivatives = false;
+    const SurfaceInteraction without = InteractionOf(shape, ray);
+    EXPECT_GT(LengthSquared(with.shading.dndu), 0);
+    EXPECT_EQ(without.shading.dndu, Vec3{});
+    EXPECT_EQ(without.shading.dndv, Vec3{});
+    EXPECT_EQ(without.p, with.p);
+    EXPECT_EQ(without.shading.n, with.shading.n);
+    EXPECT_EQ(without.shading.dpdu, with.shading.dpdu);
+    EXPECT_EQ(without.shading.dpdv, with.shading.dpdv);
+  }
+}
+
 TEST(ShapeInteraction, VertexTangentsRotateTheShadingFrame) {
   Shape shape = ShadedTriangle();
   std::get<TriangleMesh>(shape.form).S = {{0, 1, 0}, {0, 1, 0}, {0, 1, 0}};
