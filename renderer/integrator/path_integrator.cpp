@@ -263,7 +263,7 @@ void PathTracer<Transport, Sink>::AddEmission(const SurfaceInteraction& interact
 
 template <typename Transport, typename Sink>
 void PathTracer<Transport, Sink>::AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
-  const std::optional<SampledLight> sampled = SampleOneLight(context_, previous_, ReferenceAt(interaction));
+  const std::optional<SampledLight> sampled = SampleOneLight(context_, previous_, interaction);
   if (!sampled) return;
   const LightSample& light = sampled->light;
   const BsdfEvaluation evaluation = bsdf.Evaluate(interaction.wo, light.wi);

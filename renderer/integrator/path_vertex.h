@@ -51,9 +51,10 @@ inline Bsdf BsdfAt(const PathContext& context, SurfaceInteraction& interaction, 
       world.materials.NeedsFootprint(interaction.material)
           ? MakeTextureContext(interaction, world.camera, context.settings.footprint_scale)
           : PlaceOf(interaction);
-  const Bsdf bsdf = world.materials.Evaluate(interaction.material, world.textures, place, interaction,
-                                             context.wavelengths, regularizes);
-  return context.settings.force_diffuse ? DiffuseEquivalent(context, interaction, bsdf) : bsdf;
+  Bsdf bsdf = world.materials.Evaluate(interaction.material, world.textures, place, interaction,
+                                       context.wavelengths, regularizes);
+  if (context.settings.force_diffuse) bsdf = DiffuseEquivalent(context, interaction, bsdf);
+  return bsdf;
 }
 
 // For an interaction that BsdfAt has seen, where ScattersBelow.
@@ -80,10 +81,10 @@ struct SampledLight {
 // hit.
 bool FollowLink(const PathContext& context, const ReferencePoint& from, SampledLight& sampled);
 
-// Samples one light as seen from `reference`, for a shadow ray that starts at `from`. Takes three dimensions
-// of the sampler. Returns nullopt if no light arrives.
-inline std::optional<SampledLight> SampleOneLight(const PathContext& context, const ReferencePoint& reference,
-                                                  const ReferencePoint& from) {
+// Samples one light as seen from `reference`, regardless of links. Takes three dimensions of the sampler.
+// Returns nullopt if no light arrives.
+inline std::optional<SampledLight> SampleAnyLight(const PathContext& context,
+                                                  const ReferencePoint& reference) {
   const float u_choice = context.sampler.Get1D();
   const Point2 u_light = context.sampler.Get2D();
   const LightTable& lights = context.world.lights;
@@ -92,13 +93,22 @@ inline std::optional<SampledLight> SampleOneLight(const PathContext& context, co
   const std::optional<LightSample> light =
       lights.Sample(chosen->light, reference, u_light, context.wavelengths);
   if (!light || light->pdf <= 0 || light->IsDark()) return std::nullopt;
-  SampledLight sampled{chosen->light, *light, chosen->pmf * light->pdf};
-  if (context.world.links.any() && !FollowLink(context, from, sampled)) return std::nullopt;
-  return sampled;
+  return SampledLight{chosen->light, *light, chosen->pmf * light->pdf};
 }
+// The same with the links of `reference`, where the shadow ray starts.
 inline std::optional<SampledLight> SampleOneLight(const PathContext& context,
                                                   const ReferencePoint& reference) {
-  return SampleOneLight(context, reference, reference);
+  std::optional<SampledLight> sampled = SampleAnyLight(context, reference);
+  if (sampled && context.world.links.any() && !FollowLink(context, reference, *sampled)) sampled.reset();
+  return sampled;
+}
+// The same for a shadow ray that starts at `surface`.
+inline std::optional<SampledLight> SampleOneLight(const PathContext& context, const ReferencePoint& reference,
+                                                  const SurfaceInteraction& surface) {
+  std::optional<SampledLight> sampled = SampleAnyLight(context, reference);
+  if (sampled && context.world.links.any() && !FollowLink(context, ReferenceAt(surface), *sampled))
+    sampled.reset();
+  return sampled;
 }
 
 // Whether a ray passes the surface, after `depth` scattering events.

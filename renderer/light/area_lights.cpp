@@ -146,7 +146,8 @@ std::optional<ShapeSample> AreaLights::SamplePoint(size_t light, const Reference
   const AreaLight& area = lights_[light];
   const AreaEmitter& emitter = emitters_[area.emitter];
   if (area.IsInRectangle()) return rectangles_[area.rectangle].Sample(reference, u, emitter.two_sided);
-  if (emitter.render_from_shape == nullptr) return SampleShape(*emitter.shape, area.primitive, reference, u);
+  if (emitter.render_from_shape == nullptr)
+    return SampleShape(*emitter.shape, area.primitive, reference, u, emitter.NeedsUv());
   const Transform render_from_shape = emitter.render_from_shape->At(reference.time);
   if (IsFlat(render_from_shape)) return std::nullopt;
   return SampleMovedShape(*emitter.shape, area.primitive, render_from_shape, reference, u);

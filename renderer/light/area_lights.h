@@ -25,6 +25,9 @@ struct AreaEmitter {
   bool has_alpha = false;  // alpha lets only a part of the light out
   // Alpha is 0 everywhere: rays pass, but the surface emits fully, so only light sampling finds it.
   bool is_hidden = false;
+
+  // Whether what it emits depends on texture coordinates.
+  bool NeedsUv() const { return !image.empty() || has_alpha; }
 };
 
 // One primitive of an emitting shape.

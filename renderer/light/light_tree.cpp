@@ -14,9 +14,6 @@ Float4 Select(__m128 mask, Float4 yes, Float4 no) {
 __m128 Greater(Float4 a, Float4 b) {
   return _mm_cmpgt_ps(a.v, b.v);
 }
-Float4 Abs(Float4 a) {
-  return _mm_andnot_ps(_mm_set1_ps(-0.0f), a.v);
-}
 
 // cos(max(0, a - b)) for angles in [0, pi] given by cosine and sine.
 Float4 CosClampedDifference(Float4 cos_a, Float4 sin_a, Float4 cos_b, Float4 sin_b) {

@@ -69,7 +69,13 @@ RectangleEmitter::RectangleEmitter(const PatchPoints& corners, Normal3 n)
       height_(Length(ey_)),
       n_(n),
       p_error_(PatchPointError(corners)),
-      plane_error_(Dot(Abs(n), p_error_)) {}
+      plane_error_(Dot(Abs(n), p_error_)) {
+  const Point3 across = corner_ + ex_;
+  const std::array<Point3, 4> points = {corner_, across, corner_ + ey_, across + ey_};
+  corners_x_ = {points[0].x, points[1].x, points[2].x, points[3].x};
+  corners_y_ = {points[0].y, points[1].y, points[2].y, points[3].y};
+  corners_z_ = {points[0].z, points[1].z, points[2].z, points[3].z};
+}
 
 float RectangleEmitter::Height(const ReferencePoint& reference) const {
   const float height = Dot(n_, reference.p - corner_);
@@ -82,9 +88,8 @@ RectangleEmitter::View RectangleEmitter::SeenFrom(const ReferencePoint& referenc
       SphericalRectangle(Dot(to_corner, unit_x_), Dot(to_corner, unit_y_), width_, height_, std::abs(height)),
       {}};
   if (!IsOnSurface(reference)) return view;
-  const Point3 across = corner_ + ex_;
-  view.weights = {CornerWeight(reference, corner_), CornerWeight(reference, across),
-                  CornerWeight(reference, corner_ + ey_), CornerWeight(reference, across + ey_)};
+  const Float4 weights = CornerWeights(reference, corners_x_, corners_y_, corners_z_);
+  view.weights = {weights[0], weights[1], weights[2], weights[3]};
   return view;
 }
 

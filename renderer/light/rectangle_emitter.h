@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "renderer/math/float4.h"
 #include "renderer/shape/patch.h"
 #include "renderer/shape/shape_queries.h"
 #include "renderer/shape/spherical_sampling.h"
@@ -39,12 +40,13 @@ class RectangleEmitter {
   float AreaPdf(const ReferencePoint& reference, Point3 p) const;
 
   Point3 corner_;
-  Vec3 ex_, ey_;          // edges from the corner
-  Vec3 unit_x_, unit_y_;  // their directions
-  float width_, height_;  // their lengths
-  Normal3 n_;             // unit
-  Vec3 p_error_;          // of a sampled point
-  float plane_error_;     // of the distance of points from the plane
+  Vec3 ex_, ey_;                              // edges from the corner
+  Vec3 unit_x_, unit_y_;                      // their directions
+  float width_, height_;                      // their lengths
+  Normal3 n_;                                 // unit
+  Float4 corners_x_, corners_y_, corners_z_;  // in the order of BilinearWeights
+  Vec3 p_error_;                              // of a sampled point
+  float plane_error_;                         // of the distance of points from the plane
 };
 
 }  // namespace tessera

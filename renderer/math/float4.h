@@ -55,6 +55,9 @@ inline Float4 operator+(Float4 a, float s) {
 inline Float4 operator-(float s, Float4 a) {
   return Float4(s) - a;
 }
+inline Float4 operator/(float s, Float4 a) {
+  return Float4(s) / a;
+}
 inline Float4 operator-(Float4 a) {
   return _mm_xor_ps(a.v, _mm_set1_ps(-0.0f));
 }
@@ -71,6 +74,12 @@ inline Float4& operator/=(Float4& a, float s) {
   return a = a / s;
 }
 
+inline Float4 operator-(Float4 a, float s) {
+  return a - Float4(s);
+}
+inline Float4 Abs(Float4 a) {
+  return _mm_andnot_ps(_mm_set1_ps(-0.0f), a.v);
+}
 inline Float4 Min(Float4 a, Float4 b) {
   return _mm_min_ps(a.v, b.v);
 }

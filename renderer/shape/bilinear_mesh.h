@@ -46,7 +46,8 @@ struct BilinearMesh {
 
   // Rectangles by solid angle, weighted by the cosine at the reference point's surface; other patches, and
   // rectangles that cover too little of the sphere, by area.
-  std::optional<ShapeSample> Sample(uint32_t primitive, const ReferencePoint& reference, Point2 u) const;
+  std::optional<ShapeSample> Sample(uint32_t primitive, const ReferencePoint& reference, Point2 u,
+                                    bool needs_uv) const;
   float Pdf(uint32_t primitive, const ReferencePoint& reference, Vec3 wi,
             const SurfaceInteraction& on_light) const;
   bool SamplesNearestOnly(const ReferencePoint&) const { return false; }

@@ -51,7 +51,7 @@ ShapeSample SampleAt(const BilinearMesh& mesh, uint32_t primitive, const PatchPo
 }  // namespace
 
 std::optional<ShapeSample> BilinearMesh::Sample(uint32_t primitive, const ReferencePoint& reference,
-                                                Point2 u) const {
+                                                Point2 u, bool /*needs_uv*/) const {
   const PatchPoints patch = At(primitive);
   const bool is_rectangle = IsRectangle(patch);
   if (is_rectangle) {

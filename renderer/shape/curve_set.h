@@ -68,7 +68,9 @@ struct CurveSet {
   void FillHitPoint(const Hit& hit, const HitRay& ray, HitPoint* point) const;
 
   // Curves do not emit: where their surface is depends on who looks.
-  std::optional<ShapeSample> Sample(uint32_t, const ReferencePoint&, Point2) const { return std::nullopt; }
+  std::optional<ShapeSample> Sample(uint32_t, const ReferencePoint&, Point2, bool) const {
+    return std::nullopt;
+  }
   float Pdf(uint32_t, const ReferencePoint&, Vec3, const SurfaceInteraction&) const { return 0; }
   bool SamplesNearestOnly(const ReferencePoint&) const { return false; }
   // Of the piece laid flat, in the space of P; its length is that of its control polygon.

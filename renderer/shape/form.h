@@ -24,7 +24,7 @@ template <typename T>
 concept ShapeForm = requires(const T& form, uint32_t primitive, const DoubleRay& ray, double t_max,
                              Crossing* crossing, const HitRay& hit_ray, const Hit& hit, Hit* refined,
                              SurfaceInteraction* interaction, HitPoint* point,
-                             const ReferencePoint& reference, Point2 u, Vec3 wi,
+                             const ReferencePoint& reference, Point2 u, bool needs_uv, Vec3 wi,
                              const SurfaceInteraction& on_light) {
   // What lists call its primitives, in the plural: "triangles".
   { T::kPrimitives } -> std::convertible_to<std::string_view>;
@@ -48,7 +48,7 @@ concept ShapeForm = requires(const T& form, uint32_t primitive, const DoubleRay&
   { form.FillHitPoint(hit, hit_ray, point) } -> std::same_as<void>;
 
   // These serve emitters, which are never instanced: see shape_sampling.h.
-  { form.Sample(primitive, reference, u) } -> std::same_as<std::optional<ShapeSample>>;
+  { form.Sample(primitive, reference, u, needs_uv) } -> std::same_as<std::optional<ShapeSample>>;
   { form.Pdf(primitive, reference, wi, on_light) } -> std::same_as<float>;
   { form.SamplesNearestOnly(reference) } -> std::same_as<bool>;
   { form.Area(primitive) } -> std::same_as<float>;

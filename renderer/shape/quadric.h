@@ -39,7 +39,8 @@ struct Quadric {
 
   // Whole spheres that are not stretched, from outside: uniform over the cone that they fill. Everything
   // else: uniform over the area in object space, with the density that this gives in rendering space.
-  std::optional<ShapeSample> Sample(uint32_t primitive, const ReferencePoint& reference, Point2 u) const;
+  std::optional<ShapeSample> Sample(uint32_t primitive, const ReferencePoint& reference, Point2 u,
+                                    bool needs_uv) const;
   float Pdf(uint32_t primitive, const ReferencePoint& reference, Vec3 wi,
             const SurfaceInteraction& on_light) const;
   // True for spheres that are sampled by their cone.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderer/math/float4.h"
 #include "renderer/math/sampling.h"
 #include "renderer/shape/quadric.h"
 #include "renderer/shape/shading_geometry.h"
@@ -20,17 +21,29 @@ std::optional<RenderSphere> AsRenderSphere(const Quadric& q) {
   constexpr float kTolerance = 1e-5f;  // relative, of the squared scale and of orthogonality
   if (q.kind != Quadric::Kind::kSphere || q.phi_max < 2 * kPi || q.z_min > -q.radius || q.z_max < q.radius)
     return {};
-  const Transform& t = q.render_from_object;
-  const Vec3 x = t.ToVector({1, 0, 0}), y = t.ToVector({0, 1, 0}), z = t.ToVector({0, 0, 1});
-  const float scale = LengthSquared(x);
-  const float tolerance = kTolerance * scale;
-  if (std::abs(LengthSquared(y) - scale) > tolerance || std::abs(LengthSquared(z) - scale) > tolerance)
-    return {};
-  if (AbsDot(x, y) > tolerance || AbsDot(y, z) > tolerance || AbsDot(z, x) > tolerance) return {};
-  return RenderSphere{t.ToPoint({0, 0, 0}), q.radius * std::sqrt(scale)};
+  // One lane for each column of the linear part: its square, and its product with the next column.
+  const auto& m = q.render_from_object.matrix().m;
+  Float4 squares, products;
+  for (int i = 0; i < 3; ++i) {
+    const Float4 row(_mm_setr_ps(m[i][0], m[i][1], m[i][2], 0));
+    squares += row * row;
+    products += row * Float4(_mm_permute_ps(row.v, _MM_SHUFFLE(3, 0, 2, 1)));
+  }
+  const float scale = squares[0];
+  const Float4 differences = Float4(_mm_blend_ps((squares - Float4(scale)).v, _mm_setzero_ps(), 8));
+  const Float4 errors = Max(Abs(differences), Abs(products));
+  if (!(MaxElement(errors) <= kTolerance * scale)) return {};
+  const float w = m[3][3];
+  const Point3 center{m[0][3], m[1][3], m[2][3]};
+  return RenderSphere{w == 1 ? center : center / w, q.radius * std::sqrt(scale)};
 }
 
 bool IsOutside(const RenderSphere& sphere, const ReferencePoint& reference) {
+  const float distance_squared = DistanceSquared(reference.p, sphere.center);
+  // Well over the length of the offset, which is at most half the diagonal of the box of errors.
+  const float offset_max = 2 * (reference.p_error.x + reference.p_error.y + reference.p_error.z);
+  constexpr float kRounding = 1.0001f;
+  if (distance_squared > Sqr(kRounding * (sphere.radius + offset_max))) return true;
   const Point3 origin =
       OffsetRayOrigin(reference.p, reference.p_error, reference.n, sphere.center - reference.p);
   return DistanceSquared(origin, sphere.center) > Sqr(sphere.radius);
@@ -49,7 +62,7 @@ struct SphereCone {
 };
 
 std::optional<ShapeSample> SampleCone(const Quadric& quadric, const RenderSphere& sphere,
-                                      const ReferencePoint& reference, Point2 u) {
+                                      const ReferencePoint& reference, Point2 u, bool needs_uv) {
   const SphereCone cone(sphere, reference.p);
   float cos_theta = 1 - cone.one_minus_cos_theta_max * u.x;
   float sin2_theta = 1 - cos_theta * cos_theta;
@@ -75,7 +88,7 @@ std::optional<ShapeSample> SampleCone(const Quadric& quadric, const RenderSphere
   sample.p = point.p;
   sample.p_error = point.error;
   sample.n = QuadricNormal(quadric, p);
-  sample.uv = QuadricUv(quadric, p);
+  if (needs_uv) sample.uv = QuadricUv(quadric, p);
   sample.pdf = cone.Pdf();
   if (!std::isfinite(sample.pdf)) return std::nullopt;
   return sample;
@@ -113,7 +126,8 @@ float AreaScale(const Quadric& quadric, Normal3 n) {
   return determinant / Length({Dot(x, n), Dot(y, n), Dot(z, n)});
 }
 
-std::optional<ShapeSample> SampleByArea(const Quadric& quadric, const ReferencePoint& reference, Point2 u) {
+std::optional<ShapeSample> SampleByArea(const Quadric& quadric, const ReferencePoint& reference, Point2 u,
+                                        bool needs_uv) {
   const Double3 exact = ProjectToQuadric(quadric, Double3(SampleObjectPoint(quadric, u)));
   const Point3 p = exact.ToFloat();
   const PointWithError point =
@@ -122,17 +136,18 @@ std::optional<ShapeSample> SampleByArea(const Quadric& quadric, const ReferenceP
   sample.p = point.p;
   sample.p_error = point.error;
   sample.n = QuadricNormal(quadric, p);
-  sample.uv = QuadricUv(quadric, p);
+  if (needs_uv) sample.uv = QuadricUv(quadric, p);
   sample.pdf = 1 / (ObjectArea(quadric) * AreaScale(quadric, sample.n));
   return SeenFrom(reference, sample);
 }
 
 }  // namespace
 
-std::optional<ShapeSample> Quadric::Sample(uint32_t, const ReferencePoint& reference, Point2 u) const {
+std::optional<ShapeSample> Quadric::Sample(uint32_t, const ReferencePoint& reference, Point2 u,
+                                           bool needs_uv) const {
   const std::optional<RenderSphere> sphere = AsRenderSphere(*this);
-  if (sphere && IsOutside(*sphere, reference)) return SampleCone(*this, *sphere, reference, u);
-  return SampleByArea(*this, reference, u);
+  if (sphere && IsOutside(*sphere, reference)) return SampleCone(*this, *sphere, reference, u, needs_uv);
+  return SampleByArea(*this, reference, u, needs_uv);
 }
 
 float Quadric::Pdf(uint32_t, const ReferencePoint& reference, Vec3,

@@ -3,8 +3,9 @@
 namespace tessera {
 
 std::optional<ShapeSample> SampleShape(const Shape& shape, uint32_t primitive,
-                                       const ReferencePoint& reference, Point2 u) {
-  return Dispatch(shape.form, [&](const auto& form) { return form.Sample(primitive, reference, u); });
+                                       const ReferencePoint& reference, Point2 u, bool needs_uv) {
+  return Dispatch(shape.form,
+                  [&](const auto& form) { return form.Sample(primitive, reference, u, needs_uv); });
 }
 
 float ShapePdf(const Shape& shape, uint32_t primitive, const ReferencePoint& reference, Vec3 wi,

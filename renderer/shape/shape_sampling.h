@@ -9,9 +9,9 @@
 namespace tessera {
 
 // A point on primitive `primitive` of `shape`, u in [0,1)^2. Returns nullopt if the primitive cannot be seen
-// or has no area.
+// or has no area. needs_uv: whether the sample must have its texture coordinates.
 std::optional<ShapeSample> SampleShape(const Shape& shape, uint32_t primitive,
-                                       const ReferencePoint& reference, Point2 u);
+                                       const ReferencePoint& reference, Point2 u, bool needs_uv = true);
 
 // The density per solid angle with which SampleShape would have found the point `on_light`, seen along unit
 // `wi`.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "renderer/math/float4.h"
 #include "renderer/shape/shape_queries.h"
 #include "renderer/shape/spherical_sampling.h"
 
@@ -27,11 +28,21 @@ inline std::optional<ShapeSample> SeenFrom(const ReferencePoint& reference, Shap
   return sample;
 }
 
-// The weight of a corner: the cosine at the reference point's surface, at least kCosineMin so that no
+// The weight of a corner: the cosine at the reference point's surface, at least kCornerCosineMin so that no
 // direction is never chosen.
+constexpr float kCornerCosineMin = 0.01f;  // as pbrt's
 inline float CornerWeight(const ReferencePoint& reference, Point3 corner) {
-  constexpr float kCosineMin = 0.01f;  // as pbrt's
-  return std::max(kCosineMin, AbsDot(reference.shading_n, Normalize(corner - reference.p)));
+  return std::max(kCornerCosineMin, AbsDot(reference.shading_n, Normalize(corner - reference.p)));
+}
+// The same for four corners, given by their coordinates.
+inline Float4 CornerWeights(const ReferencePoint& reference, Float4 x, Float4 y, Float4 z) {
+  x = x - reference.p.x;
+  y = y - reference.p.y;
+  z = z - reference.p.z;
+  const Float4 inverse = 1 / Sqrt(x * x + y * y + z * z);
+  const Normal3 n = reference.shading_n;
+  const Float4 cosines = n.x * (x * inverse) + n.y * (y * inverse) + n.z * (z * inverse);
+  return Max(Abs(cosines), Float4(kCornerCosineMin));
 }
 
 inline bool IsOnSurface(const ReferencePoint& reference) {

@@ -48,7 +48,8 @@ struct TriangleMesh {
   // By solid angle, weighted by the cosine at the reference point's surface; by area where the triangle
   // covers too little or too much of the sphere for that to be accurate (Pharr, Jakob, Humphreys 2023,
   // section 6.5.4).
-  std::optional<ShapeSample> Sample(uint32_t primitive, const ReferencePoint& reference, Point2 u) const;
+  std::optional<ShapeSample> Sample(uint32_t primitive, const ReferencePoint& reference, Point2 u,
+                                    bool needs_uv) const;
   float Pdf(uint32_t primitive, const ReferencePoint& reference, Vec3 wi,
             const SurfaceInteraction& on_light) const;
   bool SamplesNearestOnly(const ReferencePoint&) const { return false; }

@@ -15,20 +15,20 @@ bool UseSphere(const SphericalTriangle& triangle) {
 }
 
 ShapeSample SampleAt(const TriangleMesh& mesh, uint32_t primitive, const TrianglePoints& triangle, float u,
-                     float v) {
+                     float v, bool needs_uv) {
   ShapeSample sample;
   sample.p = TrianglePoint(triangle, u, v);
   sample.p_error = TrianglePointError(triangle, u, v);
   sample.n = mesh.Normal(primitive, triangle, u, v);
-  sample.uv = mesh.TextureCoordinates(primitive, u, v);
+  if (needs_uv) sample.uv = mesh.TextureCoordinates(primitive, u, v);
   return sample;
 }
 
 std::optional<ShapeSample> SampleByArea(const TriangleMesh& mesh, uint32_t primitive,
                                         const TrianglePoints& triangle, const ReferencePoint& reference,
-                                        Point2 u) {
+                                        Point2 u, bool needs_uv) {
   const Vec3 b = SampleUniformTriangle(u);
-  ShapeSample sample = SampleAt(mesh, primitive, triangle, b.y, b.z);
+  ShapeSample sample = SampleAt(mesh, primitive, triangle, b.y, b.z, needs_uv);
   sample.pdf = 1 / TriangleArea(triangle);
   return SeenFrom(reference, sample);
 }
@@ -42,11 +42,11 @@ BilinearWeights Warp(const TrianglePoints& triangle, const ReferencePoint& refer
 
 }  // namespace
 
-std::optional<ShapeSample> TriangleMesh::Sample(uint32_t primitive, const ReferencePoint& reference,
-                                                Point2 u) const {
+std::optional<ShapeSample> TriangleMesh::Sample(uint32_t primitive, const ReferencePoint& reference, Point2 u,
+                                                bool needs_uv) const {
   const TrianglePoints triangle = At(primitive);
   const SphericalTriangle spherical(triangle, reference.p);
-  if (!UseSphere(spherical)) return SampleByArea(*this, primitive, triangle, reference, u);
+  if (!UseSphere(spherical)) return SampleByArea(*this, primitive, triangle, reference, u, needs_uv);
   float pdf = 1 / spherical.area();
   if (IsOnSurface(reference)) {
     const BilinearWeights weights = Warp(triangle, reference);
@@ -57,7 +57,8 @@ std::optional<ShapeSample> TriangleMesh::Sample(uint32_t primitive, const Refere
   if (!CrossTriangle(triangle, {Double3(reference.p), spherical.Sample(u)}, &crossing)) return std::nullopt;
   const double b1 = std::clamp(crossing.u, 0.0, 1.0);
   const double b2 = std::clamp(crossing.v, 0.0, 1 - b1);
-  ShapeSample sample = SampleAt(*this, primitive, triangle, static_cast<float>(b1), static_cast<float>(b2));
+  ShapeSample sample =
+      SampleAt(*this, primitive, triangle, static_cast<float>(b1), static_cast<float>(b2), needs_uv);
   sample.pdf = pdf;
   return sample;
 }

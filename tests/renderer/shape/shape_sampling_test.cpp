@@ -85,6 +85,22 @@ bool IsSmall(const SamplingCase& c) {
   return c.name == "far sphere" || c.name == "tiny triangle";
 }
 
+TEST(ShapeSampling, PointsDoNotDependOnWhetherTheirTextureCoordinatesAreNeeded) {
+  TestRandom random(3);
+  for (const SamplingCase& c : Cases()) {
+    for (int i = 0; i < 100; ++i) {
+      const Point2 u = Random2(random);
+      const auto with = SampleShape(c.shape, 0, c.reference, u, true);
+      const auto without = SampleShape(c.shape, 0, c.reference, u, false);
+      ASSERT_EQ(with.has_value(), without.has_value()) << c.name;
+      if (!with) continue;
+      EXPECT_EQ(with->p, without->p) << c.name;
+      EXPECT_EQ(with->n, without->n) << c.name;
+      EXPECT_EQ(with->pdf, without->pdf) << c.name;
+    }
+  }
+}
+
 TEST(ShapeSampling, DirectionsFollowTheDensityOfEveryShape) {
   int test_count = 0;
   const std::vector<SamplingCase> cases = Cases();
