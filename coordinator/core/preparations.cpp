@@ -52,9 +52,13 @@ Owner OwnerOf(const Job& job) {
   return {job.owner.member, job.owner.name};
 }
 
-std::string ReasonsOf(const std::map<WorkerId, std::string>& failures) {
+// Each reason once, after the names of the workers that have it: most have the same.
+std::string ReasonsOf(const std::map<WorkerId, Preparations::Failure>& failures) {
+  std::map<std::string, std::set<std::string>> workers_by_reason;
+  for (const auto& [worker, failure] : failures) workers_by_reason[failure.reason].insert(failure.worker);
   std::string reasons;
-  for (const auto& [worker, reason] : failures) reasons += (reasons.empty() ? "" : "; ") + reason;
+  for (const auto& [reason, workers] : workers_by_reason)
+    reasons += fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", fmt::join(workers, ", "), reason);
   return reasons;
 }
 
@@ -165,7 +169,7 @@ void Preparations::Assign(Instant now) {
     if (served.contains(OwnerOf(*job)) || now < preparation.rests_until) continue;
     if (++attempts > kAttemptsPerLookMax) return;
     std::set<WorkerId> excluded = busy;
-    for (const auto& [worker, reason] : preparation.failures) excluded.insert(worker);
+    for (const auto& [worker, failure] : preparation.failures) excluded.insert(worker);
     const auto worker = state_.scheduler.LeastLoaded(excluded);
     if (!worker && excluded.empty()) job->order_problem = state_.scheduler.WhyNoWorker();
     if (!worker) continue;
@@ -251,7 +255,7 @@ void Preparations::Fail(Instant now, Job& job, Preparation& preparation, WorkerI
                                           Number(worker), LogText(name), Number(job.id), LogText(reason)));
   state_.Tell(MessageLevel::kWarning, job.id,
               fmt::format("worker {} did not prepare the scene: {}", name, reason));
-  preparation.failures.try_emplace(worker, name + ": " + reason);
+  preparation.failures.try_emplace(worker, Failure{name, reason});
   preparation.failed_at = now;
   job.order_problem = ReasonsOf(preparation.failures);
   if (preparation.failures.size() < static_cast<size_t>(attempts_max_)) return;

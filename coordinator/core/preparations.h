@@ -42,6 +42,10 @@ class Preparations {
   // Late reports and copies are harmless. Those of a worker in quarantine do not count.
   void Return(Instant now, WorkerId worker, const PreparationReport& report);
 
+  struct Failure {
+    std::string worker, reason;  // the name of the worker
+  };
+
  private:
   struct Preparation {
     Digest key;
@@ -50,7 +54,7 @@ class Preparations {
     Instant told_at{};
     std::vector<std::pair<WorkerId, Instant>> losses;  // not judged yet
     Instant rests_until{};                             // after a loss
-    std::map<WorkerId, std::string> failures;
+    std::map<WorkerId, Failure> failures;
     Instant failed_at{};
   };
   Job* OpenJob(JobId id) const;

@@ -13,6 +13,12 @@ const kTimes = [
 const kDetailInterval_ms = 1000;
 const kMessagesShown = 500;
 
+function whyNoFrames(job) {
+  if (job.state === "paused") return "Paused before a worker has prepared the scene.";
+  if (job.state === "preparing") return job.reason ? `The scene is not prepared yet: ${job.reason}` : "A worker prepares the scene.";
+  return job.reason || "The scene was not prepared.";
+}
+
 export class JobView {
   constructor(job, frame, note) {
     this.job = job;
@@ -80,10 +86,9 @@ export class JobView {
     this.isOpened = detail.frames_total > 0;
     if (this.isOpened || !this.pause) this.buttons.replaceChildren(...this.makeButtons(detail));
     if (!this.isOpened) {
-      const isOpen = isOpenState(detail.state);
-      this.viewer.showProblem(detail.reason || (isOpen ? "A worker prepares the scene." : "The scene was not prepared."));
+      this.viewer.showInstead(whyNoFrames(detail), detail.state === "failed" || (detail.state === "preparing" && detail.reason !== ""));
     } else if (maySeePicture(detail)) {
-      this.viewer.showProblem("");
+      this.viewer.showInstead("", false);
       this.viewer.watch();
     } else {
       this.viewer.showProblem("Its owner, viewers and operators may see the picture.");

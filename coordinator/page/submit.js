@@ -69,9 +69,9 @@ export class SubmitView {
       field("Scene file", this.scene, "which file of the folder is rendered"),
       field("Name", this.name, "of the job"),
       field("Priority", this.priority, "higher goes first"),
-      field("Samples per pixel", this.spp, "empty: what the scene says"),
+      field("Samples per pixel", this.spp, "empty: as in the scene"),
       h("div", {class: "field", role: "group", "aria-label": "Resolution"}, h("span", {}, "Resolution"),
-        h("span", {class: "inline"}, this.width, "×", this.height), h("small", {}, "pixels; empty: what the scene says")),
+        h("span", {class: "inline"}, this.width, "×", this.height), h("small", {}, "pixels; empty: as in the scene")),
       field("Noise threshold", this.noise, "pixels stop early: 0.2 is a draft, 0.05 is clean"),
       field("Frames", this.frames, "of a sequence: A-B or A-BxSTEP"),
       field("Frames per second", this.rate, "of an animated scene"),
@@ -130,7 +130,7 @@ export class SubmitView {
 
   async run() {
     this.abort = new AbortController();
-    this.fields.disabled = this.go.disabled = true;
+    this.drop.inert = this.fields.disabled = this.go.disabled = true;
     this.stop.hidden = false;
     try {
       const job = await this.submit(this.abort.signal);
@@ -142,7 +142,7 @@ export class SubmitView {
       if (!isStopped) this.note(error.message, true);
     }
     this.abort = null;
-    this.fields.disabled = this.go.disabled = false;
+    this.drop.inert = this.fields.disabled = this.go.disabled = false;
     this.stop.hidden = true;
   }
 

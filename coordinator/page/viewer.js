@@ -81,6 +81,13 @@ export class Viewer {
     setText(this.problem, reason);
   }
 
+  // A text instead of a picture; empty: the picture.
+  showInstead(text, isProblem) {
+    this.element.classList.toggle("empty", text !== "");
+    this.problem.classList.toggle("calm", !isProblem);
+    this.showProblem(text);
+  }
+
   close() {
     for (const source of [this.source, this.other]) if (source) source.close();
     this.observer.disconnect();

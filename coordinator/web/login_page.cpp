@@ -15,8 +15,10 @@ std::string LoginPage(const std::string& proof, const std::string& problem) {
                       {"name", "token"},
                       {"id", "token"},
                       {"autocomplete", "one-time-code"},
+                      {"autofocus", ""},
                       {"required", ""}});
-  body.Element("button", "Log in").Close().Close();
+  body.Element("button", "Log in").Close();
+  body.Element("p", "Operators make tokens with \"tessera-coordinator token\".", {{"class", "hint"}}).Close();
   return HtmlDocument("Log in", kLoginStyle, "", body.Take());
 }
 

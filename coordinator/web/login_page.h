@@ -15,8 +15,8 @@ inline constexpr const char* kLoginStyle = R"(
 font:15px/1.5 system-ui,sans-serif}h1{font-size:20px;margin:0}
 .login{max-width:460px;margin:12vh auto 0;background:var(--card);border:1px solid var(--line);border-radius:12px;
 padding:24px 28px}.login label{display:block;margin:16px 0 6px;color:var(--soft)}
-.login input[type=password]{width:100%;padding:10px 12px;font:inherit;color:inherit;background:var(--back);
-border:1px solid var(--line);border-radius:8px}.error{color:var(--bad)}
+.login input[type=password]{width:100%;padding:10px 12px;font:inherit;color:inherit;background:var(--card);
+border:1px solid var(--soft);border-radius:8px}.hint{margin:16px 0 0;color:var(--soft)}.error{color:var(--bad)}
 button{font:inherit;padding:8px 18px;margin-top:16px;border:0;border-radius:8px;background:var(--bar);
 color:var(--on-bar);cursor:pointer}:focus-visible{outline:3px solid var(--bar);outline-offset:2px}
 )";

@@ -106,6 +106,25 @@ def shown_values(browser, count):
     return [float(value.get_attribute(f"data-{c}")) for c in "rgb"[:count]]
 
 
+def check_curve_of_compared_layer(browser):
+    """A layer looks the same alone and beside a layer that has another curve."""
+    viewer = find(browser, ".viewer")
+    color_of = lambda canvas: browser.execute_async_script("""
+        const done = arguments[1], canvas = document.querySelector(arguments[0]);
+        const read = () => done(canvas.width === 96 ? [...canvas.getContext('2d').getImageData(48, 27, 1, 1).data].join() : '');
+        requestAnimationFrame(() => requestAnimationFrame(read));
+        """, canvas)
+    choose(browser, "#layer", "albedo")
+    await_that("the albedo", lambda: viewer.get_attribute("data-layer") == "albedo")
+    alone = color_of(".picture:not(.other)")
+    choose(browser, "#layer", "depth")
+    await_that("the depth", lambda: viewer.get_attribute("data-layer") == "depth")
+    choose(browser, "#compare", "layer albedo")
+    await_that("the same colour", lambda: color_of(".picture.other") == alone)
+    assert color_of(".picture:not(.other)") != alone
+    choose(browser, "#compare", "")
+
+
 def check_layers(browser, farm, scenes):
     """Layers have the values of the file, light groups are mixed, and two pictures are compared."""
     job = farm.submit(f"{scenes}/box.pbrt", "--spp", "16", "--resolution", "96x54", "--aov", "albedo,depth,variance",
@@ -127,6 +146,7 @@ def check_layers(browser, farm, scenes):
         expected = pixel_in_file(path, x, y, channels)
         shown = shown_values(browser, len(expected))
         assert all(abs(a - b) <= 1e-6 + 1e-3 * abs(b) for a, b in zip(shown, expected)), (layer, shown, expected)
+    check_curve_of_compared_layer(browser)
     choose(browser, "#layer", "~samples")
     await_that("samples per pixel", lambda: viewer().get_attribute("data-layer") == "~samples")
     find(browser, ".stage").send_keys(Keys.ARROW_RIGHT)

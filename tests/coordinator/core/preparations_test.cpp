@@ -153,7 +153,7 @@ TEST(Preparations, ThreeWorkersThatFailEndTheJobWithTheirReasons) {
     EXPECT_THAT(stage.Status(job).reason, HasSubstr("box.pbrt:3:1"));
   }
   EXPECT_EQ(stage.Status(job).state, JobState::kFailed);
-  EXPECT_THAT(stage.Status(job).reason, HasSubstr("w1: box.pbrt:3:1: unknown directive"));
+  EXPECT_THAT(stage.Status(job).reason, HasSubstr(": w1, w2, w3: box.pbrt:3:1: unknown directive"));
   EXPECT_EQ(stage.Status(job).frames_total, 0u);
   EXPECT_FALSE(stage.farm.Extend(stage.now, job, 8));
 }
