@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "proto/shell/console.h"
+#include "proto/shell/program.h"
 #include "proto/shell/system.h"
 #include "proto/shell/values.h"
 #include "proto/terms.h"
@@ -30,6 +31,14 @@ Result<std::string> ProgramFolder() {
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) return Failed(fmt::format("/proc/self/exe: cannot be read: {}", error.message()));
   return program.parent_path().string();
+}
+
+// Where the workers note that they have passed the probe; empty if this user has no folder for that.
+std::string ProbeFolder() {
+  if (const std::string cache = Environment("XDG_CACHE_HOME"); !cache.empty())
+    return cache + "/tessera-probe";
+  if (const std::string home = Environment("HOME"); !home.empty()) return home + "/.cache/tessera-probe";
+  return {};
 }
 
 bool HasEnded(const ChildProcess& process, int patience_ms) {
@@ -106,6 +115,8 @@ Result<void> LocalFarm::StartWorkers(const std::string& program, const LocalWork
     std::vector<std::string> words{
         "--coordinator",           address_, "--threads", std::to_string(workers.threads), "--cache-dir",
         folder_.path() + "/cache", "--name", name};
+    if (const std::string probe = ProbeFolder(); !probe.empty())
+      words.insert(words.end(), {"--probe-dir", probe});
     if (workers.scene_memory) words.insert(words.end(), {"--scene-memory", SizeText(*workers.scene_memory)});
     auto worker = ChildProcess::Start(program, words, fmt::format("{}/{}.log", folder_.path(), name));
     if (!worker) return worker.error();

@@ -30,28 +30,43 @@ std::string FindBuildId(const char* notes, size_t size) {
   return {};
 }
 
-// Called for each loaded object, the executable first, which ends the iteration.
-int VisitObject(dl_phdr_info* info, size_t, void* result) {
-  for (int i = 0; i < info->dlpi_phnum; ++i) {
-    const ElfW(Phdr)& segment = info->dlpi_phdr[i];
+std::string BuildIdOf(const dl_phdr_info& object) {
+  for (int i = 0; i < object.dlpi_phnum; ++i) {
+    const ElfW(Phdr)& segment = object.dlpi_phdr[i];
     if (segment.p_type != PT_NOTE) continue;
     // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader gives addresses as numbers.
-    const char* notes = reinterpret_cast<const char*>(info->dlpi_addr + segment.p_vaddr);
-    std::string id = FindBuildId(notes, segment.p_memsz);
-    if (!id.empty()) {
-      *static_cast<std::string*>(result) = std::move(id);
-      break;
-    }
+    const char* notes = reinterpret_cast<const char*>(object.dlpi_addr + segment.p_vaddr);
+    if (std::string id = FindBuildId(notes, segment.p_memsz); !id.empty()) return id;
   }
+  return {};
+}
+
+// Called for each loaded object, the executable first, which ends the iteration.
+int VisitFirst(dl_phdr_info* info, size_t, void* result) {
+  *static_cast<std::string*>(result) = BuildIdOf(*info);
   return 1;
+}
+
+// Ends the iteration at an object without a build id.
+int VisitEach(dl_phdr_info* info, size_t, void* result) {
+  auto& ids = *static_cast<std::string*>(result);
+  const std::string id = BuildIdOf(*info);
+  ids = id.empty() ? "" : ids + id;
+  return id.empty() ? 1 : 0;
 }
 
 }  // namespace
 
 std::string BuildId() {
   std::string id;
-  ::dl_iterate_phdr(VisitObject, &id);
+  ::dl_iterate_phdr(VisitFirst, &id);
   return id;
+}
+
+std::string LoadedBuildIds() {
+  std::string ids;
+  ::dl_iterate_phdr(VisitEach, &ids);
+  return ids;
 }
 
 }  // namespace tessera

@@ -9,4 +9,8 @@ namespace tessera {
 // it was linked without one.
 std::string BuildId();
 
+// The build ids of the executable and of all libraries that are loaded now, in their order. Empty if one of
+// them was linked without one.
+std::string LoadedBuildIds();
+
 }  // namespace tessera

@@ -79,6 +79,10 @@ void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
           options.cache_dir);
   AddSize(app, "--cache-size", "Size limit of the cache; least recently used files are evicted first",
           kCacheBytesMin, options.cache_bytes);
+  AddText(app, "--probe-dir", "DIR",
+          "Note in this folder that this program has passed the probe, and do not render it again until the "
+          "program, a library or the processor changes or the machine is restarted",
+          options.probe_dir);
   AddWord(
       app, "--scene-memory", "SIZE",
       WithDefault("Memory that loading one scene may take; a scene that needs more fails",

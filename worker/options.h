@@ -36,6 +36,7 @@ struct WorkerOptions {
   int threads = 0;        // render threads, each of them a slot; default: the processors that may be used
   std::string cache_dir;  // of scene files; default: DefaultCacheFolder
   uint64_t cache_bytes = kCacheBytesDefault;
+  std::string probe_dir;  // of a note that the probe was passed (probe_note.h); empty: none
   LoadLimits load_limits{0, kLoadTimeDefault};  // of one scene; default: DefaultSceneMemory
   std::string name;                             // shown to users; default: the host name
   std::set<std::string> tags;                   // that jobs may require

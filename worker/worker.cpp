@@ -17,6 +17,7 @@
 #include "worker/build_id.h"
 #include "worker/farm_login.h"
 #include "worker/machine_id.h"
+#include "worker/probe_note.h"
 #include "worker/scene_loader.h"
 #include "worker/scene_preparation.h"
 
@@ -47,9 +48,11 @@ constexpr std::chrono::milliseconds kReturnPatience{2500};  // for results that 
 constexpr std::chrono::milliseconds kLeavePatience{1000};
 constexpr std::chrono::milliseconds kLoaderPatience{500};
 
-Result<std::string> ProbeDigest() {
+Result<std::string> ProbeDigest(const WorkerOptions& options) {
   const auto start = Clock::now();
-  const auto digest = RenderProbe();
+  const auto circumstances = options.probe_dir.empty() ? std::nullopt : ProbeCircumstances();
+  const auto digest =
+      NotedProbe(options.probe_dir, circumstances, [&] { return RenderProbe(options.threads); });
   if (!digest) return Failed("this machine cannot render: " + digest.error().message);
   spdlog::debug("probe digest={} render_s={:.3f}", digest->Hex(),
                 std::chrono::duration<double>(Clock::now() - start).count());
@@ -62,7 +65,7 @@ Result<WorkerState> Introduce(const WorkerOptions& options) {
   self.name = options.name;
   self.slots = options.threads;
   self.build_digest = BuildId();
-  auto probe_digest = ProbeDigest();
+  auto probe_digest = ProbeDigest(options);
   if (!probe_digest) return probe_digest.error();
   self.probe_digest = std::move(*probe_digest);
   self.tags = options.tags;

@@ -2,11 +2,14 @@
 
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "renderer/film/radiance_tile.h"
 #include "renderer/scene/probe_scene.h"
 #include "renderer/scene/scene.h"
+#include "renderer/util/parallel.h"
 
 namespace tessera {
 namespace {
@@ -38,22 +41,35 @@ std::string SceneText(const ProbeVariant& variant) {
   return text;
 }
 
+// The encoded sums of a variant's picture.
+Result<std::string> Render(const ProbeVariant& variant, const std::shared_ptr<SharedCache>& cache) {
+  ProbeFiles files(SceneText(variant), cache);
+  RenderOptions options;
+  options.accelerator = variant.accelerator;
+  if (variant.has_layers) options.aovs = {"all"};
+  const auto scene = Scene::Load(files, "probe.pbrt", options, Scene::Depth::kRender);
+  if (!scene) return scene.error();
+  const FrameSpec& frame = (*scene)->frame();
+  std::string sums;
+  for (const SampleRange range : DyadicPartition(frame.samples_per_pixel)) {
+    sums += EncodeRadianceTile(*(*scene)->Render(frame.crop, {}, range, nullptr));
+  }
+  return sums;
+}
+
 }  // namespace
 
-Result<Digest> RenderProbe() {
-  std::string sums;
+Result<Digest> RenderProbe(int threads) {
+  const std::span<const ProbeVariant> variants = ProbeVariants();
   const auto cache = std::make_shared<SharedCache>(kCacheBytesMax);
-  for (const ProbeVariant& variant : ProbeVariants()) {
-    ProbeFiles files(SceneText(variant), cache);
-    RenderOptions options;
-    options.accelerator = variant.accelerator;
-    if (variant.has_layers) options.aovs = {"all"};
-    const auto scene = Scene::Load(files, "probe.pbrt", options, Scene::Depth::kRender);
-    if (!scene) return scene.error();
-    const FrameSpec& frame = (*scene)->frame();
-    for (const SampleRange range : DyadicPartition(frame.samples_per_pixel)) {
-      sums += EncodeRadianceTile(*(*scene)->Render(frame.crop, {}, range, nullptr));
-    }
+  std::vector<Result<std::string>> pictures(variants.size(), std::string());
+  const auto rendered =
+      ForEachItem(variants.size(), threads, {}, [&](size_t i) { pictures[i] = Render(variants[i], cache); });
+  if (!rendered) return rendered.error();
+  std::string sums;
+  for (const Result<std::string>& picture : pictures) {
+    if (!picture) return picture.error();
+    sums += *picture;
   }
   return Sha256(sums);
 }

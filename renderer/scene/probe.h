@@ -9,7 +9,7 @@ namespace tessera {
 
 // Renders built-in scenes that together touch every integrator, sampler, filter, accelerator, light sampler,
 // light, shape, material, texture and medium, and returns the digest of their sums; well below a second on
-// one thread. Reads no file. An error only if the renderer cannot read its own scenes.
-Result<Digest> RenderProbe();
+// one thread, less on up to seven. Reads no file. An error only if the renderer cannot read its own scenes.
+Result<Digest> RenderProbe(int threads = 1);
 
 }  // namespace tessera

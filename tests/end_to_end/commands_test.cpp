@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/end_to_end/farm_fixture.h"
@@ -181,6 +182,21 @@ TEST_F(Commands, RenderNamesThePictureAfterTheSceneAndReplacesAnExistingFile) {
   EXPECT_TRUE(Bytes("box.exr") == Oracle(BoxScene(), {"--spp", "1"}));
   EXPECT_EQ(Bytes("box.png").substr(1, 3), "PNG");
   EXPECT_THAT(outcome.errors, HasSubstr("samples/s"));
+}
+
+TEST_F(Commands, ALocalFarmNotesThatThisMachineHasPassedTheProbe) {
+  const std::vector<std::string> render{"render", BoxScene(), "-o", "picture.exr", "--workers", "2"};
+  ASSERT_EQ(Tessera(render).code, 0);
+  const std::string note = "user-cache/tessera-probe/passed";
+  EXPECT_THAT(Bytes(note), HasSubstr("passed "));
+  const std::string picture = Bytes("picture.exr");
+  // What is damaged is replaced, and what is whole is used.
+  std::ofstream(Path(note)) << "passed";
+  for (int again = 0; again < 2; ++again) {
+    ASSERT_EQ(Tessera(render).code, 0);
+    EXPECT_TRUE(Bytes("picture.exr") == picture);
+    EXPECT_GT(Bytes(note).size(), 128u);
+  }
 }
 
 TEST_F(Commands, ASceneIsReadFromStandardInput) {

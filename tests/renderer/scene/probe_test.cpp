@@ -27,8 +27,10 @@ TEST(Probe, HasTheDigestOfThisRelease) {
       << " into proto/probe.h";
 }
 
-TEST(Probe, IsTheSameAgain) {
-  EXPECT_EQ(*RenderProbe(), *RenderProbe());
+TEST(Probe, IsTheSameAgainOnAnyNumberOfThreads) {
+  const Digest alone = *RenderProbe();
+  EXPECT_EQ(*RenderProbe(), alone);
+  for (const int threads : {2, 3, 16}) EXPECT_EQ(*RenderProbe(threads), alone) << threads;
 }
 
 }  // namespace
