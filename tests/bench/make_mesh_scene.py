@@ -26,6 +26,7 @@ LightSource "infinite" "rgb L" [0.4 0.45 0.5]
 AttributeBegin
   AreaLightSource "diffuse" "rgb L" [8 7 6]
   Translate 0 0 2
+  Rotate 180 1 0 0
   Shape "disk" "float radius" 0.3
 AttributeEnd
 Material "diffuse" "rgb reflectance" [0.5 0.4 0.3]
