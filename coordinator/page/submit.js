@@ -132,6 +132,8 @@ export class SubmitView {
     this.abort = new AbortController();
     this.drop.inert = this.fields.disabled = this.go.disabled = true;
     this.stop.hidden = false;
+    this.show("Reading files", 0);
+    this.go.parentElement.scrollIntoView({block: "nearest"});
     try {
       const job = await this.submit(this.abort.signal);
       this.note(`Job ${job.id} is submitted`);
