@@ -22,7 +22,7 @@ std::vector<Rgb> Colors() {
   const NumberRing numbers(2);
   std::vector<Rgb> all;
   for (size_t i = 0; i < kColors; ++i)
-    all.emplace_back(numbers.At(3 * i), numbers.At(3 * i + 1), numbers.At(3 * i + 2));
+    all.push_back({numbers.At(3 * i), numbers.At(3 * i + 1), numbers.At(3 * i + 2)});
   return all;
 }
 
