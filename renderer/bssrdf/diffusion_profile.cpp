@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "renderer/bssrdf/catmull_rom.h"
 #include "renderer/bxdf/fresnel.h"
@@ -66,20 +67,56 @@ float MultipleScattering(const Beam& b, float radius) {
   return sum / kBeamSamples;
 }
 
-// Habel et al., equation 14: one event on a beam along the normal.
-float SingleScattering(const Beam& b, float radius) {
-  const float sigma_t = b.sigma_a + b.sigma_s;
-  const float critical =
-      radius * SafeSqrt(b.eta * b.eta - 1);  // depth above which light is reflected totally
-  float sum = 0;
-  for (const float beam_depth : BeamDepths()) {
-    const float depth = critical + beam_depth / sigma_t;
-    const float distance = std::sqrt(radius * radius + depth * depth);
-    const float cosine = depth / distance;
-    sum += b.sigma_s / sigma_t * std::exp(-sigma_t * (distance + critical)) / (distance * distance) *
-           HenyeyGreenstein(cosine, b.g) * (1 - FrDielectric(-cosine, b.eta)) * cosine;
+// Of one event on a beam along the normal, at a radius: what does not depend on the albedo, for each depth of
+// the beam. Albedos differ in sigma_s and sigma_a alone, whose sum is 1 up to rounding.
+class SingleScatteringTerms {
+ public:
+  SingleScatteringTerms(const Beam& b, float sigma_t, float radius) : sigma_t_(sigma_t) {
+    const float critical =
+        radius * SafeSqrt(b.eta * b.eta - 1);  // depth above which light is reflected totally
+    const std::array<float, kBeamSamples>& depths = BeamDepths();
+    for (size_t i = 0; i < depths.size(); ++i) {
+      const float depth = critical + depths[i] / sigma_t;
+      const float distance = std::sqrt(radius * radius + depth * depth);
+      const float cosine = depth / distance;
+      terms_[i] = {std::exp(-sigma_t * (distance + critical)), distance * distance,
+                   HenyeyGreenstein(cosine, b.g), 1 - FrDielectric(-cosine, b.eta), cosine};
+    }
   }
-  return sum / kBeamSamples;
+
+  float sigma_t() const { return sigma_t_; }
+
+  // Habel et al., equation 14.
+  float Sum(float sigma_s) const {
+    float sum = 0;
+    for (const Term& term : terms_) {
+      sum += sigma_s / sigma_t_ * term.attenuation / term.distance_squared * term.phase * term.transmitted *
+             term.cosine;
+    }
+    return sum / kBeamSamples;
+  }
+
+ private:
+  struct Term {
+    float attenuation, distance_squared, phase, transmitted, cosine;
+  };
+  float sigma_t_;
+  std::array<Term, kBeamSamples> terms_;
+};
+
+// Of all albedos.
+void FillRadius(Beam beam, float radius, std::span<const float> albedos, size_t stride, float* profile) {
+  std::optional<SingleScatteringTerms> single;
+  for (size_t i = 0; i < albedos.size(); ++i) {
+    beam.sigma_s = albedos[i];
+    beam.sigma_a = 1 - albedos[i];
+    const float sigma_t = beam.sigma_a + beam.sigma_s;
+    if (!single || single->sigma_t() != sigma_t) single.emplace(beam, sigma_t, radius);
+    float& value = profile[i * stride];
+    value = 2 * kPi * radius * (single->Sum(beam.sigma_s) + MultipleScattering(beam, radius));
+    // Without absorption or at extreme indices the integrals may fail in floats.
+    if (!std::isfinite(value)) value = 0;
+  }
 }
 
 }  // namespace
@@ -89,20 +126,15 @@ DiffusionProfile::DiffusionProfile(float g, float eta)
   radii_[0] = 0;
   radii_[1] = 2.5e-3f;
   for (size_t i = 2; i < kRadii; ++i) radii_[i] = radii_[i - 1] * 1.2f;
-  Beam beam{0, 0, g, eta, FresnelMoment(eta, 1), FresnelMoment(eta, 2)};
+  const Beam beam{0, 0, g, eta, FresnelMoment(eta, 1), FresnelMoment(eta, 2)};
   for (size_t i = 0; i < kAlbedos; ++i) {
     // Denser towards 1, where the effective albedo rises steeply.
     albedos_[i] = -std::expm1(-8 * static_cast<float>(i) / (kAlbedos - 1)) / -std::expm1(-8.0f);
-    beam.sigma_s = albedos_[i];
-    beam.sigma_a = 1 - albedos_[i];
-    float* const row = profile_.data() + i * kRadii;
-    for (size_t j = 0; j < kRadii; ++j) {
-      row[j] =
-          2 * kPi * radii_[j] * (SingleScattering(beam, radii_[j]) + MultipleScattering(beam, radii_[j]));
-      // Without absorption or at extreme indices the integrals may fail in floats.
-      if (!std::isfinite(row[j])) row[j] = 0;
-    }
-    effective_[i] = IntegrateCatmullRom(radii_, {row, kRadii}, {before_.data() + i * kRadii, kRadii});
+  }
+  for (size_t j = 0; j < kRadii; ++j) FillRadius(beam, radii_[j], albedos_, kRadii, &profile_[j]);
+  for (size_t i = 0; i < kAlbedos; ++i) {
+    effective_[i] = IntegrateCatmullRom(radii_, {profile_.data() + i * kRadii, kRadii},
+                                        {before_.data() + i * kRadii, kRadii});
   }
 }
 

@@ -1,5 +1,5 @@
 // Diffusion profiles by their parameters, each computed once for a scene, and once for all scenes that share
-// a cache, since one takes some 25 ms.
+// a cache, since one takes some 10 ms.
 #pragma once
 
 #include <bit>
