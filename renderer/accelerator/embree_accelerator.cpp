@@ -4,12 +4,14 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "renderer/accelerator/embree_callbacks.h"
 #include "renderer/accelerator/embree_device.h"
 #include "renderer/accelerator/embree_moving_instances.h"
 #include "renderer/accelerator/embree_scene.h"
+#include "renderer/math/packed3.h"
 #include "renderer/shape/hit_refinement.h"
 
 namespace tessera {
@@ -38,8 +40,7 @@ class EmbreeAccelerator : public Accelerator {
   bool Intersect(const Ray& ray, Hit* hit) const override {
     EmbreeRayContext context = MakeContext(ray);
     RTCRayHit query;
-    query.ray = MakeRay(ray, kAllMask);
-    if (!IsTraceable(query.ray, origin_max_)) return false;
+    if (!SetRay(ray, kAllMask, &query.ray)) return false;
     for (int attempt = 0; attempt < kFalseHitsMax; ++attempt) {
       query.ray.tfar = ray.t_max;
       query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -56,8 +57,8 @@ class EmbreeAccelerator : public Accelerator {
 
   bool Occluded(const Ray& ray) const override {
     EmbreeRayContext context = MakeContext(ray);
-    RTCRay query = MakeRay(ray, kSolidMask);
-    if (!IsTraceable(query, origin_max_)) return false;
+    RTCRay query;
+    if (!SetRay(ray, kSolidMask, &query)) return false;
     rtcOccluded1(top_.handle(), &context.base, &query);
     return query.tfar < 0;
   }
@@ -138,21 +139,20 @@ class EmbreeAccelerator : public Accelerator {
     return context;
   }
 
-  static RTCRay MakeRay(const Ray& ray, unsigned mask) {
-    RTCRay r;
-    r.org_x = ray.o.x;
-    r.org_y = ray.o.y;
-    r.org_z = ray.o.z;
-    r.tnear = std::numeric_limits<float>::min();  // t = 0 is not a hit
-    r.dir_x = ray.d.x;
-    r.dir_y = ray.d.y;
-    r.dir_z = ray.d.z;
-    r.time = 0;
-    r.tfar = ray.t_max;
-    r.mask = mask;
-    r.id = 0;
-    r.flags = 0;
-    return r;
+  // Returns false if Embree must not be given the ray: IsTraceable of all its numbers.
+  bool SetRay(const Ray& ray, unsigned mask, RTCRay* r) const {
+    static_assert(offsetof(RTCRay, tnear) == 3 * sizeof(float) &&
+                  offsetof(RTCRay, dir_x) == 4 * sizeof(float));
+    const Packed3 o = Packed3::Load(ray.o), d = Packed3::Load(ray.d);
+    const __m128 t_near = _mm_set1_ps(std::numeric_limits<float>::min());  // t = 0 is not a hit
+    _mm_store_ps(&r->org_x, _mm_blend_ps(o.v, t_near, 8));
+    _mm_store_ps(&r->dir_x, d.v);  // and the time, which is 0
+    r->tfar = ray.t_max;
+    r->mask = mask;
+    r->id = 0;
+    r->flags = 0;
+    const Packed3 ones(_mm_set1_ps(1));
+    return Dot(Abs(o), ones) <= origin_max_ && Dot(Abs(d), ones) <= kTracedCoordinateMax && ray.t_max > 0;
   }
 
   Hit MakeHit(const RTCRayHit& query, const EmbreeRayContext& context) const {

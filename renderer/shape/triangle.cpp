@@ -7,18 +7,7 @@
 namespace tessera {
 
 bool CrossTriangle(const TrianglePoints& triangle, const DoubleRay& ray, TriangleCrossing* crossing) {
-  const Double3 e1 = Difference(triangle.p1, triangle.p0);
-  const Double3 e2 = Difference(triangle.p2, triangle.p0);
-  const Double3 p = Cross(ray.d, e2);
-  const double determinant = Dot(e1, p);
-  if (determinant == 0) return false;
-  const double inverse = 1 / determinant;
-  const Double3 s = ray.o - Double3(triangle.p0);
-  const Double3 q = Cross(s, e1);
-  crossing->t = Dot(e2, q) * inverse;
-  crossing->u = Dot(s, p) * inverse;
-  crossing->v = Dot(ray.d, q) * inverse;
-  return true;
+  return PackedTriangle(triangle).Cross(PackedDoubleRay(ray), crossing);
 }
 
 Normal3 TriangleWindingNormal(const TrianglePoints& triangle) {

@@ -135,9 +135,13 @@ bool TriangleMesh::Intersect(uint32_t primitive, const DoubleRay& ray, double t_
 }
 
 bool TriangleMesh::Refine(const HitRay& ray, Hit* hit) const {
+  const uint32_t* const corners = &indices[3 * size_t{hit->primitive}];
+  const PackedTriangle triangle(P[corners[0]], P[corners[1]], P[corners[2]]);
+  const PackedDoubleRay packed_ray =
+      ray.render_from_group == nullptr ? PackedDoubleRay(ray.ray) : PackedDoubleRay(ray.InShapeSpace());
   TriangleCrossing crossing;
   // Keeps hits on triangles that are seen edge on.
-  if (!CrossTriangle(At(hit->primitive), ray.InShapeSpace(), &crossing)) return true;
+  if (!triangle.Cross(packed_ray, &crossing)) return true;
   if (!(crossing.t > 0)) return false;
   const double u = std::clamp(crossing.u, 0.0, 1.0);
   hit->t = static_cast<float>(std::min(crossing.t, double{ray.ray.t_max}));
