@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
+#include <iterator>
 #include <new>
 #include <optional>
 #include <utility>
@@ -10,60 +10,27 @@
 #include "renderer/denoise/denoised_picture.h"
 #include "renderer/denoise/input_layers.h"
 #include "renderer/denoise/local_regression.h"
+#include "renderer/denoise/lost_light.h"
 #include "renderer/denoise/oidn_denoiser.h"
 #include "renderer/denoise/patch_weights.h"
+#include "renderer/denoise/pilot.h"
 #include "renderer/denoise/strip.h"
+#include "renderer/denoise/strip_sums.h"
 #include "renderer/denoise/temporal.h"
 #include "renderer/util/parallel.h"
 
 namespace tessera {
 namespace {
 
-// Rows of a strip. Its margins, which are loaded twice, are a seventh of it.
-constexpr int kStripHeight = 6 * kTile;
 static_assert(2 * kTile >= TileContributions::kSide, "every other tile writes to pixels of its own");
 
-// The sums that pixels of a strip and of kWindowRadius rows around it have received.
-class StripSums {
- public:
-  StripSums(int width, size_t groups) : width_(width), sums_(TileContributions::SumCount(groups)) {
-    for (Plane& plane : sums_) plane.Resize(0, width, -kWindowRadius, kRows);
-    Clear(-kWindowRadius, kRows);
-  }
-  // Moves on to the next strip. Its first rows have received from the last one.
-  void NextStrip() {
-    for (Plane& plane : sums_) {
-      for (int y = -kWindowRadius; y < kWindowRadius; ++y)
-        std::copy_n(plane.At(0, y + kStripHeight), width_, plane.At(0, y));
-    }
-    Clear(kWindowRadius, kRows - 2 * kWindowRadius);
-  }
-  // Adds what a tile contributes; `y0` counts from the strip's first row.
-  void Add(const TileContributions& tile, int x0, int y0) {
-    constexpr int kSide = TileContributions::kSide;
-    const int first = std::max(0, kWindowRadius - x0);
-    const int last = std::min(kSide, width_ - x0 + kWindowRadius);
-    for (size_t c = 0; c < sums_.size(); ++c) {
-      for (int y = 0; y < kSide; ++y) {
-        float* const to = sums_[c].At(x0 - kWindowRadius + first, y0 + y - kWindowRadius);
-        const float* const from = &tile.sums[c][static_cast<size_t>(y)][static_cast<size_t>(first)];
-        for (int x = 0; x < last - first; ++x) to[x] += from[x];
-      }
-    }
-  }
-  const Plane& operator[](size_t c) const { return sums_[c]; }
-
- private:
-  static constexpr int kRows = kStripHeight + 2 * kWindowRadius;
-
-  void Clear(int y0, int rows) {
-    for (Plane& plane : sums_)
-      std::fill_n(plane.At(0, y0), static_cast<size_t>(rows) * static_cast<size_t>(width_), 0.0f);
-  }
-
-  const int width_;
-  std::vector<Plane> sums_;
-};
+// The first pass: each half with the weights of the other, which are noisy. They are compared in larger
+// patches, and differ by less than their noise.
+constexpr WeightSettings kPilotWeights = {0.3f, 2};
+constexpr float kPilotRidge = 3e-4f;
+// The second pass: all samples with the weights of what the first one made of them.
+constexpr WeightSettings kWeights = {1.0f, 1};
+constexpr float kRidge = 2e-4f;
 
 class PictureDenoiser {
  public:
@@ -73,31 +40,93 @@ class PictureDenoiser {
         layers_(layers),
         threads_(threads),
         stop_(stop),
+        width_(picture.bounds.width()),
+        height_(picture.bounds.height()),
         loader_(picture, layers),
-        sums_(picture.bounds.width(), layers.groups.size()),
+        pilot_(width_, height_),
         signals_(kColors + layers.groups.size() * kColors) {}
 
   // DenoisedColors (denoised_picture.h).
   Result<std::vector<float>> Run() {
-    const int height = picture_.bounds.height();
+    if (auto ok = FirstPass(); !ok) return ok.error();
     colors_.resize(static_cast<size_t>(picture_.bounds.area()) * signals_);
-    for (int y = 0; y < height; y += kStripHeight) {
-      // Strips are of equal height, so that a picture that grows at the bottom keeps its values.
-      if (auto ok = loader_.Load(y, y + kStripHeight, threads_, stop_, strip_); !ok) return ok.error();
-      if (auto ok = DenoiseStrip(y); !ok) return ok.error();
-      // The last rows are complete only after the next strip.
-      Finish(y - kWindowRadius, y + kStripHeight >= height ? height : y + kStripHeight - kWindowRadius, y);
-      sums_.NextStrip();
-    }
+    if (auto ok = SecondPass(); !ok) return ok.error();
+    if (auto ok = ReturnLostLight(picture_, layers_, threads_, stop_, colors_); !ok) return ok.error();
+    for (size_t pixel = 0; pixel < colors_.size() / signals_; ++pixel)
+      SettleColors(&picture_.values[pixel * picture_.channels.size()], layers_, &colors_[pixel * signals_]);
     return std::move(colors_);
   }
 
  private:
+  Result<void> FirstPass() {
+    std::vector<StripSums> sums(2, StripSums(width_, kColors));
+    const auto load = [&](int) -> Result<void> { return {}; };
+    const auto filter = [&](const TilePlace& tile, int strip_y0) {
+      PatchWeights weights;
+      LocalRegression regression(kColors, kPilotRidge);
+      for (size_t half = 0; half < 2; ++half) {
+        TileContributions contributions(kColors);
+        weights.Compute({strip_.halves[1 - half], strip_.variance}, kPilotWeights, tile);
+        regression.Fit(strip_.features, Pointers(strip_.halves[half]), tile, weights, contributions);
+        sums[half].Add(contributions, tile.x0, tile.y0 - strip_y0);
+      }
+    };
+    const auto finish = [&](int y, int strip_y0) {
+      for (size_t value = 0; value < Pilot::kValues; ++value)
+        sums[value / kColors].FitRow(value % kColors, y - strip_y0, pilot_.Row(y) + value, Pilot::kValues);
+    };
+    return Pass(sums, load, filter, finish);
+  }
+
+  Result<void> SecondPass() {
+    std::vector<StripSums> sums(1, StripSums(width_, signals_));
+    const auto load = [&](int y) { return pilot_.Load(strip_, y, y + kStripHeight, threads_, stop_); };
+    const auto filter = [&](const TilePlace& tile, int strip_y0) {
+      std::vector<const Plane*> signals = Pointers(strip_.mean);
+      for (const auto& group : strip_.groups) std::ranges::copy(Pointers(group), std::back_inserter(signals));
+      PatchWeights weights;
+      LocalRegression regression(signals_, kRidge);
+      TileContributions contributions(signals_);
+      weights.Compute(pilot_.guide(), kWeights, tile);
+      regression.Fit(strip_.features, signals, tile, weights, contributions);
+      sums[0].Add(contributions, tile.x0, tile.y0 - strip_y0);
+    };
+    const auto finish = [&](int y, int strip_y0) {
+      float* const row = &colors_[static_cast<size_t>(y) * static_cast<size_t>(width_) * signals_];
+      for (size_t s = 0; s < signals_; ++s) {
+        sums[0].FitRow(s, y - strip_y0, row + s, signals_);
+        const float* const albedo = strip_.albedo[s % kColors].At(0, y);
+        for (int x = 0; x < width_; ++x)
+          row[static_cast<size_t>(x) * signals_ + s] *= AlbedoFactor(albedo[x]);
+      }
+    };
+    return Pass(sums, load, filter, finish);
+  }
+
+  // Calls load(y) for each strip, from row y on, filter(tile, y) for its tiles and finish(row, y) for the
+  // rows that are complete.
+  template <typename Load, typename Filter, typename Finish>
+  Result<void> Pass(std::vector<StripSums>& sums, const Load& load, const Filter& filter,
+                    const Finish& finish) {
+    for (int y = 0; y < height_; y += kStripHeight) {
+      // Strips are of equal height, so that a picture that grows at the bottom keeps its values.
+      if (auto ok = loader_.Load(y, y + kStripHeight, threads_, stop_, strip_); !ok) return ok;
+      if (auto ok = load(y); !ok) return ok;
+      if (auto ok = FilterTiles(y, filter); !ok) return ok;
+      // The last rows are complete only after the next strip.
+      const int last = y + kStripHeight >= height_ ? height_ : y + kStripHeight - kWindowRadius;
+      for (int row = std::max(y - kWindowRadius, 0); row < last; ++row) finish(row, y);
+      for (StripSums& sum : sums) sum.NextStrip();
+    }
+    return {};
+  }
+
   // Tiles whose neighbours are left out at first write to pixels of their own; so four rounds, of every other
   // tile along both axes, add up in a fixed order whatever thread takes a tile.
-  Result<void> DenoiseStrip(int y0) {
-    const int columns = (picture_.bounds.width() + kTile - 1) / kTile;
-    const int rows = (std::min(kStripHeight, picture_.bounds.height() - y0) + kTile - 1) / kTile;
+  template <typename Filter>
+  Result<void> FilterTiles(int y0, const Filter& filter) {
+    const int columns = (width_ + kTile - 1) / kTile;
+    const int rows = (std::min(kStripHeight, height_ - y0) + kTile - 1) / kTile;
     for (int round = 0; round < 4; ++round) {
       const int column0 = round % 2, row0 = round / 2;
       const int columns_here = (columns - column0 + 1) / 2, rows_here = (rows - row0 + 1) / 2;
@@ -105,53 +134,27 @@ class PictureDenoiser {
       auto done = ForEachItem(static_cast<size_t>(tiles), threads_, stop_, [&](size_t i) {
         const int column = column0 + 2 * (static_cast<int>(i) % columns_here);
         const int row = row0 + 2 * (static_cast<int>(i) / columns_here);
-        DenoiseTile(y0, column * kTile, row * kTile);
+        filter(TilePlace{column * kTile, y0 + row * kTile, width_, height_}, y0);
       });
       if (!done) return done;
     }
     return {};
   }
 
-  void DenoiseTile(int strip_y0, int x, int y) {
-    const TilePlace tile{x, strip_y0 + y, picture_.bounds.width(), picture_.bounds.height()};
-    PatchWeights weights;
-    LocalRegression regression(layers_.groups.size());
-    TileContributions contributions(layers_.groups.size());
-    for (size_t half = 0; half < 2; ++half) {
-      weights.Compute(strip_, 1 - half, tile);
-      regression.Fit(strip_, half, tile, weights, contributions);
-    }
-    sums_.Add(contributions, x, y);
+  static std::vector<const Plane*> Pointers(const std::array<Plane, kColors>& planes) {
+    std::vector<const Plane*> pointers;
+    for (const Plane& plane : planes) pointers.push_back(&plane);
+    return pointers;
   }
-
-  // Stores the colours of rows y0 to y1 from the sums of the strip that starts at strip_y0.
-  void Finish(int y0, int y1, int strip_y0) {
-    const auto width = static_cast<size_t>(picture_.bounds.width());
-    for (int y = std::max(y0, 0); y < y1; ++y) {
-      float* const row = &colors_[static_cast<size_t>(y) * width * signals_];
-      const float* const weight = sums_[TileContributions::kWeight].At(0, y - strip_y0);
-      for (size_t s = 0; s < signals_; ++s) {
-        const float* const sum = sums_[s < kColors ? s : s + 1].At(0, y - strip_y0);
-        const float* const albedo = strip_.albedo[s % kColors].At(0, y);
-        for (size_t x = 0; x < width; ++x)
-          row[x * signals_ + s] = sum[x] / std::max(weight[x], kWeightMin) * AlbedoFactor(albedo[x]);
-      }
-      for (size_t x = 0; x < width; ++x) {
-        const size_t pixel = static_cast<size_t>(y) * width + x;
-        SettleColors(&picture_.values[pixel * picture_.channels.size()], layers_, row + x * signals_);
-      }
-    }
-  }
-
-  static constexpr float kWeightMin = 1e-20f;
 
   const LoadedPicture& picture_;
   const InputLayers& layers_;
   const int threads_;
   const std::stop_token& stop_;
+  const int width_, height_;
   StripLoader loader_;
   Strip strip_;
-  StripSums sums_;
+  Pilot pilot_;
   const size_t signals_;  // values of a pixel: colours, then those of each group
   std::vector<float> colors_;
 };

@@ -7,23 +7,29 @@
 // Zwicker, "Adaptive Rendering with Non-Local Means Filtering", SIGGRAPH Asia 2012. The fits of all pixels
 // around contribute to a pixel.
 //
-//   - The layer "halves" splits the picture into two independent ones. Each is denoised with the weights of
-//     the other, so that weights and noise are not correlated; the result is their mean. The difference of
-//     the halves also estimates the variance that the weights need.
+//   - The layer "halves" splits the picture into two independent ones. In a first pass, each is denoised with
+//     the weights of the other, so that weights and noise are not correlated. The difference of the halves
+//     estimates the variance that the weights need.
+//   - In a second pass, the picture is denoised with the weights of what the first one made of it, as the
+//     second step of BM3D uses the estimate of its first one: Dabov, Foi, Katkovnik and Egiazarian, "Image
+//     Denoising by Sparse 3-D Transform-Domain Collaborative Filtering", IEEE Transactions on Image
+//     Processing 16(8), 2007. This keeps edges that are hidden in the noise of the halves: samples are well
+//     distributed over a pixel, so their mean has far less noise than either half.
 //   - Colours are divided by the albedo before and multiplied by it after, which keeps textures.
 //   - The light of each group of lights is fitted with the weights of the colours. What the fits of the
-//   groups of
-//     a pixel lack to its colour, or exceed it, is shared among them in proportion, so that their sum is the
-//     denoised picture and tessera relight can mix them.
+//     groups of a pixel lack to its colour, or exceed it, is shared among them in proportion, so that their
+//     sum is the denoised picture and tessera relight can mix them.
 //   - Single pixels that are far brighter than all around (fireflies) are darkened before, since no filter
-//     of this size can spread their light far enough.
+//     of this size can spread their light far enough. Their light is returned to the pixels in a wider radius
+//     afterwards (lost_light.h), so that the picture keeps its mean.
 //
 // With Denoiser::kOidn, Open Image Denoise does this instead, if it is installed (oidn_library.h). Its neural
 // network needs the layers albedo and normal, and all of the picture in memory once more. Values then depend
 // on its version and on the processor.
 //
-// The picture is processed in strips of rows, so the memory beside the picture and its result grows with its
-// width, not its height: some 19 KB per pixel of width. Values are the same for any number of threads.
+// The picture is processed in strips of rows. Beside the picture and its result, memory holds some 38 KB for
+// each pixel of width, and what the first pass made: 24 bytes for each pixel. Values are the same for any
+// number of threads.
 #pragma once
 
 #include <stop_token>

@@ -11,7 +11,7 @@ constexpr size_t kAround = 2 * (kSide * kSide - 1);  // values, of both halves
 
 // Plausible is what is not above the third quartile by more than this many times its distance to the median,
 // nor above the third largest value, nor above kOtherHalf times the same pixel of the other half.
-constexpr float kSpread = 6;
+constexpr float kSpread = 3;
 constexpr float kOtherHalf = 1.5f;
 constexpr size_t kMedian = kAround / 2, kQuartile = kAround * 3 / 4, kThirdLargest = kAround - 3;
 constexpr float kDark = 1e-4f;  // added, so that black surroundings do not make everything implausible

@@ -9,9 +9,6 @@ namespace {
 constexpr size_t kTerms = kFeatures + 1;  // of the linear function: a constant and the features
 constexpr size_t kProducts = kTerms * (kTerms + 1) / 2;
 
-// Added to the diagonal of the features, relative to the sum of weights: a feature whose standard deviation
-// is below 0.02 (of an albedo or normal, or 2 % of a depth) hardly matters.
-constexpr float kRidge = 3e-4f;
 // Keeps the equations of pixels without weights solvable.
 constexpr float kTiny = 1e-6f;
 
@@ -19,11 +16,12 @@ constexpr float kTiny = 1e-6f;
 using Lanes = std::array<float, kTile>;
 
 // The differences of the features of the pixels at (dx, dy) from those of row y, and before them 1.
-void FindTerms(const Strip& strip, int x, int y, int dx, int dy, std::array<Lanes, kTerms>& terms) {
+void FindTerms(const std::array<Plane, kFeatures>& features, int x, int y, int dx, int dy,
+               std::array<Lanes, kTerms>& terms) {
   terms[0].fill(1);
   for (size_t i = 0; i < kFeatures; ++i) {
-    const float* const p = strip.features[i].At(x, y);
-    const float* const q = strip.features[i].At(x + dx, y + dy);
+    const float* const p = features[i].At(x, y);
+    const float* const q = features[i].At(x + dx, y + dy);
     for (size_t l = 0; l < kTile; ++l) terms[i + 1][l] = q[l] - p[l];
   }
 }
@@ -39,10 +37,11 @@ bool AnyWeight(const float* weights) {
 // The normal equations of the pixels of a row. Products are those of a symmetric matrix: row i, column j <= i
 // at i (i + 1) / 2 + j; they become its Cholesky factor.
 struct LocalRegression::Row {
-  explicit Row(size_t signals) : solutions(signals) {}
+  Row(size_t signals, float ridge_of_features) : ridge(ridge_of_features), solutions(signals) {}
 
+  const float ridge;
   std::array<Lanes, kProducts> products;
-  // Of the colours, then of each group: right sides, then solutions.
+  // Of each signal: right sides, then solutions.
   std::vector<std::array<Lanes, kTerms>> solutions;
 
   static size_t At(size_t i, size_t j) { return i * (i + 1) / 2 + j; }
@@ -78,7 +77,7 @@ struct LocalRegression::Row {
     const Lanes total = products[0];
     for (size_t l = 0; l < kTile; ++l) products[0][l] += kTiny;
     for (size_t i = 1; i < kTerms; ++i) {
-      for (size_t l = 0; l < kTile; ++l) products[At(i, i)][l] += kRidge * total[l] + kTiny;
+      for (size_t l = 0; l < kTile; ++l) products[At(i, i)][l] += ridge * total[l] + kTiny;
     }
     for (size_t i = 0; i < kTerms; ++i) {
       for (size_t j = 0; j <= i; ++j) {
@@ -111,20 +110,21 @@ struct LocalRegression::Row {
   }
 };
 
-LocalRegression::LocalRegression(size_t groups) : row_(std::make_unique<Row>(kColors + groups * kColors)) {}
+LocalRegression::LocalRegression(size_t signals, float ridge) : row_(std::make_unique<Row>(signals, ridge)) {}
 LocalRegression::~LocalRegression() = default;
 
-void LocalRegression::Fit(const Strip& strip, size_t half, const TilePlace& tile, const PatchWeights& weights,
-                          TileContributions& contributions) {
+void LocalRegression::Fit(const std::array<Plane, kFeatures>& features,
+                          const std::vector<const Plane*>& signals, const TilePlace& tile,
+                          const PatchWeights& weights, TileContributions& contributions) {
   std::array<Lanes, kTerms> terms;
-  std::vector<const float*> signals(row_->solutions.size());
+  std::vector<const float*> values(signals.size());
   // Calls `body` for each offset at which a pixel of row y has a weight.
   const auto for_window = [&](int y, const auto& body) {
     for (int dy = -kWindowRadius; dy <= kWindowRadius; ++dy) {
       for (int dx = -kWindowRadius; dx <= kWindowRadius; ++dx) {
         const float* const w = weights.Row(dx, dy, y);
         if (!AnyWeight(w)) continue;
-        FindTerms(strip, tile.x0, tile.y0 + y, dx, dy, terms);
+        FindTerms(features, tile.x0, tile.y0 + y, dx, dy, terms);
         body(dx, dy, w);
       }
     }
@@ -132,11 +132,8 @@ void LocalRegression::Fit(const Strip& strip, size_t half, const TilePlace& tile
   for (int y = 0; y < std::min(kTile, tile.height - tile.y0); ++y) {
     row_->Clear();
     for_window(y, [&](int dx, int dy, const float* w) {
-      for (size_t s = 0; s < signals.size(); ++s) {
-        const Plane& plane = s < kColors ? strip.halves[half][s] : strip.groups[s / kColors - 1][s % kColors];
-        signals[s] = plane.At(tile.x0 + dx, tile.y0 + y + dy);
-      }
-      row_->Add(terms, w, signals);
+      for (size_t s = 0; s < signals.size(); ++s) values[s] = signals[s]->At(tile.x0 + dx, tile.y0 + y + dy);
+      row_->Add(terms, w, values);
     });
     row_->Solve();
     for_window(y, [&](int dx, int dy, const float* w) {
@@ -149,11 +146,10 @@ void LocalRegression::Fit(const Strip& strip, size_t half, const TilePlace& tile
         for (size_t i = 1; i < kTerms; ++i) {
           for (size_t l = 0; l < kTile; ++l) fit[l] += solution[i][l] * terms[i][l];
         }
-        const size_t place = s < kColors ? s : s + 1;  // the weights are between
-        float* const sum = &contributions.sums[place][row][column];
+        float* const sum = &contributions.sums[1 + s][row][column];
         for (size_t l = 0; l < kTile; ++l) sum[l] += w[l] * fit[l];
       }
-      float* const sum = &contributions.sums[TileContributions::kWeight][row][column];
+      float* const sum = &contributions.sums[0][row][column];
       for (size_t l = 0; l < kTile; ++l) sum[l] += w[l];
     });
   }

@@ -15,27 +15,27 @@ struct TileContributions {
   static constexpr int kSide = kTile + 2 * kWindowRadius;
   using Sums = std::array<std::array<float, kSide>, kSide>;
 
-  explicit TileContributions(size_t groups) : sums(SumCount(groups)) {}
-  // Sums of weights times colours, then of weights, then of weights times the light of each group, of pixels
-  // from kWindowRadius before the tile on.
+  explicit TileContributions(size_t signals) : sums(1 + signals) {}
+  // Of pixels from kWindowRadius before the tile on: the sum of weights, then those of weights times each
+  // signal.
   std::vector<Sums> sums;
-
-  static size_t SumCount(size_t groups) { return kColors + 1 + groups * kColors; }
-  static constexpr size_t kWeight = kColors;
 };
 
 // Minimises over b the sum over the pixels q of the window of
-//     w(p, q) (color(q) - b0 - sum_i b_i (feature_i(q) - feature_i(p)))^2
-// for each pixel p of a tile. Used by one thread.
+//     w(p, q) (signal(q) - b0 - sum_i b_i (feature_i(q) - feature_i(p)))^2
+// for each pixel p of a tile and each signal: a colour, or a colour of the light of a group. Used by one
+// thread.
 class LocalRegression {
  public:
-  explicit LocalRegression(size_t groups);
+  // `ridge` is added to the diagonal of the features, relative to the sum of weights: a feature whose
+  // standard deviation is below its square root (of an albedo or normal, or a part of a depth) hardly
+  // matters.
+  LocalRegression(size_t signals, float ridge);
   ~LocalRegression();
 
-  // Fits the colours of one half, and the light of all groups, and adds w(p, q) times the fit of p at q to
-  // the contributions of q.
-  void Fit(const Strip& strip, size_t half, const TilePlace& tile, const PatchWeights& weights,
-           TileContributions& contributions);
+  // Fits the signals and adds w(p, q) times the fit of p at q to the contributions of q.
+  void Fit(const std::array<Plane, kFeatures>& features, const std::vector<const Plane*>& signals,
+           const TilePlace& tile, const PatchWeights& weights, TileContributions& contributions);
 
  private:
   struct Row;  // of the tile: its equations and their solutions

@@ -1,6 +1,7 @@
 // The weights with which the pixels around each pixel of a tile count for it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -16,13 +17,25 @@ struct TilePlace {
   int width = 0, height = 0;  // of the whole picture
 };
 
+// What patches are compared in: colours and their variance.
+struct Guide {
+  const std::array<Plane, kColors>& colors;
+  const std::array<Plane, kColors>& variance;
+};
+
+struct WeightSettings {
+  // How different two pixels may be in units of their standard deviation: k of the paper.
+  float tolerance = 1;
+  int patch_radius = kPatchRadius;  // at most kPatchRadius
+};
+
 // Weights by non-local means (denoise.h names the source): those of two pixels depend on the difference of
-// the patches around them in one half of the picture, relative to its variance.
+// the patches around them in a guide, relative to its variance.
 class PatchWeights {
  public:
   PatchWeights() : weights_(static_cast<size_t>(kWindow * kWindow * kTile * kTile)) {}
 
-  void Compute(const Strip& strip, size_t half, const TilePlace& tile);
+  void Compute(const Guide& guide, const WeightSettings& settings, const TilePlace& tile);
   // The weights of pixels at (dx, dy) from those of row y of the tile, kTile of them. 0 if one of the two is
   // not in the picture.
   const float* Row(int dx, int dy, int y) const {

@@ -10,7 +10,6 @@ namespace tessera {
 namespace {
 
 // Rows and columns that Load needs beyond those of a strip.
-constexpr int kSmoothRadius = 3;  // of the variance
 constexpr int kOuterMargin = kStripMargin + kSmoothRadius + kFireflyRadius;
 
 // Squares of colours, and sums of them, stay finite.
@@ -18,28 +17,14 @@ constexpr float kColorMax = 1e15f;
 // Albedos beyond this are errors of the scene; they would make features useless.
 constexpr float kAlbedoMax = 4.0f;
 
-// Weights of a Gaussian of 1.5 pixels at the distances 0 to 3, which sum to 1 over both sides.
-constexpr float kSmoothWeights[kSmoothRadius + 1] = {0.27068f, 0.21674f, 0.11128f, 0.03664f};
-
-// The pixel that is seen at `i` if the picture of `size` pixels is between mirrors.
-int Mirrored(int i, int size) {
-  if (size == 1) return 0;
-  const int period = 2 * (size - 1);
-  const int place = ((i % period) + period) % period;
-  return place < size ? place : period - place;
-}
-
 float Finite(float value, float limit) {
   return std::isnan(value) ? 0 : std::clamp(value, -limit, limit);
 }
 
-// Copies the mirror image of a row beside it.
-void MirrorRow(Plane& plane, int y, int width, int margin) {
-  float* const row = plane.At(0, y);
-  for (int i = 1; i <= margin; ++i) {
-    row[-i] = row[Mirrored(-i, width)];
-    row[width - 1 + i] = row[Mirrored(width - 1 + i, width)];
-  }
+// Filters make colours somewhat negative, errors of the scene far below that.
+float UsableColor(float value) {
+  constexpr float kDarkest = -1e4f;
+  return value < kDarkest ? 0 : Finite(value, kColorMax);
 }
 
 }  // namespace
@@ -63,6 +48,7 @@ void StripLoader::Resize(int y0, int y1, Strip& strip) {
   };
   for (auto& half : strip.halves) std::ranges::for_each(half, resize);
   std::ranges::for_each(strip.variance, resize);
+  std::ranges::for_each(strip.mean, resize);
   std::ranges::for_each(strip.features, resize);
   std::ranges::for_each(strip.albedo, resize);
   strip.groups.resize(layers_.groups.size());
@@ -77,8 +63,8 @@ void StripLoader::LoadRow(int y, Strip& strip) const {
   for (int x = 0; x < width_; ++x, pixel += channels) {
     for (size_t c = 0; c < kColors; ++c) {
       const float color = pixel[layers_.color[c]], difference = pixel[layers_.halves[c]];
-      *strip.halves[0][c].At(x, y) = Finite((color + difference) * layers_.half_scales[0], kColorMax);
-      *strip.halves[1][c].At(x, y) = Finite((color - difference) * layers_.half_scales[1], kColorMax);
+      *strip.halves[0][c].At(x, y) = UsableColor((color + difference) * layers_.half_scales[0]);
+      *strip.halves[1][c].At(x, y) = UsableColor((color - difference) * layers_.half_scales[1]);
       *strip.albedo[c].At(x, y) = UsableAlbedo(pixel[layers_.albedo[c]]);
       *strip.features[kAlbedoFeature + c].At(x, y) = UsableAlbedo(pixel[layers_.guiding_albedo[c]]);
       *strip.features[kNormalFeature + c].At(x, y) = Finite(pixel[layers_.guiding_normal[c]], 1);
@@ -137,21 +123,18 @@ void StripLoader::DivideRow(int y, Strip& strip) const {
 // says little, so those around are averaged.
 void StripLoader::SmoothRow(int y, Strip& strip) const {
   for (size_t c = 0; c < kColors; ++c) {
-    float* const variance = strip.variance[c].At(0, y);
-    std::vector<float> column(static_cast<size_t>(width_ + 2 * kSmoothRadius), 0.0f);
-    for (int dy = -kSmoothRadius; dy <= kSmoothRadius; ++dy) {
-      const float* const a = strip.halves[0][c].At(-kSmoothRadius, y + dy);
-      const float* const b = strip.halves[1][c].At(-kSmoothRadius, y + dy);
-      const float weight = 0.5f * kSmoothWeights[std::abs(dy)];
-      for (size_t i = 0; i < column.size(); ++i) column[i] += weight * ((a[i] - b[i]) * (a[i] - b[i]));
-    }
-    std::fill_n(variance, width_, 0.0f);
-    for (int dx = 0; dx <= 2 * kSmoothRadius; ++dx) {
-      const float weight = kSmoothWeights[std::abs(dx - kSmoothRadius)];
-      const float* const shifted = column.data() + dx;
-      for (int x = 0; x < width_; ++x) variance[x] += weight * shifted[x];
-    }
+    SmoothSquaredDifferences(strip.halves[0][c], strip.halves[1][c], y, width_, 0.5f, strip.variance[c]);
     MirrorRow(strip.variance[c], y, width_, kStripMargin);
+  }
+}
+
+void StripLoader::AverageRow(int y, Strip& strip) const {
+  const std::array<float, 2> shares = {0.5f / layers_.half_scales[0], 0.5f / layers_.half_scales[1]};
+  for (size_t c = 0; c < kColors; ++c) {
+    const float *const a = strip.halves[0][c].At(0, y), *const b = strip.halves[1][c].At(0, y);
+    float* const mean = strip.mean[c].At(0, y);
+    for (int x = 0; x < width_; ++x) mean[x] = shares[0] * a[x] + shares[1] * b[x];
+    MirrorRow(strip.mean[c], y, width_, kStripMargin);
   }
 }
 
@@ -167,7 +150,10 @@ Result<void> StripLoader::Load(int y0, int y1, int threads, const std::stop_toke
   if (auto ok = for_rows(kOuterMargin, [&](int y) { LoadRow(y, strip); }); !ok) return ok;
   if (auto ok = for_rows(kInner, [&](int y) { DarkenRow(y, strip); }); !ok) return ok;
   if (auto ok = for_rows(kInner, [&](int y) { DivideRow(y, strip); }); !ok) return ok;
-  return for_rows(kStripMargin, [&](int y) { SmoothRow(y, strip); });
+  return for_rows(kStripMargin, [&](int y) {
+    SmoothRow(y, strip);
+    AverageRow(y, strip);
+  });
 }
 
 }  // namespace tessera

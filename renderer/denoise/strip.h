@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "renderer/denoise/input_layers.h"
+#include "renderer/denoise/plane.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -24,35 +25,13 @@ constexpr int kTile = 32;
 constexpr size_t kFeatures = 7;
 constexpr size_t kAlbedoFeature = 0, kNormalFeature = 3, kDepthFeature = 6;
 
-// Values of pixels of some rows and columns, row by row.
-class Plane {
- public:
-  void Resize(int x0, int width, int y0, int height) {
-    x0_ = x0;
-    y0_ = y0;
-    width_ = static_cast<size_t>(width);
-    values_.resize(width_ * static_cast<size_t>(height));
-  }
-  // The address of pixel (x, y) in the coordinates of the picture; the others of its row follow.
-  float* At(int x, int y) { return &values_[Index(x, y)]; }
-  const float* At(int x, int y) const { return &values_[Index(x, y)]; }
-
- private:
-  size_t Index(int x, int y) const {
-    return static_cast<size_t>(y - y0_) * width_ + static_cast<size_t>(x - x0_);
-  }
-
-  int x0_ = 0, y0_ = 0;
-  size_t width_ = 0;
-  std::vector<float> values_;
-};
-
 // The colours are divided by AlbedoFactor of their pixel, of the first surface: what mirrors and glass show
 // has noise, which would remain in colours that are multiplied by it. Beyond the picture, up to kStripMargin
 // pixels, the values are those of its mirror image.
 struct Strip {
   std::array<std::array<Plane, kColors>, 2> halves;  // means of the samples of each half
   std::array<Plane, kColors> variance;               // of the means of one half
+  std::array<Plane, kColors> mean;                   // of all samples
   std::array<Plane, kFeatures> features;
   std::array<Plane, kColors> albedo;
   std::vector<std::array<Plane, kColors>> groups;  // the light of each group, of all samples
@@ -84,6 +63,7 @@ class StripLoader {
   void DivideRow(int y, Strip& strip) const;
   void DivideGroups(int y, size_t c, Strip& strip) const;
   void SmoothRow(int y, Strip& strip) const;
+  void AverageRow(int y, Strip& strip) const;
 
   const LoadedPicture& picture_;
   const InputLayers layers_;
