@@ -80,7 +80,12 @@ TEST_F(WebOrdersOfAFarm, SurviveCrashesOfTheCoordinatorAndHaveTheBitsOfOneProces
   EXPECT_EQ(StatusOf(job)["state"], "preparing");
   Crash();
   EXPECT_EQ(StatusOf(job)["state"], "preparing");
-  Process& worker = StartWorker("only");
+  // A member may fetch the files of open jobs alone.
+  const Outcome token =
+      RunProgram(folder(), "tessera-coordinator", {"token", "--role", "worker", "--coordinator", address()});
+  ASSERT_EQ(token.code, 0) << token.errors;
+  Process& worker = StartUnaddressedWorker("only", {"--threads", "1", "--state-dir", Path("state"), "--join",
+                                                    token.output.substr(0, token.output.find('\n'))});
   ASSERT_TRUE(worker.AwaitErrors("scene_prepared"));
   // The report may have been answered, be on its way or not be sent yet.
   Crash();
