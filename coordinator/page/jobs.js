@@ -97,7 +97,7 @@ function makeRow() {
     }
     pictureDue = now + (isThere && shown === job.id ? kPictureInterval_ms : kMissingPictureInterval_ms);
     pictureOf = version;
-    if (maySeePicture(job) && job.samples_done > 0) picture.src = `/api/v1/jobs/${job.id}/thumbnail.png#${now}`;
+    if (maySeePicture(job) && job.samples_done > 0) picture.src = `/api/v1/jobs/${job.id}/thumbnail.png?at=${now}`;
   };
   const show = (job) => {
     showPicture(job);

@@ -94,7 +94,7 @@ export class Strip {
       if ((!isFinished && index !== this.frame) || now < due || (isThere && version === "finished")) return;
       due = now + (isThere ? kRefresh_ms : kRetry_ms);
       version = isFinished ? "finished" : "";
-      picture.src = `/api/v1/jobs/${this.job}/thumbnail.png?frame=${index}#${now}`;
+      picture.src = `/api/v1/jobs/${this.job}/thumbnail.png?frame=${index}&at=${now}`;
     };
     this.filler.append(element);
     return {element, show};

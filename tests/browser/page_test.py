@@ -43,6 +43,15 @@ def check_list(browser, farm, job):
     assert "owned" not in browser.title
     await_that("its small picture", lambda: browser.execute_script(
         "const i = document.querySelector('.c-picture img'); return i.complete && i.naturalWidth > 0"))
+    small = lambda: browser.execute_script("""
+        const image = document.querySelector('.c-picture img'), canvas = document.createElement('canvas');
+        if (!image.complete || image.naturalWidth === 0) return null;
+        const context = canvas.getContext('2d');
+        context.drawImage(image, 0, 0, 80, 45);
+        return [...context.getImageData(0, 0, 80, 45).data].join();
+        """)
+    before = await_that("its pixels", small)
+    await_that("a newer small picture", lambda: small() not in (None, before))
     search = find(browser, "input[type=search]")
     search.send_keys("no such job")
     await_that("an empty list", lambda: text_of(browser, ".tools .soft") == "0 jobs")

@@ -63,7 +63,7 @@ inline constexpr WebRoute kWebRoutes[] = {
     {"GET", "/api/v1/jobs/{job}/picture", "Jobs.FetchPicture", WebAction::kPicture, "frame layer"},
     {"GET", "/api/v1/jobs/{job}/picture.exr", "Jobs.FetchPicture", WebAction::kExr, "frame"},
     {"GET", "/api/v1/jobs/{job}/picture.png", "Jobs.FetchPicture", WebAction::kPng, "frame"},
-    {"GET", "/api/v1/jobs/{job}/thumbnail.png", "Jobs.FetchPicture", WebAction::kThumbnail, "frame size"},
+    {"GET", "/api/v1/jobs/{job}/thumbnail.png", "Jobs.FetchPicture", WebAction::kThumbnail, "frame size at"},
     {"POST", "/api/v1/jobs/{job}/pause", "Jobs.Pause", WebAction::kChangeJob},
     {"POST", "/api/v1/jobs/{job}/resume", "Jobs.Resume", WebAction::kChangeJob},
     {"POST", "/api/v1/jobs/{job}/cancel", "Jobs.Cancel", WebAction::kChangeJob},
