@@ -67,7 +67,7 @@ class PictureDenoiser {
       for (size_t half = 0; half < 2; ++half) {
         TileContributions contributions(kColors);
         weights.Compute({strip_.halves[1 - half], strip_.variance}, kPilotWeights, tile);
-        regression.Fit(strip_.features, Pointers(strip_.halves[half]), tile, weights, contributions);
+        regression.Fit(strip_, Pointers(strip_.halves[half]), tile, weights, contributions);
         sums[half].Add(contributions, tile.x0, tile.y0 - strip_y0);
       }
     };
@@ -88,7 +88,7 @@ class PictureDenoiser {
       LocalRegression regression(signals_, kRidge);
       TileContributions contributions(signals_);
       weights.Compute(pilot_.guide(), kWeights, tile);
-      regression.Fit(strip_.features, signals, tile, weights, contributions);
+      regression.Fit(strip_, signals, tile, weights, contributions);
       sums[0].Add(contributions, tile.x0, tile.y0 - strip_y0);
     };
     const auto finish = [&](int y, int strip_y0) {

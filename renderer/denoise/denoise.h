@@ -16,6 +16,8 @@
 //     Processing 16(8), 2007. This keeps edges that are hidden in the noise of the halves: samples are well
 //     distributed over a pixel, so their mean has far less noise than either half.
 //   - Colours are divided by the albedo before and multiplied by it after, which keeps textures.
+//   - Albedo and normal of what glass shows have noise of their own, as paths are chosen at random between
+//     reflection and transmission. They matter less where they do (local_regression.h).
 //   - The light of each group of lights is fitted with the weights of the colours. What the fits of the
 //     groups of a pixel lack to its colour, or exceed it, is shared among them in proportion, so that their
 //     sum is the denoised picture and tessera relight can mix them.
@@ -27,7 +29,7 @@
 // network needs the layers albedo and normal, and all of the picture in memory once more. Values then depend
 // on its version and on the processor.
 //
-// The picture is processed in strips of rows. Beside the picture and its result, memory holds some 38 KB for
+// The picture is processed in strips of rows. Beside the picture and its result, memory holds some 43 KB for
 // each pixel of width, and what the first pass made: 24 bytes for each pixel. Values are the same for any
 // number of threads.
 #pragma once

@@ -12,6 +12,10 @@ constexpr size_t kProducts = kTerms * (kTerms + 1) / 2;
 // Keeps the equations of pixels without weights solvable.
 constexpr float kTiny = 1e-6f;
 
+// Added to the diagonal as well, times the variance of the noise of the feature.
+constexpr float kNoiseRidge = 16;
+constexpr int kNoiseRadius = 2;  // pixels around that it is estimated from
+
 // A value for each pixel of a row of a tile.
 using Lanes = std::array<float, kTile>;
 
@@ -23,6 +27,31 @@ void FindTerms(const std::array<Plane, kFeatures>& features, int x, int y, int d
     const float* const p = features[i].At(x, y);
     const float* const q = features[i].At(x + dx, y + dy);
     for (size_t l = 0; l < kTile; ++l) terms[i + 1][l] = q[l] - p[l];
+  }
+}
+
+// The variance of the noise of what guides through glass, from the second differences of neighbours. The
+// smaller one of both directions is taken, since edges are no noise.
+void FindNoise(const std::array<Plane, kSeenFeatures>& beyond, int x, int y,
+               std::array<Lanes, kSeenFeatures>& noise) {
+  constexpr int kSide = 2 * kNoiseRadius + 1;
+  // A second difference has 3 / 2 of the variance of a value.
+  constexpr float kScale = 1 / (1.5f * kSide * kSide);
+  for (size_t i = 0; i < kSeenFeatures; ++i) {
+    Lanes sum{};
+    for (int dy = -kNoiseRadius; dy <= kNoiseRadius; ++dy) {
+      const float *const above = beyond[i].At(x, y + dy - 1), *const below = beyond[i].At(x, y + dy + 1);
+      const float* const row = beyond[i].At(x - 1, y + dy);
+      for (int dx = -kNoiseRadius; dx <= kNoiseRadius; ++dx) {
+        const float *const up = above + dx, *const down = below + dx, *const left = row + dx;
+        for (size_t l = 0; l < kTile; ++l) {
+          const float along = left[l + 1] - 0.5f * (left[l] + left[l + 2]);
+          const float across = left[l + 1] - 0.5f * (up[l] + down[l]);
+          sum[l] += std::min(along * along, across * across);
+        }
+      }
+    }
+    for (size_t l = 0; l < kTile; ++l) noise[i][l] = sum[l] * kScale;
   }
 }
 
@@ -40,6 +69,7 @@ struct LocalRegression::Row {
   Row(size_t signals, float ridge_of_features) : ridge(ridge_of_features), solutions(signals) {}
 
   const float ridge;
+  std::array<Lanes, kSeenFeatures> noise;  // of FindNoise
   std::array<Lanes, kProducts> products;
   // Of each signal: right sides, then solutions.
   std::vector<std::array<Lanes, kTerms>> solutions;
@@ -79,6 +109,10 @@ struct LocalRegression::Row {
     for (size_t i = 1; i < kTerms; ++i) {
       for (size_t l = 0; l < kTile; ++l) products[At(i, i)][l] += ridge * total[l] + kTiny;
     }
+    for (size_t i = 0; i < kSeenFeatures; ++i) {
+      for (size_t l = 0; l < kTile; ++l)
+        products[At(i + 1, i + 1)][l] += kNoiseRidge * noise[i][l] * total[l];
+    }
     for (size_t i = 0; i < kTerms; ++i) {
       for (size_t j = 0; j <= i; ++j) {
         Lanes& entry = products[At(i, j)];
@@ -113,8 +147,7 @@ struct LocalRegression::Row {
 LocalRegression::LocalRegression(size_t signals, float ridge) : row_(std::make_unique<Row>(signals, ridge)) {}
 LocalRegression::~LocalRegression() = default;
 
-void LocalRegression::Fit(const std::array<Plane, kFeatures>& features,
-                          const std::vector<const Plane*>& signals, const TilePlace& tile,
+void LocalRegression::Fit(const Strip& strip, const std::vector<const Plane*>& signals, const TilePlace& tile,
                           const PatchWeights& weights, TileContributions& contributions) {
   std::array<Lanes, kTerms> terms;
   std::vector<const float*> values(signals.size());
@@ -124,7 +157,7 @@ void LocalRegression::Fit(const std::array<Plane, kFeatures>& features,
       for (int dx = -kWindowRadius; dx <= kWindowRadius; ++dx) {
         const float* const w = weights.Row(dx, dy, y);
         if (!AnyWeight(w)) continue;
-        FindTerms(features, tile.x0, tile.y0 + y, dx, dy, terms);
+        FindTerms(strip.features, tile.x0, tile.y0 + y, dx, dy, terms);
         body(dx, dy, w);
       }
     }
@@ -135,6 +168,7 @@ void LocalRegression::Fit(const std::array<Plane, kFeatures>& features,
       for (size_t s = 0; s < signals.size(); ++s) values[s] = signals[s]->At(tile.x0 + dx, tile.y0 + y + dy);
       row_->Add(terms, w, values);
     });
+    FindNoise(strip.beyond, tile.x0, tile.y0 + y, row_->noise);
     row_->Solve();
     for_window(y, [&](int dx, int dy, const float* w) {
       const int row_of_window = y + dy + kWindowRadius, column_of_window = dx + kWindowRadius;

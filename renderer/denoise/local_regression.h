@@ -29,13 +29,14 @@ class LocalRegression {
  public:
   // `ridge` is added to the diagonal of the features, relative to the sum of weights: a feature whose
   // standard deviation is below its square root (of an albedo or normal, or a part of a depth) hardly
-  // matters.
+  // matters. The same holds for features whose standard deviation is little more than their noise where
+  // paths through glass are chosen at random; fits would reproduce it in the colours.
   LocalRegression(size_t signals, float ridge);
   ~LocalRegression();
 
   // Fits the signals and adds w(p, q) times the fit of p at q to the contributions of q.
-  void Fit(const std::array<Plane, kFeatures>& features, const std::vector<const Plane*>& signals,
-           const TilePlace& tile, const PatchWeights& weights, TileContributions& contributions);
+  void Fit(const Strip& strip, const std::vector<const Plane*>& signals, const TilePlace& tile,
+           const PatchWeights& weights, TileContributions& contributions);
 
  private:
   struct Row;  // of the tile: its equations and their solutions

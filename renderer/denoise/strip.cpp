@@ -50,6 +50,7 @@ void StripLoader::Resize(int y0, int y1, Strip& strip) {
   std::ranges::for_each(strip.variance, resize);
   std::ranges::for_each(strip.mean, resize);
   std::ranges::for_each(strip.features, resize);
+  std::ranges::for_each(strip.beyond, resize);
   std::ranges::for_each(strip.albedo, resize);
   strip.groups.resize(layers_.groups.size());
   for (auto& group : strip.groups) std::ranges::for_each(group, resize);
@@ -68,6 +69,10 @@ void StripLoader::LoadRow(int y, Strip& strip) const {
       *strip.albedo[c].At(x, y) = UsableAlbedo(pixel[layers_.albedo[c]]);
       *strip.features[kAlbedoFeature + c].At(x, y) = UsableAlbedo(pixel[layers_.guiding_albedo[c]]);
       *strip.features[kNormalFeature + c].At(x, y) = Finite(pixel[layers_.guiding_normal[c]], 1);
+      *strip.beyond[kAlbedoFeature + c].At(x, y) =
+          *strip.features[kAlbedoFeature + c].At(x, y) - *strip.albedo[c].At(x, y);
+      *strip.beyond[kNormalFeature + c].At(x, y) =
+          *strip.features[kNormalFeature + c].At(x, y) - Finite(pixel[layers_.normal[c]], 1);
     }
     for (size_t g = 0; g < layers_.groups.size(); ++g) {
       for (size_t c = 0; c < kColors; ++c)
@@ -82,6 +87,7 @@ void StripLoader::LoadRow(int y, Strip& strip) const {
     for (Plane& plane : half) MirrorRow(plane, y, width_, kOuterMargin);
   }
   for (Plane& plane : strip.features) MirrorRow(plane, y, width_, kOuterMargin);
+  for (Plane& plane : strip.beyond) MirrorRow(plane, y, width_, kOuterMargin);
   for (Plane& plane : strip.albedo) MirrorRow(plane, y, width_, kOuterMargin);
 }
 

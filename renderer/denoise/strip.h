@@ -23,6 +23,7 @@ constexpr int kTile = 32;
 
 // Albedo and normal that guide (InputLayers), logarithm of the depth.
 constexpr size_t kFeatures = 7;
+constexpr size_t kSeenFeatures = 6;  // albedo and normal
 constexpr size_t kAlbedoFeature = 0, kNormalFeature = 3, kDepthFeature = 6;
 
 // The colours are divided by AlbedoFactor of their pixel, of the first surface: what mirrors and glass show
@@ -33,6 +34,8 @@ struct Strip {
   std::array<Plane, kColors> variance;               // of the means of one half
   std::array<Plane, kColors> mean;                   // of all samples
   std::array<Plane, kFeatures> features;
+  // What albedo and normal that guide exceed those of the first surface by: 0 but for mirrors and glass.
+  std::array<Plane, kSeenFeatures> beyond;
   std::array<Plane, kColors> albedo;
   std::vector<std::array<Plane, kColors>> groups;  // the light of each group, of all samples
 };

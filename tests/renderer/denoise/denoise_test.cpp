@@ -81,6 +81,23 @@ TEST(Denoise, IsGuidedByWhatIsSeenThroughGlass) {
   EXPECT_LT(with, without / 2);
 }
 
+// Glass that reflects or shows what is beyond it at random: colours and guides have the same noise.
+TEST(Denoise, DoesNotTakeTheNoiseOfGuidesForDetail) {
+  const PaintPoint glass = [](int, int) { return Point{1, 1, 0, 1}; };
+  LoadedPicture noisy = Rendered(80, 60, 0.2f, glass);
+  noisy.channels.insert(noisy.channels.end(),
+                        {"denoising_albedo.B", "denoising_albedo.G", "denoising_albedo.R"});
+  std::vector<float> values;
+  for (size_t pixel = 0; pixel < 80 * 60; ++pixel) {
+    const float* const from = &noisy.values[pixel * kNoisyChannels.size()];
+    values.insert(values.end(), from, from + kNoisyChannels.size());
+    const float red = from[2];
+    values.insert(values.end(), {0.3f * red, 0.3f * red, 0.3f * red});
+  }
+  noisy.values = std::move(values);
+  EXPECT_LT(ErrorOf(Denoised(noisy), glass), ErrorOf(noisy, glass) / 12);
+}
+
 // As those of well distributed samples: each half is noisy, but their mean is not.
 TEST(Denoise, KeepsEdgesOfLightThatTheNoiseOfTheHalvesHides) {
   const PaintPoint edges = [](int x, int) { return Point{x % 20 < 10 ? 1.0f : 1.4f, 0.5f, 0, 1}; };
