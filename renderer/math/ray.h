@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "renderer/math/packed3.h"
 #include "renderer/math/vec.h"
 
 namespace tessera {
@@ -40,17 +41,23 @@ constexpr float Gamma(int n) {
 // from there cannot hit the surface at p again (Pharr, Jakob, Humphreys 2023, section 6.8.6). n is the unit
 // normal.
 inline Point3 OffsetRayOrigin(Point3 p, Vec3 error, Normal3 n, Vec3 w) {
-  float d = Dot(Abs(n), error);
-  if (Dot(w, n) < 0) d = -d;
-  const Vec3 offset = n * d;
-  Point3 po = p + offset;
-  for (int i = 0; i < 3; ++i) {
-    if (offset[i] > 0)
-      po[i] = NextFloatUp(po[i]);
-    else if (offset[i] < 0)
-      po[i] = NextFloatDown(po[i]);
-  }
-  return po;
+  const Packed3 normal = Packed3::Load(n);
+  float d = Dot(Abs(normal), Packed3::Load(error));
+  if (Dot(Packed3::Load(w), normal) < 0) d = -d;
+  const Packed3 offset = normal * d;
+  const Packed3 po = Packed3::Load(p) + offset;
+  // The next float in the direction of the offset, lane by lane: NextFloatUp with the sign of the offset.
+  const __m128 zero = _mm_setzero_ps();
+  const __m128 sign = _mm_and_ps(offset.v, _mm_set1_ps(-0.0f));
+  const __m128 along = _mm_xor_ps(po.v, sign);
+  const __m128i is_positive = _mm_castps_si128(_mm_cmpgt_ps(along, zero));
+  const __m128i step = _mm_sub_epi32(_mm_set1_epi32(-1), _mm_add_epi32(is_positive, is_positive));
+  __m128 next = _mm_castsi128_ps(_mm_add_epi32(_mm_castps_si128(along), step));
+  next =
+      _mm_blendv_ps(next, _mm_set1_ps(std::numeric_limits<float>::denorm_min()), _mm_cmpeq_ps(along, zero));
+  const __m128 is_finite = _mm_cmplt_ps(along, _mm_set1_ps(std::numeric_limits<float>::infinity()));
+  const __m128 is_moved = _mm_and_ps(is_finite, _mm_cmp_ps(offset.v, zero, _CMP_NEQ_OQ));
+  return Packed3(_mm_blendv_ps(po.v, _mm_xor_ps(next, sign), is_moved)).Unpack();
 }
 
 }  // namespace tessera
