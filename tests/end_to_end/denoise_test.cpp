@@ -100,7 +100,9 @@ TEST_F(DenoisedPictures, ASequenceFlickersLessIfItsFramesAreDenoisedTogether) {
   RecordProperty("alone", std::to_string(flicker("alone")));
   RecordProperty("together", std::to_string(flicker("together")));
   EXPECT_LT(flicker("alone"), 0.8 * flicker("noisy"));
-  EXPECT_LT(flicker("together"), 0.9 * flicker("alone"));
+  // Half of what is left is the meter's, which interpolates the edges of the texture.
+  EXPECT_LT(flicker("together"), 0.95 * flicker("alone"));
+  EXPECT_LT(flicker("together"), 0.6 * flicker("noisy"));
   const Outcome again =
       Tessera(With({"denoise", "noisy.#.exr", "-o", "again.#.exr", "--threads", "3"}, range));
   ASSERT_EQ(again.code, 0) << again.errors;
