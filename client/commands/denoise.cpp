@@ -92,7 +92,9 @@ class FrameDenoiser {
       : options_(options),
         names_(names),
         stop_(std::move(stop)),
-        threads_(options.threads > 0 ? options.threads : UsableCores()) {}
+        threads_(options.threads > 0 ? options.threads : UsableCores()) {
+    UseThreadsForPictures(threads_);
+  }
 
   // The frames must be loaded in order.
   Result<DenoisedFrame> Load(const std::string& input) const {

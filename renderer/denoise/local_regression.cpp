@@ -1,5 +1,7 @@
 #include "renderer/denoise/local_regression.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -56,9 +58,9 @@ void FindNoise(const std::array<Plane, kSeenFeatures>& beyond, int x, int y,
 }
 
 bool AnyWeight(const float* weights) {
-  float largest = 0;
-  for (size_t l = 0; l < kTile; ++l) largest = std::max(largest, weights[l]);
-  return largest > 0;
+  __m256 any = _mm256_setzero_ps();  // weights are not negative
+  for (size_t l = 0; l < kTile; l += kWide) any = _mm256_or_ps(any, _mm256_loadu_ps(weights + l));
+  return _mm256_movemask_ps(_mm256_cmp_ps(any, _mm256_setzero_ps(), _CMP_NEQ_OQ)) != 0;
 }
 
 }  // namespace

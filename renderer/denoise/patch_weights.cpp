@@ -1,5 +1,7 @@
 #include "renderer/denoise/patch_weights.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
 #include <array>
 
@@ -58,11 +60,12 @@ void FindWeights(const PatchedRows& rows, int y, int radius, float* weights) {
     const float* const shifted = columns.data() + i;
     for (size_t x = 0; x < kTile; ++x) sums[x] += shifted[x];
   }
-  for (size_t x = 0; x < kTile; ++x) {
-    const float distance = std::max(0.0f, sums[x] * scale);
-    const float rest = std::max(0.0f, 1 - distance);
-    const float square = rest * rest, fourth = square * square;
-    weights[x] = fourth * fourth;
+  const __m256 zero = _mm256_setzero_ps(), one = _mm256_set1_ps(1), scales = _mm256_set1_ps(scale);
+  for (size_t x = 0; x < kTile; x += kWide) {
+    const __m256 distance = _mm256_max_ps(_mm256_mul_ps(_mm256_loadu_ps(&sums[x]), scales), zero);
+    const __m256 rest = _mm256_max_ps(_mm256_sub_ps(one, distance), zero);
+    const __m256 square = _mm256_mul_ps(rest, rest), fourth = _mm256_mul_ps(square, square);
+    _mm256_storeu_ps(weights + x, _mm256_mul_ps(fourth, fourth));
   }
 }
 

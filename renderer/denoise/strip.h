@@ -20,6 +20,8 @@ constexpr int kStripMargin = kWindowRadius + kPatchRadius;
 // Pixels are processed in tiles of this width and height; loops over a row of one are unrolled and
 // vectorised.
 constexpr int kTile = 32;
+constexpr size_t kWide = 8;  // pixels that one instruction processes
+static_assert(kTile % kWide == 0);
 
 // Albedo and normal that guide (InputLayers), logarithm of the depth.
 constexpr size_t kFeatures = 7;

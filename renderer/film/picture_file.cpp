@@ -6,6 +6,7 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfThreading.h>
 #include <ImfTiledOutputFile.h>
 #include <fmt/format.h>
 
@@ -277,6 +278,10 @@ Result<std::string> EncodeExr(const LoadedPicture& picture, const ExrFormat& for
   return EncodeGuarded({picture.width, picture.height, picture.bounds, picture.channels, std::move(types),
                         picture.values, picture.attributes},
                        format);
+}
+
+void UseThreadsForPictures(int threads) {
+  Imf::setGlobalThreadCount(threads > 1 ? threads : 0);  // threads beside that of the caller, which waits
 }
 
 Result<LoadedPicture> LoadExr(const std::string& path) {

@@ -10,6 +10,10 @@
 
 namespace tessera {
 
+// Sets on how many threads of this process the functions below compress and decompress pixels. By default
+// that of the caller does. Bytes and values are the same for any number. Not while one of them runs.
+void UseThreadsForPictures(int threads);
+
 // The bytes of an OpenEXR file: display window from the spec, data window from its crop, attributes from the
 // spec. Equal pictures give equal bytes.
 Result<std::string> EncodeExr(const FrameSpec& spec, const FramePicture& picture);
