@@ -4,6 +4,7 @@
 import {h, setText} from "./dom.js";
 
 const kMargin = 8;  // rows above and below those in sight
+const kFetchInterval_ms = 30;  // between requests while the list is scrolled
 
 export class VirtualList {
   // `load(offset, limit)` resolves to {total, rows}; `makeRow()` returns {element, show(row)}.
@@ -14,6 +15,8 @@ export class VirtualList {
     this.shown = new Map();  // index -> row element and its show()
     this.total = 0;
     this.generation = 0;
+    this.timer = 0;
+    this.fetchedAt = -Infinity;
     this.filler = h("div", {class: "list-filler", role: "list", "aria-label": label});
     this.empty = h("p", {class: "none", hidden: true}, empty);
     this.element = h("div", {class: "list"}, this.empty, this.filler);
@@ -41,9 +44,15 @@ export class VirtualList {
     return {first, last: Math.max(first, last), height};
   }
 
+  // Loads what is in sight: now, or when the interval since the last time is over.
   fetchSoon() {
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.refresh().catch(() => {}), 30);
+    if (this.timer) return;
+    const rest = kFetchInterval_ms - (performance.now() - this.fetchedAt);
+    this.timer = setTimeout(() => {
+      this.timer = 0;
+      this.fetchedAt = performance.now();
+      this.refresh().catch(() => {});
+    }, Math.max(rest, 0));
   }
 
   // Loads what is in sight again. `reset`: the list is another one.
