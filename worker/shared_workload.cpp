@@ -23,7 +23,7 @@ std::optional<UnitTask> SharedWorkload::AwaitUnit(std::stop_token stop) {
   return task;
 }
 
-// Scenes of units go first: slots may wait for them.
+// Scenes of work units come before preparations, since render threads may wait for them.
 std::optional<SharedWorkload::LoaderTask> SharedWorkload::AwaitLoaderTask(std::stop_token stop) {
   std::unique_lock lock(mutex_);
   std::optional<LoaderTask> order;

@@ -174,7 +174,7 @@ void Preparations::Assign(Instant now) {
     if (!worker && excluded.empty()) job->order_problem = state_.scheduler.WhyNoWorker();
     if (!worker) continue;
     preparation.worker = worker;
-    preparation.is_told = preparation.is_listed = false;
+    preparation.is_sent = preparation.is_listed = false;
     busy.insert(*worker);
     served.insert(OwnerOf(*job));
   }
@@ -204,8 +204,8 @@ void Preparations::Synchronize(Instant now, const WorkerState& state) {
     if (state.leaving) {
       preparation.worker.reset();
       due_ = {};
-    } else if (!preparation.is_listed && now - preparation.told_at >= kAnnounceAgain) {
-      preparation.is_told = false;
+    } else if (!preparation.is_listed && now - preparation.sent_at >= kAnnounceAgain) {
+      preparation.is_sent = false;
     }
   }
 }
@@ -213,7 +213,7 @@ void Preparations::Synchronize(Instant now, const WorkerState& state) {
 std::vector<WorkerId> Preparations::News() const {
   std::vector<WorkerId> workers;
   for (const auto& [id, preparation] : open_) {
-    if (preparation.worker && !preparation.is_told && OpenJob(id) != nullptr)
+    if (preparation.worker && !preparation.is_sent && OpenJob(id) != nullptr)
       workers.push_back(*preparation.worker);
   }
   return workers;
@@ -222,9 +222,9 @@ std::vector<WorkerId> Preparations::News() const {
 std::optional<PreparationRequest> Preparations::Take(Instant now, WorkerId worker) {
   for (auto& [id, preparation] : open_) {
     const Job* const job = OpenJob(id);
-    if (preparation.worker != worker || preparation.is_told || job == nullptr) continue;
-    preparation.is_told = true;
-    preparation.told_at = now;
+    if (preparation.worker != worker || preparation.is_sent || job == nullptr) continue;
+    preparation.is_sent = true;
+    preparation.sent_at = now;
     return PreparationRequest{preparation.key, job->order->scene};
   }
   return std::nullopt;

@@ -35,9 +35,9 @@ class Preparations {
 
   // What the worker has, as it lists it.
   void Synchronize(Instant now, const WorkerState& state);
-  // Workers that are to be told what to prepare.
+  // Workers for which Take has a request.
   std::vector<WorkerId> News() const;
-  // What the worker is told now.
+  // Returns the request to send to the worker, and counts it as sent; nullopt if there is none.
   std::optional<PreparationRequest> Take(Instant now, WorkerId worker);
   // Late reports and copies are harmless. Those of a worker in quarantine do not count.
   void Return(Instant now, WorkerId worker, const PreparationReport& report);
@@ -50,8 +50,8 @@ class Preparations {
   struct Preparation {
     Digest key;
     std::optional<WorkerId> worker;  // that does it
-    bool is_told = false, is_listed = false;
-    Instant told_at{};
+    bool is_sent = false, is_listed = false;
+    Instant sent_at{};
     std::vector<std::pair<WorkerId, Instant>> losses;  // not judged yet
     Instant rests_until{};                             // after a loss
     std::map<WorkerId, Failure> failures;

@@ -37,7 +37,7 @@ class WebOrders : public Services {
     return client->Post("/api/v1/jobs", {{"X-Tessera-Proof", proof}}, body.dump(), "application/json");
   }
   int StatusOf(const json& body) { return Post(body)->status; }
-  // Calls as a worker until it is told to prepare something.
+  // Calls as a worker until the answer has something to prepare.
   proto::PreparationRequest AwaitPreparation() {
     proto::WorkerDirective directive;
     const auto deadline = std::chrono::steady_clock::now() + kPatience;

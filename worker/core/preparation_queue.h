@@ -14,11 +14,11 @@ namespace tessera {
 class PreparationQueue {
  public:
   using Report = std::shared_ptr<const PreparationReport>;
-  // Does nothing if it is known already, or if kPreparationsPerWorkerMax are.
+  // Does nothing if the queue has it already, or is full (kPreparationsPerWorkerMax).
   void Add(const PreparationRequest& request);
-  // The next one, which counts as being done from now on.
+  // Returns the next request, which is running from now on; nullopt if none waits.
   std::optional<PreparationRequest> Start();
-  // It is done. Does nothing if it was forgotten meanwhile.
+  // Adds the report of a running request. Does nothing if the request was removed meanwhile.
   void Finish(PreparationReport report);
   // The report that was finished first; null if there is none. It stays until it is answered.
   Report NextReport() const { return reports_.empty() ? nullptr : reports_.front(); }
@@ -31,7 +31,7 @@ class PreparationQueue {
   // Forgets those that were not begun.
   void Drain() { waiting_.clear(); }
   void Clear();
-  // The keys of all.
+  // The keys of everything that waits, runs or has a report.
   std::vector<Digest> Held() const;
 
  private:

@@ -43,8 +43,8 @@ PreparationReport NotPrepared(const JobOrder& order, const std::string& reason) 
 }
 
 struct PreparationStage : FarmStage {
-  // What the worker is told to prepare in the answer to its state, in which it lists `held`. A call that
-  // waits is answered when there is news.
+  // The request in the answer to the state of a worker, which lists `held`. A call that waits is answered
+  // when there is news.
   std::optional<PreparationRequest> Call(uint64_t worker, std::vector<Digest> held = {},
                                          Instant after = milliseconds(260)) {
     now += after;
