@@ -2,7 +2,7 @@
 
 import {get, maySeePicture} from "./api.js";
 import {count, duration, h, isOpenState, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
-import {sortButtons, VirtualList} from "./list.js";
+import {sortButtons, Throttle, VirtualList} from "./list.js";
 
 const kColumns = [
   [null, "", "c-picture"], ["id", "Job", "c-name"], ["state", "State", "c-state"], ["progress", "Done", "c-done"],
@@ -13,6 +13,7 @@ const kStates = [["", "All"], ["open", "Open"], ["preparing", "Preparing"], ["ru
   ["finished", "Finished"], ["failed", "Failed"], ["cancelled", "Cancelled"]];
 const kPictureInterval_ms = 20000;
 const kMissingPictureInterval_ms = 3000;
+const kFilterInterval_ms = 60;  // between requests while someone types
 
 export class JobsView {
   constructor(note) {
@@ -21,15 +22,17 @@ export class JobsView {
     this.filter = {search: "", state: ""};
     this.sort = {key: "id", order: "desc"};
     this.search = h("input", {type: "search", placeholder: "Search name, owner or number  ( / )",
-      "aria-label": "Search jobs", oninput: () => this.filterSoon()});
-    this.state = h("select", {"aria-label": "State", onchange: () => this.filterSoon()},
+      "aria-label": "Search jobs", oninput: () => this.filtering.request()});
+    this.state = h("select", {"aria-label": "State", onchange: () => this.filtering.request()},
       ...kStates.map(([value, text]) => h("option", {value}, text)));
+    this.filtering = new Throttle(kFilterInterval_ms, () => this.applyFilter());
     this.found = h("span", {class: "soft", role: "status"});
     this.heads = sortButtons(kColumns, this.sort, (key) => this.sortBy(key));
     this.list = new VirtualList({
       label: "Jobs",
       empty: "No jobs. Submit one: here, or with tessera submit scene.pbrt",
       load: (offset, limit) => this.load(offset, limit),
+      onTotal: (total) => setText(this.found, `${total} ${total === 1 ? "job" : "jobs"}`),
       makeRow: () => makeRow(),
     });
     this.element = h("section", {class: "jobs"},
@@ -40,14 +43,11 @@ export class JobsView {
   }
 
   start() { this.list.refresh(true).catch((error) => this.note(error.message, true)); }
-  close() { this.list.close(); clearTimeout(this.timer); }
+  close() { this.list.close(); this.filtering.cancel(); }
 
-  filterSoon() {
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => {
-      this.filter = {search: this.search.value.trim(), state: this.state.value};
-      this.start();
-    }, 60);
+  applyFilter() {
+    this.filter = {search: this.search.value.trim(), state: this.state.value};
+    this.start();
   }
 
   sortBy(key) {
@@ -59,7 +59,6 @@ export class JobsView {
 
   async load(offset, limit) {
     const page = await get("jobs", {...this.filter, sort: this.sort.key, order: this.sort.order, offset, limit});
-    setText(this.found, `${page.total} ${page.total === 1 ? "job" : "jobs"}`);
     return {total: page.total, rows: page.jobs};
   }
 

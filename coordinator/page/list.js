@@ -6,21 +6,49 @@ import {h, setText} from "./dom.js";
 const kMargin = 8;  // rows above and below those in sight
 const kFetchInterval_ms = 30;  // between requests while the list is scrolled
 
+// Runs an action at intervals for as long as it is requested: the first time right away, and after the last request once
+// more.
+export class Throttle {
+  constructor(interval_ms, action) {
+    this.interval = interval_ms;
+    this.action = action;
+    this.timer = 0;
+    this.ranAt = -Infinity;
+  }
+
+  request() {
+    if (this.timer) return;
+    const rest = this.interval - (performance.now() - this.ranAt);
+    this.timer = setTimeout(() => {
+      this.timer = 0;
+      this.ranAt = performance.now();
+      this.action();
+    }, Math.max(rest, 0));
+  }
+
+  cancel() {
+    clearTimeout(this.timer);
+    this.timer = 0;
+  }
+}
+
 export class VirtualList {
-  // `load(offset, limit)` resolves to {total, rows}; `makeRow()` returns {element, show(row)}.
-  constructor({label, load, makeRow, empty}) {
+  // `load(offset, limit)` resolves to {total, rows}; `makeRow()` returns {element, show(row)}; onTotal(total) is called
+  // when rows were loaded.
+  constructor({label, load, makeRow, onTotal, empty}) {
     this.load = load;
+    this.onTotal = onTotal;
     this.makeRow = makeRow;
     this.rows = new Map();   // by index, as loaded last
     this.shown = new Map();  // index -> row element and its show()
     this.total = 0;
     this.generation = 0;
-    this.timer = 0;
-    this.fetchedAt = -Infinity;
+    // Loads what is in sight.
+    this.fetching = new Throttle(kFetchInterval_ms, () => this.refresh().catch(() => {}));
     this.filler = h("div", {class: "list-filler", role: "list", "aria-label": label});
     this.empty = h("p", {class: "none", hidden: true}, empty);
     this.element = h("div", {class: "list"}, this.empty, this.filler);
-    this.onScroll = () => { this.render(); this.fetchSoon(); };
+    this.onScroll = () => { this.render(); this.fetching.request(); };
     addEventListener("scroll", this.onScroll, {passive: true});
     addEventListener("resize", this.onScroll, {passive: true});
   }
@@ -28,7 +56,7 @@ export class VirtualList {
   close() {
     removeEventListener("scroll", this.onScroll);
     removeEventListener("resize", this.onScroll);
-    clearTimeout(this.timer);
+    this.fetching.cancel();
   }
 
   rowHeight() {
@@ -42,17 +70,6 @@ export class VirtualList {
     const first = Math.max(0, Math.floor(top / height) - kMargin);
     const last = Math.ceil((top + innerHeight) / height) + kMargin;
     return {first, last: Math.max(first, last), height};
-  }
-
-  // Loads what is in sight: now, or when the interval since the last time is over.
-  fetchSoon() {
-    if (this.timer) return;
-    const rest = kFetchInterval_ms - (performance.now() - this.fetchedAt);
-    this.timer = setTimeout(() => {
-      this.timer = 0;
-      this.fetchedAt = performance.now();
-      this.refresh().catch(() => {});
-    }, Math.max(rest, 0));
   }
 
   // Loads what is in sight again. `reset`: the list is another one.
@@ -70,11 +87,12 @@ export class VirtualList {
       const {total, rows} = await this.load(first, Math.min(last - first, 200));
       if (generation !== this.generation) return;
       this.total = total;
+      this.onTotal(total);
       rows.forEach((row, i) => this.rows.set(first + i, row));
       this.render();
     } finally {
       this.loading = false;
-      if (this.isWanted) this.fetchSoon();
+      if (this.isWanted) this.fetching.request();
     }
   }
 

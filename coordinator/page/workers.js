@@ -3,11 +3,12 @@
 import {get, me, post} from "./api.js";
 import {bytes, count, duration, h, percent, setClass, setText} from "./dom.js";
 import {median, sparkline} from "./chart.js";
-import {sortButtons, VirtualList} from "./list.js";
+import {sortButtons, Throttle, VirtualList} from "./list.js";
 
 const kColumns = [["name", "Worker", "w-name"], ["state", "State", "w-state"], ["use", "Load", "w-use"],
   ["memory", "Memory", "w-memory"], ["rate", "Samples/s, last hour", "w-rate"], ["failed", "Units", "w-units"], ["silent", "Seen", "w-seen"], [null, "", "w-act"]];
 const kStates = ["rendering", "idle", "loading", "fetching", "draining", "quarantined"];
+const kFilterInterval_ms = 60;  // between requests while someone types
 const kCell = 14, kGap = 2;
 
 export class WorkersView {
@@ -18,9 +19,10 @@ export class WorkersView {
     this.sort = {key: "name", order: "asc"};
     this.median = null;
     this.search = h("input", {type: "search", placeholder: "Search name, tag or id  ( / )", "aria-label": "Search workers",
-      oninput: () => this.filterSoon()});
-    this.state = h("select", {"aria-label": "State", onchange: () => this.filterSoon()}, h("option", {value: ""}, "All"),
+      oninput: () => this.filtering.request()});
+    this.state = h("select", {"aria-label": "State", onchange: () => this.filtering.request()}, h("option", {value: ""}, "All"),
       ...kStates.map((value) => h("option", {value}, value)));
+    this.filtering = new Throttle(kFilterInterval_ms, () => this.applyFilter());
     this.found = h("span", {class: "soft", role: "status"});
     this.matrix = h("canvas", {class: "matrix", role: "img", "aria-label":
       "All workers by load; the list below has the same", onpointermove: (event) => this.point(event),
@@ -31,6 +33,7 @@ export class WorkersView {
       label: "Workers",
       empty: "No workers are connected. Start one: tessera-worker",
       load: (offset, limit) => this.load(offset, limit),
+      onTotal: (total) => setText(this.found, `${total} ${total === 1 ? "worker" : "workers"}`),
       makeRow: () => makeRow(this),
     });
     this.element = h("section", {class: "workers"}, h("h1", {class: "hidden"}, "Workers"),
@@ -42,14 +45,11 @@ export class WorkersView {
     this.list.refresh(true).catch((error) => this.note(error.message, true));
     this.loadMatrix();
   }
-  close() { this.isClosed = true; this.list.close(); clearTimeout(this.timer); clearTimeout(this.matrixTimer); }
+  close() { this.isClosed = true; this.list.close(); this.filtering.cancel(); clearTimeout(this.matrixTimer); }
 
-  filterSoon() {
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => {
-      this.filter = {search: this.search.value.trim(), state: this.state.value};
-      this.list.refresh(true).catch(() => {});
-    }, 60);
+  applyFilter() {
+    this.filter = {search: this.search.value.trim(), state: this.state.value};
+    this.list.refresh(true).catch(() => {});
   }
 
   sortBy(key) {
@@ -61,7 +61,6 @@ export class WorkersView {
 
   async load(offset, limit) {
     const page = await get("workers", {...this.filter, sort: this.sort.key, order: this.sort.order, offset, limit, history: 1});
-    setText(this.found, `${page.total} ${page.total === 1 ? "worker" : "workers"}`);
     return {total: page.total, rows: page.workers};
   }
 
@@ -132,7 +131,7 @@ export class WorkersView {
     const worker = this.workerAt(event);
     if (!worker) return;
     this.search.value = worker.name;
-    this.filterSoon();
+    this.filtering.request();
   }
 
   async change(worker, what) {
