@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "coordinator/coordinator.h"
 #include "proto/blobs.grpc.pb.h"
@@ -39,6 +41,8 @@ class Services : public testing::Test {
     CoordinatorOptions options;
     options.listen = {*ParseAddress("unix:" + (folder / "socket"), "test")};
     for (const std::string& each : more_addresses) options.listen.push_back(*ParseAddress(each, "test"));
+    options.http = http;
+    options.https = https;
     options.data_dir = folder / data_dir;
     return options;
   }
@@ -211,6 +215,7 @@ class Services : public testing::Test {
   std::unique_ptr<proto::Work::Stub> work;
   std::string current_dir = "data";  // that Start uses
   std::vector<std::string> more_addresses;
+  std::optional<Address> http, https;  // of the web page
   FarmId farm;
   Digest scene_key;  // of the prepared job
   uint64_t sequence = 0;

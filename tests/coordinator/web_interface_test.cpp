@@ -1,58 +1,27 @@
 // The web interface of a real farm: who may do what, changes, pictures and downloads.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <httplib.h>
-
-#include <chrono>
-#include <nlohmann/json.hpp>
-#include <thread>
 
 #include "renderer/film/picture_file.h"
 #include "tests/coordinator/no_file_grows.h"
-#include "tests/coordinator/services_fixture.h"
 #include "tests/coordinator/web/api/shown_picture.h"
 #include "tests/coordinator/web/tls_client.h"
+#include "tests/coordinator/web_services_fixture.h"
 
 namespace tessera {
 namespace {
 
-using nlohmann::json;
 using testing::HasSubstr;
 
-// With a plain page, whose visitors are programs of the user who runs the coordinator.
-class WebInterface : public Services {
+class WebInterface : public WebServices {
  protected:
-  WebInterface() {
-    coordinator.reset();
-    CoordinatorOptions options = OptionsOf("data");
-    options.http = *ParseAddress("127.0.0.1:0", "test");
-    coordinator = std::move(*Coordinator::Start(options));
-    channel = OpenChannel(coordinator->addresses().front());
-    jobs = proto::Jobs::NewStub(channel);
-    blobs = proto::Blobs::NewStub(channel);
-    work = proto::Work::NewStub(channel);
-    client = std::make_unique<httplib::Client>("127.0.0.1", coordinator->http()->port);
-    client->set_read_timeout(60);
-    proof = json::parse(client->Get("/api/v1/me")->body)["proof"];
-  }
   json Get(const std::string& path) {
     const auto answer = client->Get("/api/v1/" + path);
     EXPECT_EQ(answer->status, 200) << answer->body;
     return json::parse(answer->body, nullptr, false);
   }
-  int Post(const std::string& path, const json& body = json::object()) {
-    return client->Post("/api/v1/" + path, {{"X-Tessera-Proof", proof}}, body.dump(), "application/json")
-        ->status;
-  }
-  // Lists show the farm as it was a moment ago.
-  template <typename Condition>
-  static bool ComesTrue(Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > deadline) return false;
-      std::this_thread::sleep_for(milliseconds(50));
-    }
-    return true;
+  int StatusOf(const std::string& path, const json& body = json::object()) {
+    return Post(path, body)->status;
   }
   std::string JobPath(uint64_t job, const std::string& rest = "") const {
     return fmt::format("jobs/{}{}", job, rest);
@@ -69,28 +38,25 @@ class WebInterface : public Services {
     });
     return picture;
   }
-
-  std::unique_ptr<httplib::Client> client;
-  std::string proof;
 };
 
 TEST_F(WebInterface, ChangesAJobAsTheCallsDo) {
   const uint64_t job = Submit();
   EXPECT_EQ(Get(JobPath(job))["state"], "waiting");
-  EXPECT_EQ(Post(JobPath(job, "/pause")), 200);
+  EXPECT_EQ(StatusOf(JobPath(job, "/pause")), 200);
   EXPECT_EQ(Status(job).state(), proto::JOB_STATE_PAUSED);
-  EXPECT_EQ(Post(JobPath(job, "/resume")), 200);
-  EXPECT_EQ(Post(JobPath(job, "/priority"), {{"priority", 7}}), 200);
+  EXPECT_EQ(StatusOf(JobPath(job, "/resume")), 200);
+  EXPECT_EQ(StatusOf(JobPath(job, "/priority"), {{"priority", 7}}), 200);
   EXPECT_EQ(Status(job).priority(), 7);
-  EXPECT_EQ(Post(JobPath(job, "/priority"), {{"priority", 1'000'001}}), 400);
-  EXPECT_EQ(Post(JobPath(job, "/extend"), {{"samples_per_pixel", 8}}), 409)
+  EXPECT_EQ(StatusOf(JobPath(job, "/priority"), {{"priority", 1'000'001}}), 400);
+  EXPECT_EQ(StatusOf(JobPath(job, "/extend"), {{"samples_per_pixel", 8}}), 409)
       << "its sampler cannot be extended";
-  EXPECT_EQ(Post(JobPath(job, "/extend"), {{"samples_per_pixel", 0}}), 400);
-  EXPECT_EQ(Post(JobPath(job, "/cancel")), 200);
+  EXPECT_EQ(StatusOf(JobPath(job, "/extend"), {{"samples_per_pixel", 0}}), 400);
+  EXPECT_EQ(StatusOf(JobPath(job, "/cancel")), 200);
   EXPECT_EQ(Status(job).state(), proto::JOB_STATE_CANCELLED);
-  EXPECT_EQ(Post(JobPath(job, "/pause")), 409);
-  EXPECT_EQ(Post(JobPath(99, "/pause")), 404);
-  EXPECT_EQ(Post("workers/00000000000000ff/drain"), 404);
+  EXPECT_EQ(StatusOf(JobPath(job, "/pause")), 409);
+  EXPECT_EQ(StatusOf(JobPath(99, "/pause")), 404);
+  EXPECT_EQ(StatusOf("workers/00000000000000ff/drain"), 404);
 }
 
 TEST_F(WebInterface, WithoutTheProofNothingChanges) {
@@ -113,8 +79,10 @@ TEST_F(WebInterface, ThePictureRefinesToTheValuesOfItsFile) {
   ASSERT_TRUE(Return(job, 1, {0, 4}, answer, 0.7f).ok());
   const ShownPicture done = Watch(job, [](const ShownPicture& shown) { return shown.is_finished; });
   std::string file;
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!Fetch(job, false, file).ok() && std::chrono::steady_clock::now() < deadline) file.clear();
+  EXPECT_TRUE(ComesTrue([&] {
+    file.clear();
+    return Fetch(job, false, file).ok();
+  }));
   const auto download = client->Get("/api/v1/" + JobPath(job, "/picture.exr"));
   EXPECT_EQ(download->body, file) << "the same bytes as tessera fetch";
   EXPECT_EQ(download->get_header_value("Content-Disposition"),
@@ -154,8 +122,7 @@ TEST_F(WebInterface, OnAFullDiskThePageShowsTheFarmAndTheReason) {
   ASSERT_TRUE(Return(job, 0, {0, 4}, answer, 0.3f).ok());
   {
     const NoFileGrows full;
-    const auto refused = client->Post("/api/v1/" + JobPath(job, "/pause"), {{"X-Tessera-Proof", proof}}, "{}",
-                                      "application/json");
+    const auto refused = Post(JobPath(job, "/pause"));
     EXPECT_EQ(refused->status, 503);
     EXPECT_THAT(refused->body, HasSubstr("the coordinator cannot write its data"));
     EXPECT_EQ(client->Get("/")->status, 200);
@@ -167,20 +134,15 @@ TEST_F(WebInterface, OnAFullDiskThePageShowsTheFarmAndTheReason) {
     EXPECT_TRUE(json::parse(download->body)["error"].is_string());
     EXPECT_EQ(client->Get("/api/v1/" + JobPath(job, "/log"))->status, 200);
   }
-  EXPECT_TRUE(ComesTrue([&] { return Post(JobPath(job, "/resume")) == 200; })) << "there is space again";
+  EXPECT_TRUE(ComesTrue([&] { return StatusOf(JobPath(job, "/resume")) == 200; })) << "there is space again";
 }
 
 TEST_F(WebInterface, ASmallPictureIsMadeSoonAfterItIsFirstAskedFor) {
   const uint64_t job = Submit();
   proto::ResultsAnswer answer;
   ASSERT_TRUE(Return(job, 0, {0, 4}, answer).ok());
-  int status = 0;
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (status != 200 && std::chrono::steady_clock::now() < deadline) {
-    status = client->Get("/api/v1/" + JobPath(job, "/thumbnail.png"))->status;
-    std::this_thread::sleep_for(milliseconds(20));
-  }
-  EXPECT_EQ(status, 200);
+  EXPECT_TRUE(
+      ComesTrue([&] { return client->Get("/api/v1/" + JobPath(job, "/thumbnail.png"))->status == 200; }));
   EXPECT_EQ(client->Get("/api/v1/" + JobPath(99, "/thumbnail.png"))->status, 404);
   EXPECT_EQ(client->Get("/api/v1/" + JobPath(job, "/thumbnail.png?frame=1"))->status, 404);
 }
@@ -191,7 +153,7 @@ TEST_F(WebInterface, ManyWatchersOfAPictureShareItsWork) {
   ASSERT_TRUE(Return(job, 0, {0, 4}, answer, 0.3f).ok());
   std::vector<int> watchers;
   for (int i = 0; i < 50; ++i) {
-    watchers.push_back(ConnectTo(coordinator->http()->port));
+    watchers.push_back(ConnectTo(port()));
     const std::string request =
         fmt::format("GET /api/v1/jobs/{}/picture HTTP/1.1\r\nHost: localhost\r\n\r\n", job);
     ::send(watchers.back(), request.data(), request.size(), MSG_NOSIGNAL);
@@ -220,7 +182,7 @@ TEST_F(WebInterface, ShowsTheUnitsThatWorkersHave) {
   EXPECT_EQ(detail["units"][0]["worker"], "0000000000000007");
   EXPECT_EQ(detail["width"], 16);
   EXPECT_EQ(detail["frames"], json::parse("[[0,false]]"));
-  EXPECT_EQ(Post("workers/0000000000000007/drain"), 200);
+  EXPECT_EQ(StatusOf("workers/0000000000000007/drain"), 200);
   EXPECT_TRUE(ComesTrue([&] {
     const json workers = Get("workers")["workers"];
     return workers.size() == 1 && workers[0]["state"] == "draining";

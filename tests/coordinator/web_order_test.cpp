@@ -1,49 +1,30 @@
 // Jobs that are submitted over the web interface.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <httplib.h>
-
-#include <chrono>
-#include <nlohmann/json.hpp>
-#include <thread>
 
 #include "tests/coordinator/no_file_grows.h"
-#include "tests/coordinator/services_fixture.h"
+#include "tests/coordinator/web_services_fixture.h"
 
 namespace tessera {
 namespace {
 
-using nlohmann::json;
 using testing::HasSubstr;
 
-class WebOrders : public Services {
+class WebOrders : public WebServices {
  protected:
   WebOrders() {
-    coordinator.reset();
-    CoordinatorOptions options = OptionsOf("data");
-    options.http = *ParseAddress("127.0.0.1:0", "test");
-    coordinator = std::move(*Coordinator::Start(options));
-    channel = OpenChannel(coordinator->addresses().front());
-    jobs = proto::Jobs::NewStub(channel);
-    blobs = proto::Blobs::NewStub(channel);
-    work = proto::Work::NewStub(channel);
-    client = std::make_unique<httplib::Client>("127.0.0.1", coordinator->http()->port);
-    client->set_read_timeout(60);
-    proof = json::parse(client->Get("/api/v1/me")->body)["proof"];
     submitted = PrepareJob();
     order = {{"package", ReadDigest(submitted.package(), "package")->Hex()}, {"scene_file", "scene.pbrt"}};
   }
-  httplib::Result Post(const json& body) {
-    return client->Post("/api/v1/jobs", {{"X-Tessera-Proof", proof}}, body.dump(), "application/json");
-  }
-  int StatusOf(const json& body) { return Post(body)->status; }
+  httplib::Result SubmitOrder(const json& body) { return Post("jobs", body); }
+  int StatusOf(const json& body) { return SubmitOrder(body)->status; }
   // Calls as a worker until the answer has something to prepare.
   proto::PreparationRequest AwaitPreparation() {
     proto::WorkerDirective directive;
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!directive.has_preparation() && std::chrono::steady_clock::now() < deadline)
+    EXPECT_TRUE(ComesTrue([&] {
       EXPECT_TRUE(Synchronize(Worker(milliseconds(200)), directive).ok());
-    EXPECT_TRUE(directive.has_preparation());
+      return directive.has_preparation();
+    }));
     return directive.preparation();
   }
   grpc::Status Report(proto::PreparationReport report, const proto::PreparationRequest& request) {
@@ -55,8 +36,6 @@ class WebOrders : public Services {
     return Call(*work, &proto::Work::Stub::ReturnPreparation, report, answer);
   }
 
-  std::unique_ptr<httplib::Client> client;
-  std::string proof;
   proto::JobSpec submitted;
   json order;
 };
@@ -65,7 +44,7 @@ TEST_F(WebOrders, AJobIsPreparedByAWorkerAndIsThenLikeAnyOther) {
   order.update({{"name", "from the page"},
                 {"priority", 4},
                 {"options", {{"samples_per_pixel", 4}, {"denoise", false}}}});
-  const auto answer = Post(order);
+  const auto answer = SubmitOrder(order);
   ASSERT_EQ(answer->status, 200) << answer->body;
   const json shown = json::parse(answer->body);
   EXPECT_EQ(shown["state"], "preparing");
@@ -83,7 +62,7 @@ TEST_F(WebOrders, AJobIsPreparedByAWorkerAndIsThenLikeAnyOther) {
 }
 
 TEST_F(WebOrders, TheFramesOfAWorkerMakeTheJobThatAClientWouldSubmit) {
-  const json shown = json::parse(Post(order)->body);
+  const json shown = json::parse(SubmitOrder(order)->body);
   const auto request = AwaitPreparation();
   proto::PreparationReport report;
   *report.add_frames() = submitted.frames(0);
@@ -97,10 +76,8 @@ TEST_F(WebOrders, TheFramesOfAWorkerMakeTheJobThatAClientWouldSubmit) {
 }
 
 TEST_F(WebOrders, AnOrderSurvivesARestart) {
-  const uint64_t job = json::parse(Post(order)->body)["id"];
-  coordinator.reset();
-  current_dir = "data";
-  Start();
+  const uint64_t job = json::parse(SubmitOrder(order)->body)["id"];
+  Restart();
   EXPECT_EQ(Status(job).state(), proto::JOB_STATE_PREPARING);
   proto::PreparationReport report;
   report.set_reason("scene.pbrt:3:1: unknown directive");
@@ -118,10 +95,10 @@ TEST_F(WebOrders, AnOrderSurvivesARestart) {
 
 TEST_F(WebOrders, TheSameSubmissionIsTheSameJob) {
   order["submission"] = 77;
-  const json first = json::parse(Post(order)->body), second = json::parse(Post(order)->body);
+  const json first = json::parse(SubmitOrder(order)->body), second = json::parse(SubmitOrder(order)->body);
   EXPECT_EQ(first["id"], second["id"]);
   order["submission"] = 78;
-  EXPECT_NE(json::parse(Post(order)->body)["id"], first["id"]);
+  EXPECT_NE(json::parse(SubmitOrder(order)->body)["id"], first["id"]);
 }
 
 TEST_F(WebOrders, WhatCannotBeRenderedIsRefusedByName) {

@@ -13,11 +13,8 @@ namespace {
 class WebRoles : public ServicesForMembers {
  protected:
   WebRoles() {
-    coordinator.reset();
-    CoordinatorOptions options = OptionsOf(current_dir);
-    options.https = *ParseAddress("127.0.0.1:0", "test");
-    coordinator = std::move(*Coordinator::Start(options));
-    CallAsLocalUser();
+    https = *ParseAddress("127.0.0.1:0", "test");
+    Restart();
   }
   static std::string PemOf(const JoinedFarm& member) {
     return member.identity.key.Pem() + member.identity.certificate_pem;

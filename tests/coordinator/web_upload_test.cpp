@@ -1,37 +1,21 @@
 // Files that the web interface takes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <httplib.h>
-
-#include <chrono>
-#include <nlohmann/json.hpp>
-#include <thread>
 
 #include "coordinator/web/http_request.h"
 #include "coordinator/web/http_response.h"
 #include "proto/blobs/blob_store.h"
 #include "tests/coordinator/no_file_grows.h"
-#include "tests/coordinator/services_fixture.h"
 #include "tests/coordinator/web/tls_client.h"
+#include "tests/coordinator/web_services_fixture.h"
 
 namespace tessera {
 namespace {
 
-using nlohmann::json;
 using testing::HasSubstr;
 
-class WebUploads : public Services {
+class WebUploads : public WebServices {
  protected:
-  WebUploads() {
-    coordinator.reset();
-    CoordinatorOptions options = OptionsOf("data");
-    options.http = *ParseAddress("127.0.0.1:0", "test");
-    coordinator = std::move(*Coordinator::Start(options));
-    client = std::make_unique<httplib::Client>("127.0.0.1", port());
-    client->set_read_timeout(60);
-    proof = json::parse(client->Get("/api/v1/me")->body)["proof"];
-  }
-  int port() const { return coordinator->http()->port; }
   static std::string PathOf(const std::string& bytes) { return "/api/v1/blobs/" + Sha256(bytes).Hex(); }
   httplib::Result Put(const std::string& path, const std::string& bytes) {
     return client->Put(path, {{"X-Tessera-Proof", proof}}, bytes, "application/octet-stream");
@@ -41,8 +25,7 @@ class WebUploads : public Services {
     return answer ? answer->status : 0;
   }
   json Missing(const json& digests) {
-    const auto answer = client->Post("/api/v1/blobs/missing", {{"X-Tessera-Proof", proof}},
-                                     json{{"digests", digests}}.dump(), "application/json");
+    const auto answer = Post("blobs/missing", {{"digests", digests}});
     EXPECT_EQ(answer->status, 200) << answer->body;
     return json::parse(answer->body, nullptr, false)["missing"];
   }
@@ -57,18 +40,6 @@ class WebUploads : public Services {
     EXPECT_EQ(::send(fd, request.data(), request.size(), MSG_NOSIGNAL), static_cast<ssize_t>(request.size()));
     return fd;
   }
-  template <typename Condition>
-  static bool BecomesTrue(Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > deadline) return false;
-      std::this_thread::sleep_for(milliseconds(20));
-    }
-    return true;
-  }
-
-  std::unique_ptr<httplib::Client> client;
-  std::string proof;
 };
 
 TEST_F(WebUploads, FilesOfAnySizeArriveAndAreNotMissingAnyMore) {
@@ -99,11 +70,11 @@ TEST_F(WebUploads, BytesOfAnotherDigestAreNotKept) {
 TEST_F(WebUploads, OneThatWasCutShortIsResumedWhereItStopped) {
   const std::string bytes(3'000'000, 'x');
   ::close(Begin(PathOf(bytes), bytes.size(), bytes.substr(0, 2'000'000)));
-  EXPECT_TRUE(BecomesTrue([&] { return MissingOf(bytes)[0]["held"] > 1'000'000; }));
+  EXPECT_TRUE(ComesTrue([&] { return MissingOf(bytes)[0]["held"] > 1'000'000; }));
   EXPECT_EQ(StatusOfPut(PathOf(bytes) + "?offset=2500000", bytes.substr(2'500'000)), 503)
       << "fewer bytes have arrived";
   // The connection that was cut may still store its last piece.
-  EXPECT_TRUE(BecomesTrue([&] {
+  EXPECT_TRUE(ComesTrue([&] {
     const uint64_t held = MissingOf(bytes)[0]["held"];
     return StatusOfPut(PathOf(bytes) + fmt::format("?offset={}", held), bytes.substr(held)) == 200;
   }));
@@ -129,10 +100,10 @@ TEST_F(WebUploads, APersonHasANumberOfPlacesAndOtherRequestsGoOn) {
   std::vector<int> open;
   for (int i = 0; i < 4; ++i)
     open.push_back(Begin("/api/v1/blobs/" + Sha256(fmt::format("{}", i)).Hex(), 9999, "a"));
-  EXPECT_TRUE(BecomesTrue([&] { return StatusOfPut(PathOf(bytes), bytes) == 503; }));
+  EXPECT_TRUE(ComesTrue([&] { return StatusOfPut(PathOf(bytes), bytes) == 503; }));
   EXPECT_EQ(client->Get("/api/v1/me")->status, 200);
   ::close(open.back());
-  EXPECT_TRUE(BecomesTrue([&] { return StatusOfPut(PathOf(bytes), bytes) == 200; }));
+  EXPECT_TRUE(ComesTrue([&] { return StatusOfPut(PathOf(bytes), bytes) == 200; }));
   for (size_t i = 0; i < 3; ++i) ::close(open[i]);
 }
 

@@ -1,0 +1,50 @@
+// A coordinator with a plain web page, whose visitors are programs of the user who runs the coordinator, and
+// the requests that the page makes.
+#pragma once
+
+#include <httplib.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/coordinator/services_fixture.h"
+
+namespace tessera {
+
+class WebServices : public Services {
+ protected:
+  using json = nlohmann::json;
+
+  WebServices() {
+    http = *ParseAddress("127.0.0.1:0", "test");
+    Restart();
+  }
+  // With the same data, at another port.
+  void Restart() {
+    coordinator.reset();
+    Start();
+    client = std::make_unique<httplib::Client>("127.0.0.1", port());
+    client->set_read_timeout(60);
+    proof = json::parse(client->Get("/api/v1/me")->body)["proof"];
+  }
+  int port() const { return coordinator->http()->port; }
+  httplib::Result Post(const std::string& path, const json& body = json::object()) {
+    return client->Post("/api/v1/" + path, {{"X-Tessera-Proof", proof}}, body.dump(), "application/json");
+  }
+  // Lists show the farm as it was a moment ago.
+  template <typename Condition>
+  static bool ComesTrue(Condition condition) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (!condition()) {
+      if (std::chrono::steady_clock::now() > deadline) return false;
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    return true;
+  }
+
+  std::unique_ptr<httplib::Client> client;
+  std::string proof;  // that a request comes from the page
+};
+
+}  // namespace tessera
