@@ -91,11 +91,12 @@ void Preparations::Add(const Job& job) {
 
 void Preparations::Advance(Instant now) {
   CountLosses(now);
+  std::erase_if(overdue_, [&](const auto& each) { return !state_.scheduler.IsConnected(each.first); });
   std::erase_if(open_, [&](const auto& each) { return OpenJob(each.first) == nullptr; });
   if (open_.empty() || now < due_) return;
   due_ = now + kPreparationInterval;
   for (auto& [job, preparation] : open_) {
-    CheckWorker(now, preparation);
+    CheckWorker(now, state_.jobs.At(job), preparation);
     JudgeLosses(now, state_.jobs.At(job), preparation);
   }
   Assign(now);
@@ -133,7 +134,7 @@ void Preparations::JudgeLosses(Instant now, Job& job, Preparation& preparation) 
 }
 
 // A worker that drains finishes what it has begun.
-void Preparations::CheckWorker(Instant now, Preparation& preparation) {
+void Preparations::CheckWorker(Instant now, Job& job, Preparation& preparation) {
   if (!preparation.worker) return;
   const WorkerId worker = *preparation.worker;
   if (!state_.scheduler.IsConnected(worker)) {
@@ -144,7 +145,23 @@ void Preparations::CheckWorker(Instant now, Preparation& preparation) {
     preparation.worker.reset();
   } else if (!state_.scheduler.MayWork(worker) && !preparation.is_listed) {
     preparation.worker.reset();
+  } else if (preparation.listed_for >= kPreparationDurationMax) {
+    overdue_.emplace(worker, preparation.key);
+    constexpr auto kMinutes = std::chrono::duration_cast<std::chrono::minutes>(kPreparationDurationMax);
+    Fail(now, job, preparation, worker, fmt::format("did not finish in {} minutes", kMinutes.count()));
   }
+}
+
+// The least loaded worker, if possible none that did not list the preparation or hangs in another one.
+std::optional<WorkerId> Preparations::WorkerFor(const Preparation& preparation,
+                                                const std::set<WorkerId>& busy) const {
+  std::set<WorkerId> excluded = busy;
+  for (const auto& [worker, failure] : preparation.failures) excluded.insert(worker);
+  std::set<WorkerId> avoided = excluded;
+  avoided.insert(preparation.lapsed.begin(), preparation.lapsed.end());
+  for (const auto& [worker, key] : overdue_) avoided.insert(worker);
+  const auto worker = state_.scheduler.LeastLoaded(avoided);
+  return worker ? worker : state_.scheduler.LeastLoaded(excluded);
 }
 
 void Preparations::Assign(Instant now) {
@@ -168,13 +185,15 @@ void Preparations::Assign(Instant now) {
     job->order_problem = ReasonsOf(preparation.failures);
     if (served.contains(OwnerOf(*job)) || now < preparation.rests_until) continue;
     if (++attempts > kAttemptsPerLookMax) return;
-    std::set<WorkerId> excluded = busy;
-    for (const auto& [worker, failure] : preparation.failures) excluded.insert(worker);
-    const auto worker = state_.scheduler.LeastLoaded(excluded);
-    if (!worker && excluded.empty()) job->order_problem = state_.scheduler.WhyNoWorker();
+    const auto worker = WorkerFor(preparation, busy);
+    if (!worker && busy.empty() && preparation.failures.empty())
+      job->order_problem = state_.scheduler.WhyNoWorker();
     if (!worker) continue;
     preparation.worker = worker;
     preparation.is_sent = preparation.is_listed = false;
+    preparation.lapses_at = now + kLeaseUnlistedMax;
+    preparation.listed_at = now;
+    preparation.listed_for = {};
     busy.insert(*worker);
     served.insert(OwnerOf(*job));
   }
@@ -197,11 +216,22 @@ void Preparations::FailHopeless(Instant now) {
 }
 
 void Preparations::Synchronize(Instant now, const WorkerState& state) {
+  const auto is_listed = [&](const Digest& key) {
+    return std::ranges::find(state.preparations, key) != state.preparations.end();
+  };
+  std::erase_if(overdue_,
+                [&](const auto& each) { return each.first == state.worker && !is_listed(each.second); });
   for (auto& [id, preparation] : open_) {
     if (preparation.worker != state.worker) continue;
-    preparation.is_listed =
-        std::ranges::find(state.preparations, preparation.key) != state.preparations.end();
-    if (state.leaving) {
+    preparation.is_listed = is_listed(preparation.key);
+    if (preparation.is_listed) {
+      // A jump of the clock is no time that the worker has had.
+      preparation.listed_for += std::min(now - preparation.listed_at, kLeaseDuration);
+      preparation.listed_at = now;
+      preparation.lapses_at = now + kLeaseDuration;
+    }
+    if (state.leaving || now >= preparation.lapses_at) {
+      if (!state.leaving) preparation.lapsed.insert(state.worker);
       preparation.worker.reset();
       due_ = {};
     } else if (!preparation.is_listed && now - preparation.sent_at >= kAnnounceAgain) {

@@ -1,14 +1,17 @@
 // Jobs whose frames a worker is to make, and which worker does. Such a job is a fact before anybody reads its
 // scene; its frames are another. A worker has one preparation at a time, and of an owner one is done at a
 // time, by priority. Whoever answers first is believed as far as the order tells what its frames are: the
-// workers that render them read the scene again and refuse frames that differ. A worker that is lost with a
-// preparation in hand counts as one that failed it unless it returns or others are lost at the same time
-// (loss_book.h). Owned by the farm.
+// workers that render them read the scene again and refuse frames that differ. As with leases, what a worker
+// does not list lapses and is given to another, which does not count as a failure. A worker that lists a
+// preparation for longer than kPreparationDurationMax counts as one that failed it; a late report is still
+// accepted. So does a worker that is lost with a preparation in hand, unless it returns or others are lost at
+// the same time (loss_book.h). Owned by the farm.
 #pragma once
 
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -52,6 +55,9 @@ class Preparations {
     std::optional<WorkerId> worker;  // that does it
     bool is_sent = false, is_listed = false;
     Instant sent_at{};
+    Instant lapses_at{};                               // unless the worker lists it
+    Instant listed_at{}, listed_for{};                 // at last, and how long altogether
+    std::set<WorkerId> lapsed;                         // workers that did not list it
     std::vector<std::pair<WorkerId, Instant>> losses;  // not judged yet
     Instant rests_until{};                             // after a loss
     std::map<WorkerId, Failure> failures;
@@ -60,9 +66,10 @@ class Preparations {
   Job* OpenJob(JobId id) const;
   void CountLosses(Instant now);
   bool IsOneOfCrowd(Instant at) const;
-  void CheckWorker(Instant now, Preparation& preparation);
+  void CheckWorker(Instant now, Job& job, Preparation& preparation);
   void JudgeLosses(Instant now, Job& job, Preparation& preparation);
   void Assign(Instant now);
+  std::optional<WorkerId> WorkerFor(const Preparation& preparation, const std::set<WorkerId>& busy) const;
   void Fail(Instant now, Job& job, Preparation& preparation, WorkerId worker, const std::string& reason);
   void FailHopeless(Instant now);
   void Admit(Instant now, Job& job, const PreparationReport& report);
@@ -71,6 +78,7 @@ class Preparations {
   JobEnd& end_;
   const int attempts_max_;
   std::map<JobId, Preparation> open_;
+  std::set<std::pair<WorkerId, Digest>> overdue_;  // that the workers still list, by their keys
   std::deque<std::pair<Instant, uint64_t>> lost_;  // when the number of workers lost became what
   Instant due_{};
 };

@@ -71,6 +71,7 @@ void Machines::LoadScenes(size_t m) {
 void Machines::Prepare(size_t m) {
   WorkerModel& worker = *machines_[m].worker;
   while (const auto request = worker.load().StartPreparation()) {
+    if (worker.traits().never_prepares) continue;
     OnMachine(m, FromSeconds(worker.traits().load_s), [=, this](Machine& at) {
       PreparationReport report;
       report.key = request->key;

@@ -42,6 +42,7 @@ void Machines::StartWorker(size_t m) {
   traits.load_s = world_.random.Real(0.01, 2);
   if (m == 1 && options.one_fails_units) traits.failure_chance = 0.3;
   if (m == 2 && options.one_damages_results) traits.damage_chance = 0.5;
+  traits.never_prepares = m == 0 && options.one_never_prepares;
   if (m == 0 && options.one_lies) traits.lie_chance = 0.3;
   const WorkerId id{worker_next_++};
   if (traits.failure_chance + traits.damage_chance + traits.lie_chance > 0 || traits.is_ill)

@@ -1,11 +1,6 @@
 #include "tests/simulation/simulation.h"
 
 namespace tessera {
-namespace {
-
-constexpr double kHealedLimit_s = 400;  // simulated seconds in which a healed farm must end every job
-
-}  // namespace
 
 SimulationReport Simulation::Run() {
   world_.Trace(world_.options.Text());
@@ -13,7 +8,7 @@ SimulationReport Simulation::Run() {
   clients_.Start();
   machines_.Start();
   faults_.Start();
-  const Instant limit = FromSeconds(world_.options.faults_s + kHealedLimit_s);
+  const Instant limit = FromSeconds(world_.options.faults_s + world_.options.healed_limit_s);
   EventQueue& queue = world_.queue;
   while (!queue.empty() && queue.next_at() < limit && !(world_.is_healthy() && clients_.have_all_ended()))
     queue.RunNext();

@@ -49,10 +49,10 @@ std::string SimulationOptions::Text() const {
       "faults={} one_fails_units={} one_damages_results={} poison={} killer={} cancel_one={} "
       "verify_share={:.2f} "
       "one_lies={} "
-      "noise_threshold={:.3f} ordered_share={:.2f}",
+      "noise_threshold={:.3f} ordered_share={:.2f} one_never_prepares={}",
       workers, jobs, loss, duplication, reordering, delay_max_s, slow_share, FaultsText(faults),
       one_fails_units, one_damages_results, poison, killer, cancel_one, verify_share, one_lies,
-      noise_threshold, ordered_share);
+      noise_threshold, ordered_share, one_never_prepares);
 }
 
 }  // namespace tessera

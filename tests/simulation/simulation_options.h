@@ -40,8 +40,10 @@ struct SimulationOptions {
   bool poison = false;  // one job has a unit that every worker fails
   bool killer = false;  // one job has a unit that kills every worker that renders it
   bool cancel_one = false;
-  double ordered_share = 0;  // of the jobs: workers make their frames
-  double verify_share = 0;   // of every job
+  double ordered_share = 0;         // of the jobs: workers make their frames
+  bool one_never_prepares = false;  // what a worker prepares never ends
+  double healed_limit_s = 400;      // in which a healed farm must end every job
+  double verify_share = 0;          // of every job
   bool one_lies = false;     // a worker returns wrong sums of the right form; all units are verified then
   bool ill_machine = false;  // the first two workers return the same wrong sums
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "coordinator/core/schedule/policy.h"
 #include "tests/simulation/scale_farm.h"
 
 namespace tessera {
@@ -37,6 +38,25 @@ TEST(Simulation, WorkersOfAnIllMachineNeverConfirmEachOtherWhileOthersWork) {
     for (const std::string& violation : report.violations)
       ADD_FAILURE() << "seed " << seed << " at " << violation;
   }
+}
+
+// Beside whatever else fails. A healed farm has to wait until it no longer waits for the worker.
+TEST(Simulation, JobsOfWhichAWorkerNeverEndsThePreparationAreDoneByOthers) {
+  bool has_waited = false;
+  for (uint64_t seed = 1; seed <= 50; ++seed) {
+    SimulationOptions options = DrawOptions(seed);
+    options.workers = 4;
+    options.verify_share = 0;
+    options.one_lies = false;
+    options.ordered_share = 1;
+    options.one_never_prepares = true;
+    options.healed_limit_s += options.jobs * Seconds(kPreparationDurationMax);
+    const SimulationReport report = Simulation(seed, options).Run();
+    for (const std::string& violation : report.violations)
+      ADD_FAILURE() << "seed " << seed << " at " << violation;
+    has_waited |= report.ended_s > Seconds(kPreparationDurationMax);
+  }
+  EXPECT_TRUE(has_waited);
 }
 
 class Scale : public testing::TestWithParam<int> {};

@@ -13,13 +13,14 @@ namespace tessera {
 
 struct WorkerTraits {
   int slots = 1;
-  double speed = 1;           // model cost per second
-  uint64_t machine = 0;       // that it runs on
-  double load_s = 0.1;        // to load a scene
-  double failure_chance = 0;  // of a unit
-  double damage_chance = 0;   // of a result
-  double lie_chance = 0;      // of a result: wrong sums of the right form
-  bool is_ill = false;        // all sums are wrong, and equal on all workers of the machine
+  double speed = 1;             // model cost per second
+  uint64_t machine = 0;         // that it runs on
+  double load_s = 0.1;          // to load a scene
+  double failure_chance = 0;    // of a unit
+  double damage_chance = 0;     // of a result
+  double lie_chance = 0;        // of a result: wrong sums of the right form
+  bool never_prepares = false;  // what it prepares never ends
+  bool is_ill = false;          // all sums are wrong, and equal on all workers of the machine
 };
 
 class WorkerModel {

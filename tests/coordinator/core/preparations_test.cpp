@@ -4,85 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/coordinator/core/farm_stage.h"
+#include "tests/coordinator/core/preparation_stage.h"
 
 namespace tessera {
 namespace {
 
-using std::chrono::milliseconds;
-using std::chrono::seconds;
 using testing::HasSubstr;
-
-const JobOwner kOwnerAda{MemberId{1}, "ada"}, kOwnerBob{MemberId{2}, "bob"};
-
-std::shared_ptr<JobOrder> SmallOrder(uint64_t submission, int frames = 1) {
-  auto order = std::make_shared<JobOrder>();
-  order->submission = submission;
-  order->name = "small";
-  order->scene.package = Sha256("package");
-  order->scene.scene_file = "s#";
-  order->scene.options = "spp=4\n";
-  order->scene.frames = FrameRange{0, frames - 1, 1};
-  return order;
-}
-
-PreparationReport Prepared(const JobOrder& order, int frames = 1) {
-  PreparationReport report;
-  report.key = PreparationKey(order);
-  report.frames = SmallJob(1, frames)->frames;
-  for (FrameRequest& frame : report.frames)
-    frame.options = "fps=24\nframe=7\nspp=4\ntime=0.5\ntime-step=0.1\n";
-  return report;
-}
-
-PreparationReport NotPrepared(const JobOrder& order, const std::string& reason) {
-  PreparationReport report;
-  report.key = PreparationKey(order);
-  report.reason = reason;
-  return report;
-}
-
-struct PreparationStage : FarmStage {
-  // The request in the answer to the state of a worker, which lists `held`. A call that waits is answered
-  // when there is news.
-  std::optional<PreparationRequest> Call(uint64_t worker, std::vector<Digest> held = {},
-                                         Instant after = milliseconds(260)) {
-    now += after;
-    WorkerState state = Worker(worker);
-    state.name = "w" + std::to_string(worker);
-    state.farm = farm.id();
-    state.preparations = std::move(held);
-    farm.Synchronize(now, CallId{++calls}, state);
-    Step();
-    for (const auto& each : output.directives) {
-      if (each.directive.preparation) return each.directive.preparation;
-    }
-    return std::nullopt;
-  }
-  void Wait(Instant duration) {
-    for (const Instant end = now + duration; now < end;) {
-      now += milliseconds(250);
-      Step();
-    }
-  }
-  // Contacts of workers, so that none falls silent.
-  void Pass(Instant duration, const std::vector<uint64_t>& workers, const std::vector<Digest>& held = {}) {
-    for (const Instant end = now + duration; now < end;) {
-      now += seconds(1);
-      for (const uint64_t worker : workers) (void)Call(worker, held);
-    }
-  }
-  void Return(uint64_t worker, const PreparationReport& report) {
-    farm.ReturnPreparation(now, WorkerId{worker}, report);
-    Step();
-  }
-  JobId Order(const std::shared_ptr<JobOrder>& order, const JobOwner& owner = kOwnerAda) {
-    const auto job = farm.Order(now, order, owner);
-    EXPECT_TRUE(job) << job.error().message;
-    Step();
-    return *job;
-  }
-};
 
 TEST(Preparations, AWorkerMakesTheFramesOfAJobThatIsRenderedThen) {
   PreparationStage stage;
@@ -284,40 +211,6 @@ TEST(Preparations, AnOwnerMayHaveALimitedNumberWaiting) {
   EXPECT_FALSE(stage.farm.Order(stage.now, SmallOrder(1000), kOwnerAda));
   EXPECT_TRUE(stage.farm.Order(stage.now, SmallOrder(1), kOwnerAda)) << "it is there already";
   EXPECT_TRUE(stage.farm.Order(stage.now, SmallOrder(1001), kOwnerBob));
-}
-
-TEST(Preparations, ASceneThatKillsThreeWorkersOneByOneFails) {
-  PreparationStage stage;
-  const auto order = SmallOrder(7);
-  const JobId job = stage.Order(order);
-  const std::vector<Digest> held{PreparationKey(*order)};
-  for (uint64_t worker = 1; worker <= 3; ++worker) {
-    ASSERT_TRUE(stage.Call(worker)) << worker;
-    (void)stage.Call(worker, held);
-    stage.farm.Cut(stage.now, CallId{stage.calls});
-    stage.Step();
-    stage.Wait(seconds(10));
-  }
-  stage.Wait(seconds(30));
-  EXPECT_EQ(stage.Status(job).state, JobState::kFailed) << stage.Status(job).reason;
-  EXPECT_THAT(stage.Status(job).reason, HasSubstr("was lost while it prepared the scene"));
-}
-
-TEST(Preparations, ASceneIsNotBlamedForWorkersThatAreLostTogether) {
-  PreparationStage stage;
-  const auto order = SmallOrder(7);
-  const JobId job = stage.Order(order);
-  for (int round = 0; round < 4; ++round) {
-    const auto a = static_cast<uint64_t>(10 + 2 * round), b = a + 1;
-    ASSERT_TRUE(stage.Call(a));
-    (void)stage.Call(a, {PreparationKey(*order)});
-    const CallId call_of_a{stage.calls};
-    (void)stage.Call(b);
-    stage.farm.Cut(stage.now, call_of_a);
-    stage.farm.Cut(stage.now, CallId{stage.calls});
-    stage.Wait(seconds(40));
-  }
-  EXPECT_EQ(stage.Status(job).state, JobState::kPreparing) << stage.Status(job).reason;
 }
 
 }  // namespace

@@ -1,0 +1,153 @@
+// Jobs whose frames a worker does not make: it hangs, forgets them, or is lost.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "coordinator/core/schedule/policy.h"
+#include "tests/coordinator/core/preparation_stage.h"
+
+namespace tessera {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(LostPreparations, AWorkerThatNeverFinishesLosesThePreparationAndALateReportStillCounts) {
+  PreparationStage stage;
+  const auto order = SmallOrder(7);
+  const JobId job = stage.Order(order);
+  const std::vector<Digest> held{PreparationKey(*order)};
+  ASSERT_TRUE(stage.Call(1));
+  stage.Pass(kPreparationDurationMax - seconds(10), {1}, held);
+  EXPECT_FALSE(stage.Call(2)) << "it may take long";
+  stage.Pass(seconds(30), {1}, held);
+  EXPECT_EQ(stage.Status(job).state, JobState::kPreparing);
+  EXPECT_EQ(stage.Status(job).reason, "w1: did not finish in 120 minutes");
+  ASSERT_TRUE(stage.Call(2));
+  stage.Return(1, Prepared(*order));
+  EXPECT_EQ(stage.Status(job).state, JobState::kWaiting);
+}
+
+TEST(LostPreparations, ThreeWorkersThatNeverFinishEndTheJob) {
+  PreparationStage stage;
+  const auto order = SmallOrder(7);
+  const JobId job = stage.Order(order);
+  for (uint64_t worker = 1; worker <= 3; ++worker) {
+    EXPECT_EQ(stage.Status(job).state, JobState::kPreparing);
+    ASSERT_TRUE(stage.Call(worker)) << worker;
+    stage.Pass(kPreparationDurationMax + seconds(10), {worker}, {PreparationKey(*order)});
+  }
+  EXPECT_EQ(stage.Status(job).state, JobState::kFailed);
+  EXPECT_EQ(stage.Status(job).reason,
+            "the scene cannot be prepared: w1, w2, w3: did not finish in 120 minutes");
+}
+
+TEST(LostPreparations, AWorkerThatHangsInOneGetsAnotherOnlyIfNobodyElseIsThere) {
+  PreparationStage stage;
+  const auto first = SmallOrder(1), second = SmallOrder(2);
+  const std::vector<Digest> held{PreparationKey(*first)};
+  stage.Order(first);
+  ASSERT_TRUE(stage.Call(1));
+  stage.Pass(kPreparationDurationMax + seconds(10), {1}, held);
+  ASSERT_TRUE(stage.Call(2));
+  stage.Return(2, Prepared(*first));
+  stage.Order(second);
+  EXPECT_FALSE(stage.Call(1, held));
+  EXPECT_TRUE(stage.Call(2));
+  stage.Return(2, NotPrepared(*second, "no"));
+  stage.now += seconds(1);
+  EXPECT_TRUE(stage.Call(1, held));
+}
+
+TEST(LostPreparations, AWorkerThatNoLongerHangsIsLikeAnyOther) {
+  PreparationStage stage;
+  const auto first = SmallOrder(1), second = SmallOrder(2);
+  const std::vector<Digest> held{PreparationKey(*first)};
+  stage.Order(first);
+  ASSERT_TRUE(stage.Call(1));
+  stage.Pass(kPreparationDurationMax + seconds(10), {1}, held);
+  ASSERT_TRUE(stage.Call(2));
+  stage.Return(2, Prepared(*first));
+  (void)stage.Call(1);
+  stage.Order(second);
+  EXPECT_TRUE(stage.Call(1)) << "of workers with equal load the first is chosen";
+}
+
+TEST(LostPreparations, AJumpOfTheClockIsNotTimeThatAWorkerHasHad) {
+  PreparationStage stage;
+  const auto order = SmallOrder(7);
+  const JobId job = stage.Order(order);
+  const std::vector<Digest> held{PreparationKey(*order)};
+  ASSERT_TRUE(stage.Call(1));
+  (void)stage.Call(1, held);
+  (void)stage.Call(1, held, 2 * kPreparationDurationMax);
+  (void)stage.Call(1, held);
+  EXPECT_EQ(stage.Status(job).reason, "");
+  EXPECT_FALSE(stage.Call(2));
+}
+
+TEST(LostPreparations, WhatAWorkerDoesNotListGoesToAnotherAndDoesNotCountAsAFailure) {
+  for (const bool was_listed : {false, true}) {
+    PreparationStage stage;
+    const auto order = SmallOrder(7);
+    (void)stage.Call(1);
+    (void)stage.Call(2);
+    const JobId job = stage.Order(order);
+    ASSERT_TRUE(stage.Call(1));
+    if (was_listed) (void)stage.Call(1, {PreparationKey(*order)});
+    const Instant patience = was_listed ? kLeaseDuration : kLeaseUnlistedMax;
+    stage.Pass(patience - seconds(2), {1, 2});
+    EXPECT_FALSE(stage.Call(2)) << was_listed;
+    stage.Pass(seconds(3), {1});
+    EXPECT_TRUE(stage.Call(2)) << was_listed;
+    EXPECT_EQ(stage.Status(job).reason, "");
+    stage.Return(1, Prepared(*order));
+    EXPECT_EQ(stage.Status(job).state, JobState::kWaiting);
+  }
+}
+
+TEST(LostPreparations, WhatTheOnlyWorkerDoesNotListIsSentToItAgain) {
+  PreparationStage stage;
+  const auto order = SmallOrder(7);
+  const JobId job = stage.Order(order);
+  ASSERT_TRUE(stage.Call(1));
+  stage.Pass(seconds(60), {1});
+  EXPECT_TRUE(stage.Call(1));
+  EXPECT_EQ(stage.Status(job).state, JobState::kPreparing);
+  EXPECT_EQ(stage.Status(job).reason, "");
+}
+
+TEST(LostPreparations, ASceneThatKillsThreeWorkersOneByOneFails) {
+  PreparationStage stage;
+  const auto order = SmallOrder(7);
+  const JobId job = stage.Order(order);
+  const std::vector<Digest> held{PreparationKey(*order)};
+  for (uint64_t worker = 1; worker <= 3; ++worker) {
+    ASSERT_TRUE(stage.Call(worker)) << worker;
+    (void)stage.Call(worker, held);
+    stage.farm.Cut(stage.now, CallId{stage.calls});
+    stage.Step();
+    stage.Wait(seconds(10));
+  }
+  stage.Wait(seconds(30));
+  EXPECT_EQ(stage.Status(job).state, JobState::kFailed) << stage.Status(job).reason;
+  EXPECT_THAT(stage.Status(job).reason, HasSubstr("was lost while it prepared the scene"));
+}
+
+TEST(LostPreparations, ASceneIsNotBlamedForWorkersThatAreLostTogether) {
+  PreparationStage stage;
+  const auto order = SmallOrder(7);
+  const JobId job = stage.Order(order);
+  for (int round = 0; round < 4; ++round) {
+    const auto a = static_cast<uint64_t>(10 + 2 * round), b = a + 1;
+    ASSERT_TRUE(stage.Call(a));
+    (void)stage.Call(a, {PreparationKey(*order)});
+    const CallId call_of_a{stage.calls};
+    (void)stage.Call(b);
+    stage.farm.Cut(stage.now, call_of_a);
+    stage.farm.Cut(stage.now, CallId{stage.calls});
+    stage.Wait(seconds(40));
+  }
+  EXPECT_EQ(stage.Status(job).state, JobState::kPreparing) << stage.Status(job).reason;
+}
+
+}  // namespace
+}  // namespace tessera
