@@ -1,4 +1,5 @@
 // The services for jobs and workers, called as clients and workers do.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -155,6 +156,44 @@ TEST_F(Services, WorkersOfAnotherReleaseAreRefused) {
   const grpc::Status status = Synchronize(state, directive);
   EXPECT_EQ(status.error_code(), StatusCode::FAILED_PRECONDITION);
   EXPECT_THAT(status.error_message(), HasSubstr("0.0.0"));
+}
+
+// What its state holds besides may mean something else there.
+TEST_F(Services, AWorkerOfTheProtocolBeforeOrAfterIsToldBothAndHasNotJoined) {
+  for (const uint32_t protocol : {kProtocolVersion - 1, kProtocolVersion + 1}) {
+    WorkerState state = Worker(milliseconds(0));
+    state.protocol = protocol;
+    state.software_version = "";
+    proto::WorkerState request;
+    Write(state, request);
+    request.add_leases();
+    request.add_preparations("no digest");
+    request.set_machine(~uint64_t{0});
+    proto::WorkerDirective directive;
+    const grpc::Status status = Call(*work, &proto::Work::Stub::Synchronize, request, directive);
+    EXPECT_EQ(status.error_code(), StatusCode::FAILED_PRECONDITION) << "it never can";
+    EXPECT_EQ(status.error_message(),
+              fmt::format("worker \"tester\" uses protocol {}, this coordinator {}; install the same "
+                          "release on both",
+                          protocol, kProtocolVersion));
+    EXPECT_EQ(WorkerCount(), 0);
+  }
+}
+
+// Programs of all releases compare these members by their numbers, and a name in the answer to a worker.
+TEST_F(Services, TheMembersByWhichReleasesAreComparedKeepTheirNumbers) {
+  proto::HealthAnswer health;
+  ASSERT_TRUE(Call(*jobs, &proto::Jobs::Stub::Health, proto::HealthRequest(), health).ok());
+  const std::string version = kSoftwareVersion;
+  const std::string members = std::string("\x0a") + static_cast<char>(version.size()) + version + "\x10" +
+                              static_cast<char>(kProtocolVersion);
+  EXPECT_EQ(health.SerializeAsString().substr(0, members.size()), members);
+  proto::WorkerState state;
+  ASSERT_TRUE(state.ParseFromString("\b\7\020\5\"\5blade2\0030.1"));
+  EXPECT_EQ(state.protocol(), 7u);
+  EXPECT_EQ(state.worker(), 5u);
+  EXPECT_EQ(state.name(), "blade");
+  EXPECT_EQ(state.software_version(), "0.1");
 }
 
 TEST_F(Services, AWorkerThatHasNotRenderedTheProbeIsRefused) {

@@ -67,10 +67,12 @@ class SilentCoordinator final : public proto::Work::CallbackService {
   std::unique_ptr<grpc::Server> server_;
 };
 
-// A farm that is full as long as `is_full`.
+// A farm that is full as long as `is_full`, or that gives another answer to workers that want to join.
 class FullFarm final : public proto::Work::Service {
  public:
-  explicit FullFarm(const Address& address) {
+  explicit FullFarm(const Address& address,
+                    grpc::Status refusal = {grpc::StatusCode::RESOURCE_EXHAUSTED, "the farm is full"})
+      : refusal_(std::move(refusal)) {
     grpc::ServerBuilder builder;
     builder.AddListeningPort(address.Target(), grpc::InsecureServerCredentials());
     builder.RegisterService(this);
@@ -84,7 +86,7 @@ class FullFarm final : public proto::Work::Service {
       calls_.push_back(std::chrono::steady_clock::now());
     }
     changed_.notify_all();
-    if (is_full) return {grpc::StatusCode::RESOURCE_EXHAUSTED, "the farm is full"};
+    if (is_full) return refusal_;
     answer->set_farm(WriteFarmId({1, 2}));
     answer->set_call_again_ms(10'000);
     {
@@ -107,6 +109,7 @@ class FullFarm final : public proto::Work::Service {
   std::atomic<bool> is_full = true;
 
  private:
+  const grpc::Status refusal_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<std::chrono::steady_clock::time_point> calls_;
@@ -123,10 +126,16 @@ class RunningSynchronizer {
         prefetcher_(fetcher_),
         self_(StateOf(worker)),
         synchronizer_(channel, address, self_, workload_, meter_, prefetcher_,
-                      [this](const Error&) { is_refused = true; }),
+                      [this](const Error& error) {
+                        if (is_refused) return;  // only the first reason is read
+                        refusal = error.message;
+                        is_refused = true;
+                        is_refused.notify_all();
+                      }),
         exchange_([this](std::stop_token stop) { synchronizer_.Run(std::move(stop)); }) {}
 
   std::atomic<bool> is_refused = false;
+  std::string refusal;  // once it is refused
 
  private:
   static WorkerState StateOf(uint64_t worker) {
@@ -157,6 +166,19 @@ TEST(Synchronizer, TriesSeldomToJoinAFarmThatIsFullAndJoinsItWhenThereIsPlace) {
   farm.is_full = false;
   EXPECT_TRUE(farm.AwaitJoin());
   EXPECT_FALSE(synchronizer.is_refused);
+}
+
+// A newer coordinator knows the protocol of an older worker and nothing else of it.
+TEST(Synchronizer, EndsWithTheReasonOfACoordinatorOfAnotherRelease) {
+  const TemporaryDir folder;
+  const Address address = *ParseAddress("unix:" + (folder / "socket"), "test");
+  const std::string reason =
+      "worker \"w\" uses protocol 8, this coordinator 9; install the same release on both";
+  const FullFarm farm(address, {grpc::StatusCode::FAILED_PRECONDITION, reason});
+  const auto cache = BlobStore::Open(folder / "cache", BlobStoreOptions::Cache(1 << 20));
+  const RunningSynchronizer synchronizer(OpenChannel(address), address, 1, *cache);
+  synchronizer.is_refused.wait(false);
+  EXPECT_EQ(synchronizer.refusal, "cannot join the farm: " + reason);
 }
 
 TEST(Synchronizer, AsksForAnImmediateAnswerUntilItIsConnected) {

@@ -1,4 +1,5 @@
 // A coordinator that asks to try again is asked again by every call that the client makes.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <google/protobuf/descriptor.h>
 #include <grpcpp/generic/async_generic_service.h>
@@ -34,8 +35,9 @@ grpc::ByteBuffer Encoded(const google::protobuf::Message& message) {
 // then for good.
 class BusyCoordinator final : public grpc::CallbackGenericService {
  public:
-  BusyCoordinator(const Address& address, int refusals, std::string version = kSoftwareVersion)
-      : refusals_(refusals), version_(std::move(version)) {
+  BusyCoordinator(const Address& address, int refusals, std::string version = kSoftwareVersion,
+                  uint32_t protocol = kProtocolVersion)
+      : refusals_(refusals), version_(std::move(version)), protocol_(protocol) {
     grpc::ServerBuilder builder;
     builder.AddListeningPort(address.Target(), grpc::InsecureServerCredentials());
     builder.RegisterCallbackGenericService(this);
@@ -66,7 +68,7 @@ class BusyCoordinator final : public grpc::CallbackGenericService {
     if (context->method().ends_with("/Health")) {
       proto::HealthAnswer health;
       health.set_software_version(version_);
-      health.set_protocol(kProtocolVersion);
+      health.set_protocol(protocol_);
       health.set_farm(WriteFarmId(RandomFarmId()));
       return new Reactor(health);
     }
@@ -78,6 +80,7 @@ class BusyCoordinator final : public grpc::CallbackGenericService {
 
   const int refusals_;
   const std::string version_;
+  const uint32_t protocol_;
   mutable std::mutex mutex_;
   std::map<std::string, int> calls_;  // guarded by mutex_
   std::unique_ptr<grpc::Server> server_;
@@ -155,13 +158,19 @@ TEST_F(BusyFarm, TheReasonIsReportedOncePatienceIsOver) {
 }
 
 TEST_F(BusyFarm, ACoordinatorOfAnotherReleaseIsNotUsedAndBothReleasesAreNamed) {
-  BusyCoordinator coordinator(address_, 0, "0.1.0");
-  const Error error = ErrorOf(CoordinatorClient::Connect(address_, {kLong, kLong}, {}));
-  EXPECT_EQ(error.kind, ErrorKind::kFailed);
-  EXPECT_THAT(error.message, HasSubstr("the coordinator has version 0.1.0"));
-  EXPECT_THAT(error.message, HasSubstr(std::string("this program version ") + kSoftwareVersion));
-  EXPECT_THAT(error.message, HasSubstr("install the same release on both"));
-  EXPECT_TRUE(coordinator.calls().empty()) << "nothing is sent to it";
+  const std::pair<std::string, uint32_t> others[] = {{"0.1.0", kProtocolVersion},
+                                                     {kSoftwareVersion, kProtocolVersion - 1},
+                                                     {kSoftwareVersion, kProtocolVersion + 1}};
+  for (const auto& [version, protocol] : others) {
+    BusyCoordinator coordinator(address_, 0, version, protocol);
+    const Error error = ErrorOf(CoordinatorClient::Connect(address_, {kLong, kLong}, {}));
+    EXPECT_EQ(error.kind, ErrorKind::kFailed);
+    EXPECT_THAT(error.message,
+                HasSubstr(fmt::format("the coordinator has version {} (protocol {}) and this program version "
+                                      "{} (protocol {}); install the same release on both",
+                                      version, protocol, kSoftwareVersion, kProtocolVersion)));
+    EXPECT_TRUE(coordinator.calls().empty()) << "nothing is sent to it";
+  }
 }
 
 TEST_F(BusyFarm, WithoutPatienceACallIsMadeOnce) {

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -170,6 +171,10 @@ TEST_F(Answers, OtherVersionsAndQuarantinedWorkersAreNamed) {
   EXPECT_EQ(Worst(), Severity::kProblem);
   EXPECT_THAT(Text(), HasSubstr("version 0.1"));
   facts_.software_version = kSoftwareVersion;
+  facts_.protocol = kProtocolVersion - 1;
+  EXPECT_EQ(Worst(), Severity::kProblem);
+  EXPECT_THAT(Text(), HasSubstr(fmt::format("(protocol {}), this program", kProtocolVersion - 1)));
+  facts_.protocol = kProtocolVersion;
   WorkerStatus old, ill;
   old.name = "blade-1";
   old.software_version = "0.1";
