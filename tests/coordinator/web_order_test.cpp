@@ -18,23 +18,6 @@ class WebOrders : public WebServices {
   }
   httplib::Result SubmitOrder(const json& body) { return Post("jobs", body); }
   int StatusOf(const json& body) { return SubmitOrder(body)->status; }
-  // Calls as a worker until the answer has something to prepare.
-  proto::PreparationRequest AwaitPreparation() {
-    proto::WorkerDirective directive;
-    EXPECT_TRUE(ComesTrue([&] {
-      EXPECT_TRUE(Synchronize(Worker(milliseconds(200)), directive).ok());
-      return directive.has_preparation();
-    }));
-    return directive.preparation();
-  }
-  grpc::Status Report(proto::PreparationReport report, const proto::PreparationRequest& request) {
-    LearnFarm();
-    report.set_worker(7);
-    report.set_farm(WriteFarmId(farm));
-    report.set_key(request.key());
-    proto::PreparationAnswer answer;
-    return Call(*work, &proto::Work::Stub::ReturnPreparation, report, answer);
-  }
 
   proto::JobSpec submitted;
   json order;

@@ -1,5 +1,5 @@
 // A coordinator with a plain web page, whose visitors are programs of the user who runs the coordinator, and
-// the requests that the page makes.
+// the requests that the page makes. A worker that prepares what was ordered there.
 #pragma once
 
 #include <httplib.h>
@@ -41,6 +41,23 @@ class WebServices : public Services {
       std::this_thread::sleep_for(milliseconds(20));
     }
     return true;
+  }
+  // Calls as a worker until the answer has something to prepare.
+  proto::PreparationRequest AwaitPreparation() {
+    proto::WorkerDirective directive;
+    EXPECT_TRUE(ComesTrue([&] {
+      EXPECT_TRUE(Synchronize(Worker(milliseconds(200)), directive).ok());
+      return directive.has_preparation();
+    }));
+    return directive.preparation();
+  }
+  grpc::Status Report(proto::PreparationReport report, const proto::PreparationRequest& request) {
+    LearnFarm();
+    report.set_worker(7);
+    report.set_farm(WriteFarmId(farm));
+    report.set_key(request.key());
+    proto::PreparationAnswer answer;
+    return Call(*work, &proto::Work::Stub::ReturnPreparation, report, answer);
   }
 
   std::unique_ptr<httplib::Client> client;

@@ -1,13 +1,17 @@
 // A data directory that release 0.1 left ("tessera-data 4") is read: every job and every sum in it is there.
-// tests/end_to_end/migration_test.cpp continues it with real programs and says how it was made.
+// tests/end_to_end/migration_test.cpp continues it with real programs and says how it was made. One of the
+// present format is kept too: tests/coordinator/kept_orders_test.cpp opens it and says how it was made.
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <map>
+#include <set>
 
+#include "coordinator/core/fact.h"
 #include "coordinator/store/data_dir.h"
 #include "coordinator/store/file_journal.h"
 #include "coordinator/store/file_spool.h"
+#include "coordinator/store/record_log.h"
 #include "renderer/film/picture_file.h"
 #include "renderer/util/file.h"
 #include "tests/build_paths.h"
@@ -68,6 +72,27 @@ TEST(DataMigration, ADirectoryOfFormat4KeepsItsJobsAndSums) {
     EXPECT_EQ(*EncodeExr(spec, merger.Picture()), *ReadFile(path + "/pictures/1/0.exr", 1 << 20))
         << "the kept sums are those of the picture, to the last bit";
   }
+}
+
+// If this fails, what is stored has another form. Keep this directory to be read, and add one that the
+// changed release leaves, to which this test then belongs.
+TEST(DataMigration, AJournalOfFormat6HasTheBytesThatAreWrittenNow) {
+  const std::string path = SourceDir() + "/tests/coordinator/store/data/format-6";
+  EXPECT_EQ(*ReadFile(path + "/version", 100), "tessera-data 6\n");
+  std::set<size_t> kinds;
+  const auto visit = [&](std::string_view payload, uint32_t) -> Result<void> {
+    const auto fact = DecodeFact(payload);
+    if (!fact) return fact.error();
+    EXPECT_EQ(EncodeFact(*fact), payload) << "a fact of kind " << fact->index();
+    kinds.insert(fact->index());
+    return {};
+  };
+  const RecordFormat format{"TSRJ", 2, 2, kFactBytesMax};
+  const auto read = RecordLog::Read(path + "/journal", format, RecordLog::Tail::kWhole, visit, "");
+  EXPECT_TRUE(read) << read.error().message;
+  for (const Fact& fact : {Fact(JobOrdered()), Fact(JobOwned()), Fact(JobSubmitted()), Fact(FrameFinished()),
+                           Fact(JobEnded()), Fact(JobPaused()), Fact(JobPriorityChanged())})
+    EXPECT_TRUE(kinds.contains(fact.index())) << "there is none of kind " << fact.index();
 }
 
 }  // namespace
