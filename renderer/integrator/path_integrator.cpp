@@ -36,6 +36,7 @@ class PathTracer {
   void Leave(const SurfaceInteraction& interaction, const BsdfSample& sample);
   bool ComeOut(const SurfaceInteraction& entry, const BsdfSample& entered);
   bool SurvivesRoulette();
+  bool PassesDelayedRoulette() { return !is_sharp_ || SurvivesRoulette(); }
 
   FlightEvent Fly(Hit* hit, float* t_event);
   bool HeedsLinks() const { return context_.world.links.any() || is_shadowed_; }
@@ -78,7 +79,8 @@ class PathTracer {
   bool was_spread_ = false;  // whether any event was not specular
   // Whether the ray has passed hidden surfaces that cast shadows since the path last scattered.
   bool is_shadowed_ = false;
-  bool weigh_ = false;  // whether light sampling could have found what the current ray hits
+  bool weigh_ = false;     // whether light sampling could have found what the current ray hits
+  bool is_sharp_ = false;  // whether it could hardly
   // Radiance is compressed inside denser media; roulette looks at what will leave them.
   float eta_scale_ = 1;
   ReferencePoint previous_;  // where the path last scattered: at the camera or a vertex
@@ -90,7 +92,7 @@ bool PathTracer<Transport, Sink>::Extend() {
   float t_event = 0;
   switch (Fly(&hit, &t_event)) {
     case FlightEvent::kOnSurface: break;
-    case FlightEvent::kInMedium: return ScatterInMedium(t_event);
+    case FlightEvent::kInMedium: return PassesDelayedRoulette() && ScatterInMedium(t_event);
     case FlightEvent::kEscaped:
       if constexpr (Sink::kRecords) {
         if (depth_ == 0) sink_.Escape(transport_.Throughput());
@@ -110,7 +112,7 @@ bool PathTracer<Transport, Sink>::Extend() {
       sink_.ReachNextSurface(context_, interaction, transport_.Throughput());
     }
   }
-  return ScatterOnSurface(interaction);
+  return PassesDelayedRoulette() && ScatterOnSurface(interaction);
 }
 
 template <typename Transport, typename Sink>
@@ -157,7 +159,8 @@ bool PathTracer<Transport, Sink>::ScatterInMedium(float t) {
     transport_.ScatterInMedium(sample.pdf);
     weigh_ = was_spread_ = true;
     ray_ = {previous_.p, sample.wi, std::numeric_limits<float>::infinity(), ray_.time};
-    return SurvivesRoulette();
+    is_sharp_ = IsSharp(sample.pdf);
+    return is_sharp_ || SurvivesRoulette();
   }
   return false;
 }
@@ -172,7 +175,7 @@ bool PathTracer<Transport, Sink>::ScatterOnSurface(SurfaceInteraction& interacti
   if (had_all_wavelengths && context_.wavelengths.SecondaryTerminated()) transport_.FollowFirstWavelength();
   previous_ = ReferenceAt(interaction, bsdf);
   if (bsdf.HasNonSpecular()) AddSurfaceLight(interaction, bsdf);
-  return SampleDirection(interaction, bsdf) && SurvivesRoulette();
+  return SampleDirection(interaction, bsdf) && (is_sharp_ || SurvivesRoulette());
 }
 
 template <typename Transport, typename Sink>
@@ -195,6 +198,7 @@ void PathTracer<Transport, Sink>::Leave(const SurfaceInteraction& interaction, c
   const float cosine = AbsDot(sample.wi, interaction.shading.n);
   transport_.Scatter(interaction, sample.wi, sample.f * (cosine / sample.pdf), sample.pdf);
   weigh_ = !sample.IsSpecular();
+  is_sharp_ = sample.IsSpecular() || IsSharp(sample.pdf);
   was_spread_ |= weigh_;
   if (sample.IsTransmission()) eta_scale_ *= Sqr(sample.eta);
   ray_ = interaction.SpawnRay(sample.wi);

@@ -160,4 +160,12 @@ inline float EndProbability(float expected, int depth) {
   return 1 - std::max(0.0f, expected / kSureShare);
 }
 
+// Whether a direction that was sampled with this density (per steradian) finds lights that light sampling
+// hardly finds. Roulette is then put off to the next vertex: the few paths that survive it would make bright
+// pixels of lights that are mirrored in dark or in faintly reflecting surfaces.
+constexpr float kSharpDensity = 10;
+inline bool IsSharp(float density) {
+  return density > kSharpDensity;
+}
+
 }  // namespace tessera

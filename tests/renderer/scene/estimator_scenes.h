@@ -95,6 +95,16 @@ AttributeBegin
 AttributeEnd
 )";
 
+// A nearly black floor, which a mirror of 0.3 shows to a lamp behind the camera.
+constexpr const char* kMirrorOverADarkFloor = R"(
+Material "diffuse" "rgb reflectance" [ 0.02 0.02 0.02 ]
+Shape "bilinearmesh" "point3 P" [ -8 -1 -1  8 -1 -1  -8 -1 6  8 -1 6 ]
+Material "conductor" "rgb reflectance" [ 0.3 0.3 0.3 ] "float roughness" 0
+Shape "bilinearmesh" "point3 P" [ -8 0 6  8 0 6  -8 8 6  8 8 6 ]
+AreaLightSource "diffuse" "rgb L" [ 100 100 100 ] "bool twosided" true
+Shape "bilinearmesh" "point3 P" [ -8 2 -2  8 2 -2  -8 10 -2  8 10 -2 ]
+)";
+
 // A sky that is sampled in part, a constant one that never is, and a lamp in front of them.
 constexpr const char* kSkies = R"(
 LightSource "infinite" "string filename" "sky.pfm"
