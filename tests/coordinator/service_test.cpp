@@ -159,7 +159,7 @@ TEST_F(Services, WorkersOfAnotherReleaseAreRefused) {
 }
 
 // What its state holds besides may mean something else there.
-TEST_F(Services, AWorkerOfTheProtocolBeforeOrAfterIsToldBothAndHasNotJoined) {
+TEST_F(Services, AWorkerOfAnotherProtocolIsRefusedWithBothNumbersAndHasNotJoined) {
   for (const uint32_t protocol : {kProtocolVersion - 1, kProtocolVersion + 1}) {
     WorkerState state = Worker(milliseconds(0));
     state.protocol = protocol;
