@@ -31,7 +31,8 @@ std::string WithoutFrame(std::string_view options) {
   return kept;
 }
 
-// Whether a job with these frames is the one that was ordered, as far as that can be told without its scene.
+// Whether a job with these frames is the one that was ordered, as far as that can be checked without its
+// scene.
 bool AreOf(const std::vector<FrameRequest>& frames, const SceneOrder& order) {
   const std::vector<int> numbers = order.frames ? order.frames->Numbers() : std::vector<int>{0};
   const FrameName name(order.scene_file);
@@ -152,7 +153,8 @@ void Preparations::CheckWorker(Instant now, Job& job, Preparation& preparation) 
   }
 }
 
-// The least loaded worker, if possible none that did not list the preparation or hangs in another one.
+// The least loaded worker. Those that let this preparation lapse, or have not finished another one in time,
+// only if there are no others.
 std::optional<WorkerId> Preparations::WorkerFor(const Preparation& preparation,
                                                 const std::set<WorkerId>& busy) const {
   std::set<WorkerId> excluded = busy;

@@ -1,11 +1,10 @@
 // Jobs whose frames a worker is to make, and which worker does. Such a job is a fact before anybody reads its
-// scene; its frames are another. A worker has one preparation at a time, and of an owner one is done at a
-// time, by priority. Whoever answers first is believed as far as the order tells what its frames are: the
-// workers that render them read the scene again and refuse frames that differ. As with leases, what a worker
-// does not list lapses and is given to another, which does not count as a failure. A worker that lists a
-// preparation for longer than kPreparationDurationMax counts as one that failed it; a late report is still
-// accepted. So does a worker that is lost with a preparation in hand, unless it returns or others are lost at
-// the same time (loss_book.h). Owned by the farm.
+// scene; its frames are another. A worker has one preparation at a time, and of each owner one is done at a
+// time, by priority. The first report whose frames match the order is accepted: the workers that render them
+// read the scene again and refuse frames that differ. As with leases, what a worker does not list lapses and
+// is given to another, which does not count as a failure. A worker fails a preparation if it lists it for
+// longer than kPreparationDurationMax (a late report is still accepted), or if it is lost with it, unless it
+// returns or others are lost at the same time (loss_book.h). Owned by the farm.
 #pragma once
 
 #include <deque>

@@ -84,9 +84,9 @@ constexpr Instant kBlockForgotten = std::chrono::hours(24);
 constexpr size_t kWorkersMax = 100'000;
 
 // ---- Preparations (preparations.h) ----
-// Those that a worker does not list lapse as leases do. One that a worker lists for this long
-// hangs: by default workers give up a scene that takes an hour to load (--load-timeout), and they may load
-// another scene first.
+// Those that a worker does not list lapse as leases do. One that a worker lists for this long has failed: by
+// default workers give up a scene that takes an hour to load (--load-timeout), and they may load another
+// scene first.
 constexpr Instant kPreparationDurationMax = std::chrono::hours(2);
 
 // ---- The tail ----

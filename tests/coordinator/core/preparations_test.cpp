@@ -17,10 +17,10 @@ TEST(Preparations, AWorkerMakesTheFramesOfAJobThatIsRenderedThen) {
   const JobId job = stage.Order(order);
   EXPECT_EQ(stage.Status(job).state, JobState::kPreparing);
   EXPECT_EQ(stage.farm.PackagesInUse(), std::vector<Digest>{order->scene.package});
-  const auto told = stage.Call(1);
-  ASSERT_TRUE(told);
-  EXPECT_EQ(told->scene, order->scene);
-  EXPECT_EQ(told->key, PreparationKey(*order));
+  const auto request = stage.Call(1);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->scene, order->scene);
+  EXPECT_EQ(request->key, PreparationKey(*order));
   stage.Return(1, Prepared(*order, 2));
   const JobStatus status = stage.Status(job);
   EXPECT_EQ(status.state, JobState::kWaiting);
