@@ -34,9 +34,10 @@ struct Plan {
 
 constexpr double kUnitSeconds = 0.01;
 constexpr double kWarmUp = 0.3;    // of the time
+constexpr double kEnd = 0.7;       // the time from when on what is open is compared
 constexpr int kRestMax_ms = 4000;  // of a client between two jobs
 constexpr int kFailuresPrinted = 20;
-constexpr int64_t kDescriptorsAccepted = 32;  // clients that are connected at the moment
+constexpr int64_t kDescriptorsAccepted = 32;  // clients that are connected all the time
 
 Digest DigestOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -122,7 +123,9 @@ void ComeAndGo(std::stop_token stop, const BenchFarm& farm, int index, const Dig
 }
 
 struct Growth {
-  Usage warm, most;  // after warming up
+  double warm_megabytes = 0, most_megabytes = 0;  // when warm, and ever
+  // The least while warming up and at the end: connections come and go, and what stays open is a leak.
+  size_t first_descriptors = SIZE_MAX, last_descriptors = SIZE_MAX;
 };
 
 // Looks at the coordinator until the time is over, and prints what it sees.
@@ -142,9 +145,13 @@ Growth Observe(const Plan& plan, BenchFarm& farm, const SyntheticWorkers& worker
                usage.descriptors, MegabytesIn(farm.folder() + "/data"), record.finished(), record.failed(),
                workers.counts().results, flood.opened(), flood.refused());
     std::fflush(stdout);
-    growth.most.megabytes = std::max(growth.most.megabytes, usage.megabytes);
-    growth.most.descriptors = std::max(growth.most.descriptors, usage.descriptors);
-    if (next < kWarmUp * seconds_total) growth.warm = growth.most;
+    growth.most_megabytes = std::max(growth.most_megabytes, usage.megabytes);
+    if (next < kWarmUp * seconds_total) {
+      growth.warm_megabytes = growth.most_megabytes;
+      growth.first_descriptors = std::min(growth.first_descriptors, usage.descriptors);
+    }
+    if (next > kEnd * seconds_total)
+      growth.last_descriptors = std::min(growth.last_descriptors, usage.descriptors);
   }
   return growth;
 }
@@ -167,14 +174,15 @@ bool Soak(const Plan& plan) {
     growth = Observe(plan, farm, workers, flood, record);
     for (std::jthread& each : clients) each.request_stop();
   }
-  const double megabytes = growth.most.megabytes - growth.warm.megabytes;
+  const double megabytes = growth.most_megabytes - growth.warm_megabytes;
   const double megabytes_max =
       static_cast<double>(MemoryBound(static_cast<size_t>(plan.growth_mb * 1e6))) / 1e6;
   const auto descriptors =
-      static_cast<int64_t>(growth.most.descriptors) - static_cast<int64_t>(growth.warm.descriptors);
+      static_cast<int64_t>(growth.last_descriptors) - static_cast<int64_t>(growth.first_descriptors);
   fmt::print(
-      "after warming up: {:+.1f} MB and {:+} descriptors at most; {} jobs right, {} wrong; {} strangers, {} "
-      "answered\n",
+      "after warming up: {:+.1f} MB at most; at the end: {:+} descriptors at least; {} jobs right, {} wrong; "
+      "{} "
+      "strangers, {} answered\n",
       megabytes, descriptors, record.finished(), record.failed(), flood.opened(), flood.answered());
   if (!workers.error().empty()) fmt::print("a worker failed: {}\n", workers.error());
   return record.failed() == 0 && record.finished() > 0 && flood.answered() == 0 && workers.error().empty() &&
