@@ -205,7 +205,9 @@ void Preparations::FailHopeless(Instant now) {
   const std::set<WorkerId> able = state_.scheduler.AbleWorkers();
   if (able.empty()) return;
   for (auto& [id, preparation] : open_) {
-    const auto has_failed = [&](WorkerId worker) { return preparation.failures.contains(worker); };
+    const auto has_failed = [&failures = preparation.failures](WorkerId worker) {
+      return failures.contains(worker);
+    };
     Job& job = state_.jobs.At(id);
     const bool is_settled = preparation.losses.empty() && !preparation.failures.empty();
     if (preparation.worker || !is_settled || now - preparation.failed_at < kPoisonGrace ||

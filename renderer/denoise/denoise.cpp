@@ -143,6 +143,7 @@ class PictureDenoiser {
 
   static std::vector<const Plane*> Pointers(const std::array<Plane, kColors>& planes) {
     std::vector<const Plane*> pointers;
+    pointers.reserve(planes.size());
     for (const Plane& plane : planes) pointers.push_back(&plane);
     return pointers;
   }
