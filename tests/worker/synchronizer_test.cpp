@@ -168,7 +168,7 @@ TEST(Synchronizer, TriesSeldomToJoinAFarmThatIsFullAndJoinsItWhenThereIsPlace) {
   EXPECT_FALSE(synchronizer.is_refused);
 }
 
-// A newer coordinator knows the protocol of an older worker and nothing else of it.
+// Of an older worker, a newer coordinator reads the protocol alone.
 TEST(Synchronizer, EndsWithTheReasonOfACoordinatorOfAnotherRelease) {
   const TemporaryDir folder;
   const Address address = *ParseAddress("unix:" + (folder / "socket"), "test");
