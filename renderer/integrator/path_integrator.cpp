@@ -80,7 +80,7 @@ class PathTracer {
   // Whether the ray has passed hidden surfaces that cast shadows since the path last scattered.
   bool is_shadowed_ = false;
   bool weigh_ = false;     // whether light sampling could have found what the current ray hits
-  bool is_sharp_ = false;  // whether it could hardly
+  bool is_sharp_ = false;  // whether it hardly could have: roulette is delayed
   // Radiance is compressed inside denser media; roulette looks at what will leave them.
   float eta_scale_ = 1;
   ReferencePoint previous_;  // where the path last scattered: at the camera or a vertex

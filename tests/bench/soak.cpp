@@ -180,9 +180,8 @@ bool Soak(const Plan& plan) {
   const auto descriptors =
       static_cast<int64_t>(growth.last_descriptors) - static_cast<int64_t>(growth.first_descriptors);
   fmt::print(
-      "after warming up: {:+.1f} MB at most; at the end: {:+} descriptors at least; {} jobs right, {} wrong; "
-      "{} "
-      "strangers, {} answered\n",
+      "after warming up: {:+.1f} MB at most; at the end: {:+} descriptors at least\n"
+      "{} jobs right, {} wrong; {} strangers, {} answered\n",
       megabytes, descriptors, record.finished(), record.failed(), flood.opened(), flood.answered());
   if (!workers.error().empty()) fmt::print("a worker failed: {}\n", workers.error());
   return record.failed() == 0 && record.finished() > 0 && flood.answered() == 0 && workers.error().empty() &&

@@ -14,11 +14,11 @@ namespace tessera {
 class PreparationQueue {
  public:
   using Report = std::shared_ptr<const PreparationReport>;
-  // Does nothing if the queue has it already, or is full (kPreparationsPerWorkerMax).
+  // Does nothing if the request is already queued or the queue is full (kPreparationsPerWorkerMax).
   void Add(const PreparationRequest& request);
   // Returns the next request, which is running from now on; nullopt if none waits.
   std::optional<PreparationRequest> Start();
-  // Adds the report of a running request. Does nothing if the request was removed meanwhile.
+  // Adds the report of a running request. Does nothing if the request has been removed in the meantime.
   void Finish(PreparationReport report);
   // The report that was finished first; null if there is none. It stays until it is answered.
   Report NextReport() const { return reports_.empty() ? nullptr : reports_.front(); }

@@ -1,4 +1,4 @@
-// Jobs whose frames a worker does not make: it hangs, forgets them, or is lost.
+// Jobs whose frames a worker does not make: it does not finish, does not list them, or is lost.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +9,18 @@ namespace tessera {
 namespace {
 
 using testing::HasSubstr;
+
+// Worker 1 does not finish a preparation in time, and worker 2 does. Returns what worker 1 goes on to list.
+std::vector<Digest> HeldTooLong(PreparationStage& stage) {
+  const auto order = SmallOrder(1);
+  const std::vector<Digest> held{PreparationKey(*order)};
+  stage.Order(order);
+  EXPECT_TRUE(stage.Call(1));
+  stage.Pass(kPreparationDurationMax + seconds(10), {1}, held);
+  EXPECT_TRUE(stage.Call(2));
+  stage.Return(2, Prepared(*order));
+  return held;
+}
 
 TEST(LostPreparations, AWorkerThatNeverFinishesLosesThePreparationAndALateReportStillCounts) {
   PreparationStage stage;
@@ -40,15 +52,10 @@ TEST(LostPreparations, ThreeWorkersThatNeverFinishEndTheJob) {
             "the scene cannot be prepared: w1, w2, w3: did not finish in 120 minutes");
 }
 
-TEST(LostPreparations, AWorkerThatHangsInOneGetsAnotherOnlyIfNobodyElseIsThere) {
+TEST(LostPreparations, AWorkerThatIsOverdueGetsAnotherOnlyIfThereIsNoOtherWorker) {
   PreparationStage stage;
-  const auto first = SmallOrder(1), second = SmallOrder(2);
-  const std::vector<Digest> held{PreparationKey(*first)};
-  stage.Order(first);
-  ASSERT_TRUE(stage.Call(1));
-  stage.Pass(kPreparationDurationMax + seconds(10), {1}, held);
-  ASSERT_TRUE(stage.Call(2));
-  stage.Return(2, Prepared(*first));
+  const std::vector<Digest> held = HeldTooLong(stage);
+  const auto second = SmallOrder(2);
   stage.Order(second);
   EXPECT_FALSE(stage.Call(1, held));
   EXPECT_TRUE(stage.Call(2));
@@ -57,15 +64,10 @@ TEST(LostPreparations, AWorkerThatHangsInOneGetsAnotherOnlyIfNobodyElseIsThere) 
   EXPECT_TRUE(stage.Call(1, held));
 }
 
-TEST(LostPreparations, AWorkerThatNoLongerHangsIsLikeAnyOther) {
+TEST(LostPreparations, AWorkerThatIsNoLongerOverdueIsLikeAnyOther) {
   PreparationStage stage;
-  const auto first = SmallOrder(1), second = SmallOrder(2);
-  const std::vector<Digest> held{PreparationKey(*first)};
-  stage.Order(first);
-  ASSERT_TRUE(stage.Call(1));
-  stage.Pass(kPreparationDurationMax + seconds(10), {1}, held);
-  ASSERT_TRUE(stage.Call(2));
-  stage.Return(2, Prepared(*first));
+  (void)HeldTooLong(stage);
+  const auto second = SmallOrder(2);
   (void)stage.Call(1);
   stage.Order(second);
   EXPECT_TRUE(stage.Call(1)) << "of workers with equal load the first is chosen";
