@@ -7,7 +7,11 @@
 namespace tessera {
 namespace {
 
-// Below this solid angle, in steradians, the rectangle is sampled by area: the spherical map loses its
+// From points farther from the center than the square root of this times half the diagonal, the rectangle is
+// sampled by area: bilinear weights follow what arrives from its points closely enough there, and the
+// spherical map costs several times more.
+constexpr float kFarSquared = 2;
+// Nearer, below this solid angle, in steradians, it is sampled by area, too: the spherical map loses its
 // precision.
 constexpr float kSolidAngleMin = 1e-3f;
 // Of the cosine between the edges. The solid angle has an error of this size.
@@ -55,7 +59,7 @@ std::optional<RectangleEmitter> RectangleEmitter::Find(const TriangleMesh& mesh,
   const Normal3 n = mesh.Normal(primitive, first, 0, 0);
   if (!FacesAlong(mesh, primitive, n) || !FacesAlong(mesh, primitive + 1, n)) return std::nullopt;
   const RectangleEmitter rectangle(*patch, n);
-  if (!(rectangle.width_ * rectangle.height_ > 0)) return std::nullopt;
+  if (!(rectangle.Area() > 0)) return std::nullopt;
   return rectangle;
 }
 
@@ -67,6 +71,8 @@ RectangleEmitter::RectangleEmitter(const PatchPoints& corners, Normal3 n)
       unit_y_(Normalize(ey_)),
       width_(Length(ex_)),
       height_(Length(ey_)),
+      center_(corner_ + (ex_ + ey_) * 0.5f),
+      radius_squared_(LengthSquared(ex_ + ey_) / 4),
       n_(n),
       p_error_(PatchPointError(corners)),
       plane_error_(Dot(Abs(n), p_error_)) {
@@ -93,26 +99,51 @@ RectangleEmitter::View RectangleEmitter::SeenFrom(const ReferencePoint& referenc
   return view;
 }
 
-float RectangleEmitter::AreaPdf(const ReferencePoint& reference, Point3 p) const {
-  return PerSolidAngle(1 / (width_ * height_), reference.p, p, n_);
+std::optional<BilinearWeights> RectangleEmitter::FarWeights(const ReferencePoint& reference) const {
+  const float center_squared = LengthSquared(center_ - reference.p);
+  if (!(center_squared > kFarSquared * radius_squared_)) return std::nullopt;
+  const Float4 x = corners_x_ - reference.p.x, y = corners_y_ - reference.p.y, z = corners_z_ - reference.p.z;
+  const Float4 inverse = 1 / Sqrt(x * x + y * y + z * z);
+  // Relative to the center, so that no power leaves the range of float.
+  const Float4 nearness = inverse * std::sqrt(center_squared);
+  Float4 weights = nearness * nearness * nearness;  // the emitter's cosine over the squared distance
+  if (IsOnSurface(reference)) {
+    const Normal3 n = reference.shading_n;
+    const Float4 cosines = (n.x * x + n.y * y + n.z * z) * inverse;
+    weights *= Max(Abs(cosines), Float4(kCornerCosineMin));
+  }
+  return BilinearWeights{weights[0], weights[1], weights[2], weights[3]};
+}
+
+Point2 RectangleEmitter::PlaceOf(Point3 p) const {
+  const Vec3 offset = p - corner_;
+  return {std::clamp(Dot(offset, unit_x_) / width_, 0.0f, 1.0f),
+          std::clamp(Dot(offset, unit_y_) / height_, 0.0f, 1.0f)};
 }
 
 std::optional<ShapeSample> RectangleEmitter::Sample(const ReferencePoint& reference, Point2 u,
                                                     bool two_sided) const {
   const float height = Height(reference);
   if (height == 0 || (height < 0 && !two_sided)) return std::nullopt;
-  const View view = SeenFrom(reference, height);
-  const bool is_spherical = view.sphere.area() >= kSolidAngleMin;
   ShapeSample sample;
-  if (is_spherical) {
-    u = SampleBilinear(u, view.weights);
-    sample.pdf = BilinearPdf(u, view.weights) / view.sphere.area();
-    u = view.sphere.Sample(u);
+  float area_pdf = 0;
+  if (const std::optional<BilinearWeights> weights = FarWeights(reference)) {
+    u = SampleBilinear(u, *weights);
+    area_pdf = BilinearPdf(u, *weights) / Area();
+  } else {
+    const View view = SeenFrom(reference, height);
+    if (view.sphere.area() >= kSolidAngleMin) {
+      u = SampleBilinear(u, view.weights);
+      sample.pdf = BilinearPdf(u, view.weights) / view.sphere.area();
+      u = view.sphere.Sample(u);
+    } else {
+      area_pdf = 1 / Area();
+    }
   }
   sample.p = (Double3(corner_) + Double3(ex_) * u.x + Double3(ey_) * u.y).ToFloat();
   sample.p_error = p_error_;
   sample.n = n_;
-  if (!is_spherical) sample.pdf = AreaPdf(reference, sample.p);
+  if (area_pdf > 0) sample.pdf = PerSolidAngle(area_pdf, reference.p, sample.p, n_);
   if (!(sample.pdf > 0)) return std::nullopt;
   return sample;
 }
@@ -120,13 +151,12 @@ std::optional<ShapeSample> RectangleEmitter::Sample(const ReferencePoint& refere
 float RectangleEmitter::Pdf(const ReferencePoint& reference, Point3 p) const {
   const float height = Height(reference);
   if (height == 0) return 0;
+  if (const std::optional<BilinearWeights> weights = FarWeights(reference))
+    return PerSolidAngle(BilinearPdf(PlaceOf(p), *weights) / Area(), reference.p, p, n_);
   const View view = SeenFrom(reference, height);
-  if (view.sphere.area() < kSolidAngleMin) return AreaPdf(reference, p);
+  if (view.sphere.area() < kSolidAngleMin) return PerSolidAngle(1 / Area(), reference.p, p, n_);
   if (!IsOnSurface(reference)) return 1 / view.sphere.area();
-  const Vec3 offset = p - corner_;
-  const Point2 place{std::clamp(Dot(offset, unit_x_) / width_, 0.0f, 1.0f),
-                     std::clamp(Dot(offset, unit_y_) / height_, 0.0f, 1.0f)};
-  return BilinearPdf(view.sphere.Invert(place), view.weights) / view.sphere.area();
+  return BilinearPdf(view.sphere.Invert(PlaceOf(p)), view.weights) / view.sphere.area();
 }
 
 }  // namespace tessera

@@ -19,9 +19,10 @@ class RectangleEmitter {
   // rectangle or if their normals are on different sides.
   static std::optional<RectangleEmitter> Find(const TriangleMesh& mesh, uint32_t primitive);
 
-  // A point by solid angle, weighted by the cosine at the reference point's surface; by area where the
-  // rectangle covers too little of the sphere. Returns nullopt if `reference` lies in its plane, or if it is
-  // behind a rectangle that emits to one side. The point has no texture coordinates. u in [0, 1)^2.
+  // A point by solid angle, weighted by the cosine at the reference point's surface, or by area with weights
+  // that approximate the same where the rectangle is far away. Returns nullopt if `reference` lies in its
+  // plane, or if it is behind a rectangle that emits to one side. The point has no texture coordinates. u in
+  // [0, 1)^2.
   std::optional<ShapeSample> Sample(const ReferencePoint& reference, Point2 u, bool two_sided) const;
   // The density per solid angle with which Sample finds point `p` of the rectangle.
   float Pdf(const ReferencePoint& reference, Point3 p) const;
@@ -37,12 +38,19 @@ class RectangleEmitter {
   // The signed distance of the point from the plane, positive in front; 0 if rounding leaves it in the plane.
   float Height(const ReferencePoint& reference) const;
   View SeenFrom(const ReferencePoint& reference, float height) const;
-  float AreaPdf(const ReferencePoint& reference, Point3 p) const;
+  // What arrives from each corner, up to a factor, at a point that is far enough away to sample by these
+  // weights; nullopt for other points.
+  std::optional<BilinearWeights> FarWeights(const ReferencePoint& reference) const;
+  // Of a point of the rectangle along its edges, in [0, 1]^2.
+  Point2 PlaceOf(Point3 p) const;
+  float Area() const { return width_ * height_; }
 
   Point3 corner_;
-  Vec3 ex_, ey_;                              // edges from the corner
-  Vec3 unit_x_, unit_y_;                      // their directions
-  float width_, height_;                      // their lengths
+  Vec3 ex_, ey_;          // edges from the corner
+  Vec3 unit_x_, unit_y_;  // their directions
+  float width_, height_;  // their lengths
+  Point3 center_;
+  float radius_squared_;                      // of the circle through the corners
   Normal3 n_;                                 // unit
   Float4 corners_x_, corners_y_, corners_z_;  // in the order of BilinearWeights
   Vec3 p_error_;                              // of a sampled point

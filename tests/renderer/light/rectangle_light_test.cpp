@@ -144,6 +144,35 @@ TEST(RectangleLight, DensityIntegratesToOneOverItsSolidAngle) {
   }
 }
 
+// The variance of one sample of the irradiance, relative to the square of the mean.
+TEST(RectangleLight, SamplesFollowWhatArrivesAtAllDistances) {
+  const std::vector<Point3> corners = Corners();
+  LightScene lights;
+  BuildMesh(lights, corners);
+  const Point3 center = (corners[0] + corners[2]) * 0.5f;
+  const Normal3 n = Normalize(Cross(corners[1] - corners[0], corners[3] - corners[0]));
+  const Vec3 aside = Normalize(corners[1] - corners[0]);
+  const float radius = Length(corners[2] - corners[0]) / 2;
+  for (const float distance : {0.5f, 1.3f, 1.45f, 2.0f, 10.0f}) {
+    for (const float tilt : {0.0f, 0.8f}) {
+      const ReferencePoint reference = At(center - Normalize(n + tilt * aside) * (distance * radius), n);
+      double sum = 0, squares = 0;
+      constexpr int kSide = 64;
+      for (int i = 0; i < kSide * kSide; ++i) {
+        const Point2 u{(static_cast<float>(i % kSide) + 0.5f) / kSide,
+                       (static_cast<float>(i / kSide) + 0.5f) / kSide};
+        const auto sample = lights.table.Sample(0, reference, u, FourWavelengths(0));
+        ASSERT_TRUE(sample);
+        const double value = static_cast<double>(AbsDot(sample->wi, n) / sample->pdf);
+        sum += value;
+        squares += value * value;
+      }
+      const double mean = sum / (kSide * kSide);
+      EXPECT_LT(squares / (kSide * kSide) / (mean * mean) - 1, 0.06) << distance << " " << tilt;
+    }
+  }
+}
+
 TEST(RectangleLight, IsNotSampledFromItsPlaneNorFromBehind) {
   const std::vector<Point3> corners = Corners();
   LightScene lights;
