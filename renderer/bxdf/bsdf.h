@@ -34,6 +34,11 @@ class Bsdf {
   SampledSpectrum DiffuseShare(Vec3 wo, Vec3 wi) const {
     return bxdf_.DiffuseShare(frame_.ToLocal(wo), frame_.ToLocal(wi));
   }
+  GlossyLobe Lobe(Vec3 wo) const {
+    GlossyLobe lobe = bxdf_.Lobe(frame_.ToLocal(wo));
+    lobe.axis = frame_.FromLocal(lobe.axis);
+    return lobe;
+  }
   // uc chooses the component, u the direction. Returns nullopt if the light is absorbed.
   [[gnu::always_inline]] std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const {
     const Vec3 wo_local = frame_.ToLocal(wo);

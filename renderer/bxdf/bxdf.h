@@ -56,6 +56,14 @@ class Bxdf {
     });
   }
 
+  // The lobe around the reflection of wo that has all of what is scattered, if there is one.
+  GlossyLobe Lobe(Vec3 wo) const {
+    return Dispatch(kind_, [&](const auto& kind) -> GlossyLobe {
+      if constexpr (requires { kind.Lobe(wo); }) return kind.Lobe(wo);
+      return {};
+    });
+  }
+
   // uc chooses the lobe, u the direction. A sample that is not specular has the f and pdf that Evaluate
   // returns.
   std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const {

@@ -6,6 +6,7 @@
 #include "renderer/bxdf/bxdf_sample.h"
 #include "renderer/bxdf/fresnel.h"
 #include "renderer/bxdf/microfacet.h"
+#include "renderer/math/glossy_lobe.h"
 
 namespace tessera {
 
@@ -18,6 +19,8 @@ class ConductorBxdf {
   BxdfFlags flags() const {
     return BxdfFlags::kReflection | (facets_.IsSmooth() ? BxdfFlags::kSpecular : BxdfFlags::kGlossy);
   }
+  // Around the mirror direction of wo.
+  GlossyLobe Lobe(Vec3 wo) const { return {{-wo.x, -wo.y, wo.z}, facets_.alpha_x() * facets_.alpha_y()}; }
   // What a facet reflects of light at this cosine to its normal.
   SampledSpectrum Fresnel(float cos_theta) const { return FrConductor(cos_theta, eta_, k_); }
   BsdfEvaluation Evaluate(Vec3 wo, Vec3 wi) const {

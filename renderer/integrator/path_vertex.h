@@ -23,6 +23,7 @@ inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
 // axis.
 inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
   ReferencePoint reference = ReferenceAt(interaction);
+  reference.lobe = bsdf.Lobe(interaction.wo);
   if (!interaction.faces_rays) return reference;
   const bool reflects = HasFlag(bsdf.flags(), BxdfFlags::kReflection);
   if (reflects == HasFlag(bsdf.flags(), BxdfFlags::kTransmission)) return reference;

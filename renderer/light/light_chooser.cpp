@@ -71,7 +71,7 @@ LightChooser::LightChooser(LightSamplerKind kind, const std::vector<LightProfile
 float LightChooser::TreeShare(const ReferencePoint& reference) const {
   if (tree_.empty()) return 0;
   if (candidates_.empty()) return 1;
-  const float arriving = tree_.Importance(reference.p, reference.shading_n);
+  const float arriving = tree_.Importance(reference);
   if (!(arriving > 0)) return 0;
   const float even = 1 / (static_cast<float>(candidates_.size()) + 1);
   return kEvenShare * even + (1 - kEvenShare) * arriving / (arriving + irradiance_);
@@ -82,7 +82,7 @@ std::optional<ChosenLight> LightChooser::Choose(const ReferencePoint& reference,
   const float tree_share = TreeShare(reference);
   if (u < tree_share) {
     u = std::min(u / tree_share, kOneMinusEpsilon);
-    std::optional<ChosenLight> chosen = tree_.Choose(reference.p, reference.shading_n, u);
+    std::optional<ChosenLight> chosen = tree_.Choose(reference, u);
     if (chosen) chosen->pmf *= tree_share;
     return chosen;
   }
@@ -96,7 +96,7 @@ float LightChooser::Pmf(const ReferencePoint& reference, int light) const {
   const uint32_t place = places_[light];
   if (place != kNowhere) return (1 - TreeShare(reference)) * choice_.Pmf(place);
   if (!tree_.Contains(light)) return 0;
-  return TreeShare(reference) * tree_.Pmf(reference.p, reference.shading_n, light);
+  return TreeShare(reference) * tree_.Pmf(reference, light);
 }
 
 }  // namespace tessera

@@ -26,6 +26,19 @@ Float4 SinOf(Float4 cosine) {
   return SafeSqrt(Float4(1.0f) - cosine * cosine);
 }
 
+// A lobe with a density above this over the solid angle of a child mostly finds it without light sampling.
+constexpr float kFoundByLobe = 4;
+
+// The density of a lobe at an angle to its axis, relative to that of a diffuse surface at its normal: about
+// that of half vectors (Walter et al. 2007) at half the angle. Limited where scattered rays find the child,
+// whose bounding sphere subtends sin2_size.
+Float4 LobeWeight(float alpha_squared, Float4 cosine, Float4 sin2_size) {
+  const Float4 facing = alpha_squared * (cosine + 1);
+  const Float4 falloff = SafeDiv(facing, facing + (1 - cosine));  // 1 / (1 + tan^2 / alpha^2)
+  const Float4 density = falloff * falloff * (0.25f / alpha_squared);
+  return Min(density, kFoundByLobe / sin2_size);
+}
+
 }  // namespace
 
 void LightTreeNode::SetChild(int slot, const LightBounds& bounds, uint32_t value) {
@@ -46,8 +59,8 @@ void LightTreeNode::SetChild(int slot, const LightBounds& bounds, uint32_t value
   child[slot] = value;
 }
 
-Float4 LightTreeNode::Importance(Point3 p, Normal3 n) const {
-  const Float4 px(p.x), py(p.y), pz(p.z);
+Float4 LightTreeNode::Importance(const ReferencePoint& reference) const {
+  const Float4 px(reference.p.x), py(reference.p.y), pz(reference.p.z);
   const Float4 dx = px - center_x, dy = py - center_y, dz = pz - center_z;
   const Float4 distance_squared = dx * dx + dy * dy + dz * dz;
   const Float4 inverse_distance = SafeDiv(Float4(1.0f), Sqrt(distance_squared));
@@ -70,8 +83,15 @@ Float4 LightTreeNode::Importance(Point3 p, Normal3 n) const {
   // Inside the sphere the estimate is bounded as that of a flat emitter would be.
   const Float4 bounded_distance_squared = Max(distance_squared, radius_squared * 0.5f);
   Float4 importance = SafeDiv(strength * cos_emitted, bounded_distance_squared);
-  if (!IsZero(n)) {
-    const Float4 cos_i = Abs(dx * Float4(n.x) + dy * Float4(n.y) + dz * Float4(n.z)) * inverse_distance;
+  if (reference.lobe.alpha_squared > 0) {
+    const Vec3 axis = reference.lobe.axis;
+    const Float4 cos_l = -(dx * axis.x + dy * axis.y + dz * axis.z) * inverse_distance;
+    const Float4 cos_nearest = CosClampedDifference(cos_l, SinOf(cos_l), cos_b, sin_b);
+    const Float4 sin2_size = Select(inside, Float4(1.0f), sin2_b);
+    importance *= LobeWeight(reference.lobe.alpha_squared, cos_nearest, sin2_size);
+  } else if (!IsZero(reference.shading_n)) {
+    const Normal3 n = reference.shading_n;
+    const Float4 cos_i = Abs(dx * n.x + dy * n.y + dz * n.z) * inverse_distance;
     importance *= CosClampedDifference(cos_i, SinOf(cos_i), cos_b, sin_b);
   }
   const Float4 height = axis_x * px + axis_y * py + axis_z * pz;
@@ -97,13 +117,13 @@ LightTree::LightTree(std::span<const LightBounds> bounds, std::span<const uint32
   }
 }
 
-std::optional<ChosenLight> LightTree::Choose(Point3 p, Normal3 n, float u) const {
+std::optional<ChosenLight> LightTree::Choose(const ReferencePoint& reference, float u) const {
   if (nodes_.empty()) return std::nullopt;
   uint32_t node = 0;
   float pmf = 1;
   while (true) {
     alignas(16) float w[4];
-    _mm_store_ps(w, nodes_[node].Importance(p, n).v);
+    _mm_store_ps(w, nodes_[node].Importance(reference).v);
     const float sum0 = w[0], sum1 = sum0 + w[1], sum2 = sum1 + w[2], total = sum2 + w[3];
     if (!(total > 0) || !(total <= std::numeric_limits<float>::max())) return std::nullopt;
     const float place = u * total;
@@ -119,13 +139,13 @@ std::optional<ChosenLight> LightTree::Choose(Point3 p, Normal3 n, float u) const
   }
 }
 
-float LightTree::Pmf(Point3 p, Normal3 n, int light) const {
+float LightTree::Pmf(const ReferencePoint& reference, int light) const {
   float pmf = 1;
   uint32_t place = places_[light];
   while (true) {
     const uint32_t node = place / 4;
     alignas(16) float w[4];
-    _mm_store_ps(w, nodes_[node].Importance(p, n).v);
+    _mm_store_ps(w, nodes_[node].Importance(reference).v);
     const float total = ((w[0] + w[1]) + w[2]) + w[3];
     if (!(w[place % 4] > 0) || !(total <= std::numeric_limits<float>::max())) return 0;
     pmf *= w[place % 4] / total;

@@ -11,6 +11,7 @@
 #include "renderer/light/light_bounds.h"
 #include "renderer/light/light_choice.h"
 #include "renderer/math/float4.h"
+#include "renderer/shape/shape_queries.h"
 
 namespace tessera {
 
@@ -26,9 +27,9 @@ struct alignas(16) LightTreeNode {
   uint32_t child[4] = {};
 
   void SetChild(int slot, const LightBounds& bounds, uint32_t value);
-  // Upper estimates of the irradiance at p from each child; n is the shading normal, zero for a point in
-  // space.
-  Float4 Importance(Point3 p, Normal3 n) const;
+  // Upper estimates of what the reference point receives from each child: the irradiance at its shading
+  // normal, or what its lobe scatters, in the same unit.
+  Float4 Importance(const ReferencePoint& reference) const;
 };
 
 class LightTree {
@@ -40,12 +41,14 @@ class LightTree {
 
   bool empty() const { return nodes_.empty(); }
   bool Contains(int light) const { return !places_.empty() && places_[light] != kNowhere; }
-  // An upper estimate of the irradiance at p from all lights.
-  float Importance(Point3 p, Normal3 n) const { return empty() ? 0 : Sum(nodes_[0].Importance(p, n)); }
+  // An upper estimate of what arrives from all lights.
+  float Importance(const ReferencePoint& reference) const {
+    return empty() ? 0 : Sum(nodes_[0].Importance(reference));
+  }
   // Returns nullopt if nothing arrives. u in [0, 1).
-  std::optional<ChosenLight> Choose(Point3 p, Normal3 n, float u) const;
+  std::optional<ChosenLight> Choose(const ReferencePoint& reference, float u) const;
   // The probability with which Choose takes `light`, which the tree contains.
-  float Pmf(Point3 p, Normal3 n, int light) const;
+  float Pmf(const ReferencePoint& reference, int light) const;
   size_t bytes() const { return nodes_.size() * sizeof(LightTreeNode) + places_.size() * sizeof(uint32_t); }
 
  private:

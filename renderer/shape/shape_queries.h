@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "renderer/math/glossy_lobe.h"
 #include "renderer/math/ray.h"
 #include "renderer/math/transform.h"
 #include "renderer/shape/double3.h"
@@ -43,6 +44,7 @@ struct ReferencePoint {
   Normal3 shading_n;
   float time = 0;  // seconds
   uint64_t light_links = kAllLightLinks;
+  GlossyLobe lobe{};  // of what scatters all its light into one
 };
 
 // A point on an emitting primitive.

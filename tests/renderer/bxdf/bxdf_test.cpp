@@ -149,6 +149,18 @@ TEST(Bxdf, RoughGlassConvergesToSmoothGlass) {
   }
 }
 
+TEST(Bsdf, OfRoughMetalHasALobeAroundTheMirrorDirection) {
+  const Normal3 n = Normalize(Vec3{1, 2, 2});
+  const Vec3 wo = Normalize(Vec3{3, 1, 0.5f});
+  const SampledSpectrum eta(0.2f), k(3.0f);
+  const Bsdf rough(n, {2, -1, 0}, ConductorBxdf({0.2f, 0.1f}, eta, k));
+  const GlossyLobe lobe = rough.Lobe(wo);
+  EXPECT_NEAR(Length(lobe.axis - (n * (2 * Dot(n, wo)) - wo)), 0, 1e-5f);
+  EXPECT_FLOAT_EQ(lobe.alpha_squared, 0.2f * 0.1f);
+  EXPECT_EQ(Bsdf(n, {2, -1, 0}, ConductorBxdf({0, 0}, eta, k)).Lobe(wo).alpha_squared, 0);
+  EXPECT_EQ(Bsdf(n, {2, -1, 0}, DiffuseBxdf(SampledSpectrum(0.5f))).Lobe(wo).alpha_squared, 0);
+}
+
 TEST(Bsdf, IsEvaluatedInItsShadingFrame) {
   const Normal3 n = Normalize({1, 2, 3});
   const Bsdf bsdf(n, {1, 0, 0}, DiffuseBxdf(FourColors()));

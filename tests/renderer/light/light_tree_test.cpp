@@ -6,6 +6,7 @@
 
 #include "renderer/math/sampling.h"
 #include "tests/chi_square.h"
+#include "tests/renderer/light/light_scene.h"
 
 namespace tessera {
 namespace {
@@ -66,7 +67,7 @@ TEST(LightTree, ProbabilitiesSumToOneOrNothingArrives) {
     const Point3 p = InBox(random, 15);
     const Normal3 n = SampleUniformSphere(random.Next2<Point2>());
     double total = 0;
-    for (int light = 0; light < 500; ++light) total += static_cast<double>(tree.Pmf(p, n, light));
+    for (int light = 0; light < 500; ++light) total += static_cast<double>(tree.Pmf(At(p, n), light));
     // The share of a branch is lost if none of its lights contributes.
     EXPECT_LT(total, 1 + 1e-4);
     EXPECT_GT(total, 0.9);
@@ -81,7 +82,7 @@ TEST(LightTree, ProbabilitiesOfLightsSeenFromAllSidesSumToOne) {
   for (int i = 0; i < 20; ++i) {
     const Point3 p = InBox(random, 15);
     double total = 0;
-    for (int light = 0; light < 333; ++light) total += static_cast<double>(tree.Pmf(p, {}, light));
+    for (int light = 0; light < 333; ++light) total += static_cast<double>(tree.Pmf(At(p, {}), light));
     EXPECT_NEAR(total, 1, 1e-4);
   }
 }
@@ -93,10 +94,10 @@ TEST(LightTree, ChooseReturnsThePmf) {
   for (int i = 0; i < 5000; ++i) {
     const Point3 p = InBox(random, 12);
     const Normal3 n = SampleUniformSphere(random.Next2<Point2>());
-    const std::optional<ChosenLight> chosen = tree.Choose(p, n, random.Next());
+    const std::optional<ChosenLight> chosen = tree.Choose(At(p, n), random.Next());
     if (!chosen) continue;
     ++chosen_count;
-    const float pmf = tree.Pmf(p, n, chosen->light);
+    const float pmf = tree.Pmf(At(p, n), chosen->light);
     ASSERT_GT(pmf, 0);
     ASSERT_NEAR(chosen->pmf / pmf, 1, 1e-5f);
   }
@@ -112,12 +113,12 @@ TEST(LightTree, FrequenciesMatchTheProbabilities) {
   std::vector<chi_square::Cell> cells(61);
   double rest = kDraws;
   for (int light = 0; light < 60; ++light) {
-    cells[light].expected = static_cast<double>(tree.Pmf(p, n, light)) * kDraws;
+    cells[light].expected = static_cast<double>(tree.Pmf(At(p, n), light)) * kDraws;
     rest -= cells[light].expected;
   }
   cells[60].expected = std::max(0.0, rest);
   for (int i = 0; i < kDraws; ++i) {
-    const std::optional<ChosenLight> chosen = tree.Choose(p, n, random.Next());
+    const std::optional<ChosenLight> chosen = tree.Choose(At(p, n), random.Next());
     ++cells[chosen ? chosen->light : 60].observed;
   }
   std::string text;
@@ -140,7 +141,7 @@ TEST_P(LightTreeSides, EveryLightThatReachesAPointCanBeChosen) {
       const float cosine = -Dot(wi, triangles[light].Normal());
       const bool lit = (two_sided ? std::abs(cosine) : cosine) > 1e-3f && AbsDot(wi, n) > 1e-3f;
       if (lit) {
-        ASSERT_GT(tree.Pmf(p, n, light), 0) << light;
+        ASSERT_GT(tree.Pmf(At(p, n), light), 0) << light;
       }
     }
   }
@@ -159,16 +160,66 @@ TEST(LightTree, ImportanceFollowsIrradianceOfSmallLights) {
     b.strength = 3;
   }
   const LightTree tree = TreeOf(bounds);
-  EXPECT_NEAR(tree.Pmf({0, 0, 0}, {}, 0), 0.8f, 1e-5f);
-  EXPECT_NEAR(tree.Pmf({0, 0, 0}, {0, 0, 1}, 1), 0.2f, 1e-5f);
+  EXPECT_NEAR(tree.Pmf(At({0, 0, 0}, {}), 0), 0.8f, 1e-5f);
+  EXPECT_NEAR(tree.Pmf(At({0, 0, 0}, {0, 0, 1}), 1), 0.2f, 1e-5f);
+}
+
+ReferencePoint WithLobe(ReferencePoint reference, Vec3 axis, float alpha) {
+  reference.lobe = {axis, alpha * alpha};
+  return reference;
+}
+
+TEST(LightTree, ALobePrefersLightsAlongItsAxis) {
+  std::vector<LightBounds> bounds(2);
+  bounds[0].box = {{0, 0.1f, 3}, {0, 0.1f, 3}};
+  bounds[1].box = {{3, 0, 0.1f}, {3, 0, 0.1f}};
+  for (LightBounds& b : bounds) {
+    b.cos_theta_o = -1;
+    b.cos_theta_e = 0;
+    b.strength = 1;
+  }
+  const LightTree tree = TreeOf(bounds);
+  const ReferencePoint reference = At({0, 0, 0}, {0, 0, 1});
+  EXPECT_GT(tree.Pmf(WithLobe(reference, {0, 0, 1}, 0.1f), 0), 0.99f);
+  EXPECT_GT(tree.Pmf(WithLobe(reference, {1, 0, 0}, 0.1f), 1), 0.99f);
+  // A rougher surface scatters more light aside.
+  EXPECT_LT(tree.Pmf(WithLobe(reference, {0, 0, 1}, 0.5f), 0), 0.97f);
+}
+
+TEST(LightTree, ALobeLeavesEveryLightThatReachesAPointAChance) {
+  const std::vector<Triangle> triangles = RandomTriangles(400, 9);
+  std::vector<LightBounds> bounds = BoundsOf(triangles, true);
+  for (size_t i = 0; i < bounds.size(); i += 2)
+    bounds[i].box = {bounds[i].box.Center(), bounds[i].box.Center()};
+  const LightTree tree = TreeOf(bounds);
+  TestRandom random(10);
+  for (int i = 0; i < 50; ++i) {
+    const Vec3 axis = SampleUniformSphere(random.Next2<Point2>());
+    const Normal3 n = SampleUniformSphere(random.Next2<Point2>());
+    const ReferencePoint reference = WithLobe(At(InBox(random, 12), n), axis, 0.001f + random.Next());
+    double total = 0;
+    for (int light = 0; light < 400; ++light) {
+      const float pmf = tree.Pmf(reference, light);
+      const Vec3 wi = Normalize(triangles[light].Center() - reference.p);
+      if (AbsDot(wi, triangles[light].Normal()) > 1e-3f) {
+        ASSERT_GT(pmf, 0) << light;
+      }
+      total += static_cast<double>(pmf);
+    }
+    EXPECT_LT(total, 1 + 1e-4);
+    const std::optional<ChosenLight> chosen = tree.Choose(reference, random.Next());
+    if (chosen) {
+      EXPECT_NEAR(chosen->pmf / tree.Pmf(reference, chosen->light), 1, 1e-5f);
+    }
+  }
 }
 
 TEST(LightTree, LightsBehindTheirPlaneAreNotChosen) {
   const std::vector<Triangle> triangles = {{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}},
                                            {{{5, 0, 0}, {6, 0, 0}, {5, 1, 0}}}};
   const LightTree tree = TreeOf(BoundsOf(triangles, false));
-  EXPECT_FALSE(tree.Choose({0.2f, 0.2f, -0.1f}, {0, 0, 1}, 0.5f));
-  EXPECT_TRUE(tree.Choose({0.2f, 0.2f, 0.1f}, {0, 0, 1}, 0.5f));
+  EXPECT_FALSE(tree.Choose(At({0.2f, 0.2f, -0.1f}, {0, 0, 1}), 0.5f));
+  EXPECT_TRUE(tree.Choose(At({0.2f, 0.2f, 0.1f}, {0, 0, 1}), 0.5f));
 }
 
 TEST(LightTree, CoincidentLightsAreAllReachable) {
@@ -181,7 +232,7 @@ TEST(LightTree, CoincidentLightsAreAllReachable) {
   }
   const LightTree tree = TreeOf(bounds);
   double total = 0;
-  for (int light = 0; light < 1000; ++light) total += static_cast<double>(tree.Pmf({}, {}, light));
+  for (int light = 0; light < 1000; ++light) total += static_cast<double>(tree.Pmf(At({}, {}), light));
   EXPECT_NEAR(total, 1, 1e-4);
 }
 
@@ -192,7 +243,7 @@ TEST(LightTree, OmitsLightsWithoutStrength) {
   EXPECT_TRUE(tree.Contains(0));
   EXPECT_FALSE(tree.Contains(1));
   EXPECT_TRUE(LightTree().empty());
-  EXPECT_FALSE(LightTree().Choose({}, {}, 0.5f));
+  EXPECT_FALSE(LightTree().Choose(At({}, {}), 0.5f));
 }
 
 TEST(NormalCones, UnionContainsBoth) {
