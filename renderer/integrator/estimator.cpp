@@ -10,12 +10,12 @@ namespace {
 template <typename Sink>
 void Trace(const PathContext& context, const Estimator& estimator, const Ray& camera_ray, Sink& sink) {
   switch (estimator.integrator.kind) {
-    case IntegratorKind::kPath: return TracePath(context, camera_ray, sink);
+    case IntegratorKind::kPath: return TracePath(context, estimator.visibility.get(), camera_ray, sink);
     case IntegratorKind::kVolPath:
       // Without media both estimate the same radiance, and the first is faster.
       if (context.world.media.empty() && !context.world.has_subsurface)
-        return TracePath(context, camera_ray, sink);
-      return TraceVolumePath(context, camera_ray, sink);
+        return TracePath(context, estimator.visibility.get(), camera_ray, sink);
+      return TraceVolumePath(context, estimator.visibility.get(), camera_ray, sink);
     case IntegratorKind::kMixture: return TraceMixture(context, *estimator.lights, camera_ray, sink);
     case IntegratorKind::kSimplePath: return TraceSimplePath(context, estimator.techniques, camera_ray, sink);
     case IntegratorKind::kSimpleVolPath: return TraceSimplePath(context, {false, true}, camera_ray, sink);

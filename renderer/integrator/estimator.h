@@ -1,10 +1,12 @@
 // An integrator with its settings, and the radiance that it estimates.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "renderer/integrator/integrator_kinds.h"
 #include "renderer/integrator/light_directions.h"
+#include "renderer/integrator/light_visibility.h"
 #include "renderer/integrator/sample_record.h"
 #include "renderer/integrator/simple_path_integrator.h"
 
@@ -15,6 +17,8 @@ struct Estimator {
   PathSettings path;
   SimplePathTechniques techniques;        // of simplepath
   std::optional<LightDirections> lights;  // of mixture: for the same world
+  // Of path and volpath, for the same world; null: lights are sampled everywhere.
+  std::unique_ptr<LightVisibility> visibility;
 };
 
 // Radiance that arrives against a camera ray, per wavelength: to be divided by the densities that the

@@ -14,8 +14,8 @@ namespace {
 template <typename Transport, typename Sink>
 class PathTracer {
  public:
-  PathTracer(const PathContext& context, const Ray& camera_ray, Sink& sink)
-      : context_(context), sink_(sink), transport_(context_), ray_(camera_ray) {
+  PathTracer(const PathContext& context, const LightVisibility* visibility, const Ray& camera_ray, Sink& sink)
+      : context_(context), visibility_(visibility), sink_(sink), transport_(context_), ray_(camera_ray) {
     previous_.p = camera_ray.o;
   }
 
@@ -44,6 +44,11 @@ class PathTracer {
   bool CountsHit(int light) const {
     return HitCounts(context_.world.links, light, {depth_, !weigh_, is_shadowed_, previous_.light_links});
   }
+  // Sets with which probability a light is sampled at the vertex. The first, whose light and shadows the camera
+  // sees, is no place to save rays.
+  void SetLightShare() {
+    light_share_ = visibility_ == nullptr || depth_ == 1 ? 1 : visibility_->SamplingProbability(previous_.p);
+  }
   void AddInfiniteLights();
   void AddEmission(const SurfaceInteraction& interaction);
   void AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf);
@@ -70,6 +75,7 @@ class PathTracer {
   }
 
   const PathContext context_;
+  const LightVisibility* const visibility_;
   Sink& sink_;
   Transport transport_;
   Ray ray_;
@@ -83,6 +89,7 @@ class PathTracer {
   bool is_sharp_ = false;  // whether it hardly could have: roulette is delayed
   // Radiance is compressed inside denser media; roulette looks at what will leave them.
   float eta_scale_ = 1;
+  float light_share_ = 1;    // the probability with which a light was sampled at previous_
   ReferencePoint previous_;  // where the path last scattered: at the camera or a vertex
 };
 
@@ -248,7 +255,7 @@ void PathTracer<Transport, Sink>::AddInfiniteLights() {
     const SampledSpectrum emitted =
         world.lights.InfiniteRadiance(light, previous_.p, ray_.d, ray_.time, context_.wavelengths);
     std::optional<float> light_pdf;
-    if (weigh_) light_pdf = InfiniteLightPdf(world, previous_, ray_.d, light);
+    if (weigh_) light_pdf = light_share_ * InfiniteLightPdf(world, previous_, ray_.d, light);
     Add(transport_.HitContribution(emitted, light_pdf), light);
   }
 }
@@ -261,13 +268,14 @@ void PathTracer<Transport, Sink>::AddEmission(const SurfaceInteraction& interact
       world.lights.EmittedRadiance(interaction.area_light, interaction, -ray_.d, context_.wavelengths);
   if (!AnyNonZero(emitted)) return;
   std::optional<float> light_pdf;
-  if (weigh_) light_pdf = EmitterPdf(world, previous_, ray_.d, interaction);
+  if (weigh_) light_pdf = light_share_ * EmitterPdf(world, previous_, ray_.d, interaction);
   Add(transport_.HitContribution(emitted, light_pdf), interaction.area_light);
 }
 
 template <typename Transport, typename Sink>
 void PathTracer<Transport, Sink>::AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
-  const std::optional<SampledLight> sampled = SampleOneLight(context_, previous_, interaction);
+  SetLightShare();
+  const std::optional<SampledLight> sampled = SampleOneLight(context_, previous_, interaction, light_share_);
   if (!sampled) return;
   const LightSample& light = sampled->light;
   const BsdfEvaluation evaluation = bsdf.Evaluate(interaction.wo, light.wi);
@@ -282,7 +290,8 @@ void PathTracer<Transport, Sink>::AddSurfaceLight(const SurfaceInteraction& inte
 
 template <typename Transport, typename Sink>
 void PathTracer<Transport, Sink>::AddMediumLight(Vec3 wo, const PhaseFunction& phase) {
-  const std::optional<SampledLight> sampled = SampleOneLight(context_, previous_);
+  SetLightShare();
+  const std::optional<SampledLight> sampled = SampleOneLight(context_, previous_, light_share_);
   if (!sampled) return;
   const LightSample& light = sampled->light;
   const Ray shadow = SpawnRayTo(previous_.p, {}, {}, light.p, light.p_error, light.n, ray_.time);
@@ -296,18 +305,20 @@ void PathTracer<Transport, Sink>::AddMediumLight(Vec3 wo, const PhaseFunction& p
 }  // namespace
 
 template <typename Sink>
-void TracePath(const PathContext& context, const Ray& camera_ray, Sink& sink) {
-  PathTracer<VacuumTransport, Sink>(context, camera_ray, sink).Trace();
+void TracePath(const PathContext& context, const LightVisibility* visibility, const Ray& camera_ray,
+               Sink& sink) {
+  PathTracer<VacuumTransport, Sink>(context, visibility, camera_ray, sink).Trace();
 }
 
 template <typename Sink>
-void TraceVolumePath(const PathContext& context, const Ray& camera_ray, Sink& sink) {
-  PathTracer<MediumTransport, Sink>(context, camera_ray, sink).Trace();
+void TraceVolumePath(const PathContext& context, const LightVisibility* visibility, const Ray& camera_ray,
+                     Sink& sink) {
+  PathTracer<MediumTransport, Sink>(context, visibility, camera_ray, sink).Trace();
 }
 
-template void TracePath(const PathContext&, const Ray&, RadianceSink&);
-template void TracePath(const PathContext&, const Ray&, RecordingSink&);
-template void TraceVolumePath(const PathContext&, const Ray&, RadianceSink&);
-template void TraceVolumePath(const PathContext&, const Ray&, RecordingSink&);
+template void TracePath(const PathContext&, const LightVisibility*, const Ray&, RadianceSink&);
+template void TracePath(const PathContext&, const LightVisibility*, const Ray&, RecordingSink&);
+template void TraceVolumePath(const PathContext&, const LightVisibility*, const Ray&, RadianceSink&);
+template void TraceVolumePath(const PathContext&, const LightVisibility*, const Ray&, RecordingSink&);
 
 }  // namespace tessera

@@ -73,7 +73,7 @@ inline std::optional<Subsurface> SubsurfaceAt(const PathContext& context,
 struct SampledLight {
   int index = 0;  // into World::lights
   LightSample light;
-  float pdf = 0;  // per solid angle, with the probability of choosing this light
+  float pdf = 0;  // per solid angle, with the probabilities of sampling a light and of choosing this one
   bool casts_shadows = true;
 };
 
@@ -82,31 +82,33 @@ struct SampledLight {
 // hit.
 bool FollowLink(const PathContext& context, const ReferencePoint& from, SampledLight& sampled);
 
-// Samples one light as seen from `reference`, regardless of links. Takes three dimensions of the sampler.
-// Returns nullopt if no light arrives.
-inline std::optional<SampledLight> SampleAnyLight(const PathContext& context,
-                                                  const ReferencePoint& reference) {
-  const float u_choice = context.sampler.Get1D();
+// Samples one light as seen from `reference` with probability `share`, regardless of links. Takes three
+// dimensions of the sampler. Returns nullopt if no light is sampled or none arrives.
+inline std::optional<SampledLight> SampleAnyLight(const PathContext& context, const ReferencePoint& reference,
+                                                  float share) {
+  float u_choice = context.sampler.Get1D();
   const Point2 u_light = context.sampler.Get2D();
+  if (u_choice >= share) return std::nullopt;
+  u_choice = std::min(u_choice / share, kOneMinusEpsilon);
   const LightTable& lights = context.world.lights;
   const std::optional<ChosenLight> chosen = lights.Choose(reference, u_choice);
   if (!chosen) return std::nullopt;
   const std::optional<LightSample> light =
       lights.Sample(chosen->light, reference, u_light, context.wavelengths);
   if (!light || light->pdf <= 0 || light->IsDark()) return std::nullopt;
-  return SampledLight{chosen->light, *light, chosen->pmf * light->pdf};
+  return SampledLight{chosen->light, *light, chosen->pmf * light->pdf * share};
 }
 // The same with the links of `reference`, where the shadow ray starts.
-inline std::optional<SampledLight> SampleOneLight(const PathContext& context,
-                                                  const ReferencePoint& reference) {
-  std::optional<SampledLight> sampled = SampleAnyLight(context, reference);
+inline std::optional<SampledLight> SampleOneLight(const PathContext& context, const ReferencePoint& reference,
+                                                  float share = 1) {
+  std::optional<SampledLight> sampled = SampleAnyLight(context, reference, share);
   if (sampled && context.world.links.any() && !FollowLink(context, reference, *sampled)) sampled.reset();
   return sampled;
 }
 // The same for a shadow ray that starts at `surface`.
 inline std::optional<SampledLight> SampleOneLight(const PathContext& context, const ReferencePoint& reference,
-                                                  const SurfaceInteraction& surface) {
-  std::optional<SampledLight> sampled = SampleAnyLight(context, reference);
+                                                  const SurfaceInteraction& surface, float share = 1) {
+  std::optional<SampledLight> sampled = SampleAnyLight(context, reference, share);
   if (sampled && context.world.links.any() && !FollowLink(context, ReferenceAt(surface), *sampled))
     sampled.reset();
   return sampled;
@@ -138,7 +140,7 @@ inline Ray ShadowRay(const SurfaceInteraction& from, const LightSample& light) {
   return SpawnRayTo(from.p, from.p_error, from.n, light.p, light.p_error, light.n, from.time);
 }
 
-// The densities with which SampleOneLight finds what a ray along wi hits.
+// The densities with which SampleOneLight, if its share is 1, finds what a ray along wi hits.
 inline float EmitterPdf(const World& world, const ReferencePoint& reference, Vec3 wi,
                         const SurfaceInteraction& emitter) {
   const float choice = world.lights.ChoosePmf(reference, emitter.area_light);

@@ -321,6 +321,8 @@ Result<void> SceneBuilder::BuildAccelerator() {
   if (!accelerator) return accelerator.error();
   data.world.accelerator = std::move(*accelerator);
   data.summary.accelerators.push_back(SummaryOf(data.summary.accelerator, *data.world.accelerator));
+  if (data.estimator.integrator.has_shadow_rays)
+    data.estimator.visibility = std::make_unique<LightVisibility>(data.world);
   return {};
 }
 

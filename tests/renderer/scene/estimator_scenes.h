@@ -144,6 +144,34 @@ AttributeEnd
 )";
 constexpr const char* kWindow = " \"point3 portal\" [ 2 -0.5 1.5  2 -0.5 3.5  2 1 3.5  2 1 1.5 ]\n";
 
+// Two rooms with a gap between them: a ball of smoke and one of metal around the camera, a lamp in the other.
+constexpr const char* kRoomLitThroughAGap = R"(
+MakeNamedMedium "smoke" "string type" "homogeneous" "rgb sigma_a" [ 0.1 0.1 0.1 ] "rgb sigma_s" [ 1 1 1 ]
+Material "diffuse" "rgb reflectance" [ 0.8 0.8 0.7 ]
+Shape "bilinearmesh" "point3 P" [ -2 -1 -1  2 -1 -1  -2 -1 9  2 -1 9 ]
+Shape "bilinearmesh" "point3 P" [ -2 2 -1  2 2 -1  -2 2 9  2 2 9 ]
+Shape "bilinearmesh" "point3 P" [ -2 -1 -1  -2 2 -1  -2 -1 9  -2 2 9 ]
+Shape "bilinearmesh" "point3 P" [ 2 -1 -1  2 2 -1  2 -1 9  2 2 9 ]
+Shape "bilinearmesh" "point3 P" [ -2 -1 -1  2 -1 -1  -2 2 -1  2 2 -1 ]
+Shape "bilinearmesh" "point3 P" [ -2 -1 9  2 -1 9  -2 2 9  2 2 9 ]
+Shape "bilinearmesh" "point3 P" [ -2 -1 5  1.2 -1 5  -2 2 5  1.2 2 5 ]
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 40 40 30 ] "bool twosided" true
+  Shape "bilinearmesh" "point3 P" [ -1.9 0 6  -1.9 1.5 6  -1.9 0 8  -1.9 1.5 8 ]
+AttributeEnd
+AttributeBegin
+  MediumInterface "smoke" ""
+  Material "interface"
+  Translate 0.9 0.5 3
+  Shape "sphere" "float radius" 0.8
+AttributeEnd
+AttributeBegin
+  Material "conductor" "float roughness" 0.3
+  Translate -0.8 -0.2 3.5
+  Shape "sphere" "float radius" 0.8
+AttributeEnd
+)";
+
 // Inside an emitter, with a lamp that is half transparent and one that emits a picture.
 constexpr const char* kInsideALamp = R"(
 Material "diffuse" "rgb reflectance" [ 0.4 0.4 0.4 ]

@@ -196,6 +196,10 @@ TEST(Estimators, AgreeInSmokeAndFog) {
   ExpectAgreement(kSmoke, {"\"mixture\"", "\"simplevolpath\""}, 5, 0.02, "\"volpath\"");
 }
 
+TEST(Estimators, AgreeInARoomThatIsLitThroughAGap) {
+  ExpectAgreement(kRoomLitThroughAGap, {"\"mixture\"", "\"simplevolpath\""}, 5, 0.05, "\"volpath\"");
+}
+
 TEST(Estimators, MixtureTracesNoShadowRays) {
   for (const char* estimator : {"\"mixture\"", "\"randomwalk\"", "\"simplevolpath\"", kBsdfOnly}) {
     const auto scene = Load(SceneHead(estimator, 3) + kDiffuseBox);
