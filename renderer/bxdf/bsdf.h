@@ -34,9 +34,10 @@ class Bsdf {
   SampledSpectrum DiffuseShare(Vec3 wo, Vec3 wi) const {
     return bxdf_.DiffuseShare(frame_.ToLocal(wo), frame_.ToLocal(wi));
   }
+  // As Bxdf::Lobe.
   GlossyLobe Lobe(Vec3 wo) const {
     GlossyLobe lobe = bxdf_.Lobe(frame_.ToLocal(wo));
-    lobe.axis = frame_.FromLocal(lobe.axis);
+    if (lobe.alpha_squared > 0) lobe.axis = frame_.FromLocal(lobe.axis);
     return lobe;
   }
   // uc chooses the component, u the direction. Returns nullopt if the light is absorbed.

@@ -22,7 +22,7 @@
 namespace tessera {
 
 // Every kind has the members flags, Evaluate and Sample of Bxdf below and is trivially copyable. One that has
-// both diffuse and glossy lobes has DiffuseShare, too.
+// both diffuse and glossy lobes has DiffuseShare, too; one of a single glossy lobe may have Lobe.
 using BxdfKind = std::variant<DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf,
                               ThinDielectricBxdf, CoatedDiffuseBxdf, LayeredDiffuseBxdf, LayeredConductorBxdf,
                               HairBxdf, MeasuredBxdf, NormalizedFresnelBxdf>;
@@ -56,7 +56,8 @@ class Bxdf {
     });
   }
 
-  // The lobe around the reflection of wo that has all of what is scattered, if there is one.
+  // The lobe around the reflection of wo, of a kind that scatters all light into one; else one of roughness
+  // 0.
   GlossyLobe Lobe(Vec3 wo) const {
     return Dispatch(kind_, [&](const auto& kind) -> GlossyLobe {
       if constexpr (requires { kind.Lobe(wo); }) return kind.Lobe(wo);
