@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-// Points that must see no light. Of a hidden cell a few in a hundred may do so nevertheless.
+// Points that are examined. A few in a hundred of those of a hidden cell may be lit nevertheless.
 constexpr int kCellProbes = 64, kBlockProbes = 32;
 // The cube in which they lie, in sizes of a cell. Cells next to lit ones do not count as hidden: light may
 // reach a part of them that the points miss.
@@ -37,12 +37,12 @@ LightVisibility::LightVisibility(const World& world) : world_(world) {
 
 LightVisibility::Cell LightVisibility::ExamineCell(const Place& place) const {
   const Place block{place.level, place.x / 2, place.y / 2, place.z / 2};
-  if (Known(blocks_, block, &LightVisibility::ExamineBlock) == Cell::kLit) return Cell::kLit;
+  if (StateOf(blocks_, block, &LightVisibility::ExamineBlock) == Cell::kLit) return Cell::kLit;
   const float size = size_[place.level];
   const auto center = [&](int cell) { return (static_cast<float>(cell - kHalf) + 0.5f) * size; };
   const uint64_t seed = Hash(0, place.level, place.x, place.y, place.z);
-  const bool is_lit = AnySeesLight({center(place.x), center(place.y), center(place.z)}, kProbedSize * size,
-                                   kCellProbes, seed);
+  const bool is_lit =
+      AnyIsLit({center(place.x), center(place.y), center(place.z)}, kProbedSize * size, kCellProbes, seed);
   return is_lit ? Cell::kLit : Cell::kHidden;
 }
 
@@ -50,23 +50,22 @@ LightVisibility::Cell LightVisibility::ExamineBlock(const Place& place) const {
   const float size = 2 * size_[place.level];
   const auto center = [&](int block) { return (static_cast<float>(block - kHalf / 2) + 0.5f) * size; };
   const uint64_t seed = Hash(1, place.level, place.x, place.y, place.z);
-  const bool is_lit =
-      AnySeesLight({center(place.x), center(place.y), center(place.z)}, size, kBlockProbes, seed);
+  const bool is_lit = AnyIsLit({center(place.x), center(place.y), center(place.z)}, size, kBlockProbes, seed);
   return is_lit ? Cell::kLit : Cell::kHidden;
 }
 
-bool LightVisibility::AnySeesLight(Point3 center, float size, int count, uint64_t seed) const {
+bool LightVisibility::AnyIsLit(Point3 center, float size, int count, uint64_t seed) const {
   for (int i = 0; i < count; ++i) {
     const uint64_t random = ExtendHash(seed, i);
     const auto offset = [&](int axis) {
       return (UniformFloatFromHash(ExtendHash(random, axis)) - 0.5f) * size;
     };
-    if (SeesLight(center + Vec3{offset(0), offset(1), offset(2)}, random)) return true;
+    if (IsLit(center + Vec3{offset(0), offset(1), offset(2)}, random)) return true;
   }
   return false;
 }
 
-bool LightVisibility::SeesLight(Point3 p, uint64_t random) const {
+bool LightVisibility::IsLit(Point3 p, uint64_t random) const {
   const auto uniform = [&](int dimension) { return UniformFloatFromHash(ExtendHash(random, 3 + dimension)); };
   ReferencePoint reference;
   reference.p = p;

@@ -14,8 +14,8 @@
 namespace tessera {
 
 // Most shadow rays of a room that is lit through a door are blocked, and cost as much as the rays that find
-// light. Space is divided into cells; a path that scatters in a cell around which random points see no light
-// samples lights there with a small probability only, weighted by its inverse.
+// light. Space is divided into cells; where no light is visible from random points in and around a cell, a
+// path samples lights with a small probability only, weighted by its inverse.
 //
 // Cells are cubes around the origin of rendering space, where the camera is, that grow with the distance from
 // it. They are examined when a path first reaches them. Thread-safe: what a cell is depends on the scene
@@ -27,7 +27,8 @@ class LightVisibility {
 
   // The probability with which a path samples a light at p.
   float SamplingProbability(Point3 p) const {
-    return Known(cells_, PlaceOf(p), &LightVisibility::ExamineCell) == Cell::kHidden ? kHiddenProbability : 1;
+    return StateOf(cells_, PlaceOf(p), &LightVisibility::ExamineCell) == Cell::kHidden ? kHiddenProbability
+                                                                                       : 1;
   }
 
  private:
@@ -55,8 +56,9 @@ class LightVisibility {
     }
   };
 
-  Cell Known(const Grid& grid, const Place& place,
-             Cell (LightVisibility::*examine)(const Place&) const) const {
+  // The state of a cell or block, which is examined the first time.
+  Cell StateOf(const Grid& grid, const Place& place,
+               Cell (LightVisibility::*examine)(const Place&) const) const {
     std::atomic<Cell>& known = grid.At(place);
     Cell cell = known.load(std::memory_order_relaxed);
     if (cell == Cell::kUnknown) {
@@ -82,9 +84,10 @@ class LightVisibility {
   }
   Cell ExamineCell(const Place& place) const;
   Cell ExamineBlock(const Place& place) const;
-  // Whether any of `count` points in a cube does.
-  bool AnySeesLight(Point3 center, float size, int count, uint64_t seed) const;
-  bool SeesLight(Point3 p, uint64_t random) const;
+  // Whether a light is visible from any of `count` random points in a cube.
+  bool AnyIsLit(Point3 center, float size, int count, uint64_t seed) const;
+  // Whether a random point of a random light is visible from p.
+  bool IsLit(Point3 p, uint64_t random) const;
 
   const World& world_;
   int first_exponent_ = 0;                                 // of the first level

@@ -44,8 +44,8 @@ class PathTracer {
   bool CountsHit(int light) const {
     return HitCounts(context_.world.links, light, {depth_, !weigh_, is_shadowed_, previous_.light_links});
   }
-  // Sets with which probability a light is sampled at the vertex. The first, whose light and shadows the camera
-  // sees, is no place to save rays.
+  // Sets with which probability a light is sampled at the vertex: always at the first, since its light and
+  // shadows are visible in the picture.
   void SetLightShare() {
     light_share_ = visibility_ == nullptr || depth_ == 1 ? 1 : visibility_->SamplingProbability(previous_.p);
   }
