@@ -39,7 +39,7 @@ LightVisibility::Cell LightVisibility::ExamineCell(const Place& place) const {
   const Place block{place.level, place.x / 2, place.y / 2, place.z / 2};
   if (StateOf(blocks_, block, &LightVisibility::ExamineBlock) == Cell::kLit) return Cell::kLit;
   const float size = size_[place.level];
-  const auto center = [&](int cell) { return (static_cast<float>(cell - kHalf) + 0.5f) * size; };
+  const auto center = [&](uint32_t cell) { return (static_cast<float>(cell) + 0.5f - kHalf) * size; };
   const uint64_t seed = Hash(0, place.level, place.x, place.y, place.z);
   const bool is_lit =
       AnyIsLit({center(place.x), center(place.y), center(place.z)}, kProbedSize * size, kCellProbes, seed);
@@ -48,7 +48,9 @@ LightVisibility::Cell LightVisibility::ExamineCell(const Place& place) const {
 
 LightVisibility::Cell LightVisibility::ExamineBlock(const Place& place) const {
   const float size = 2 * size_[place.level];
-  const auto center = [&](int block) { return (static_cast<float>(block - kHalf / 2) + 0.5f) * size; };
+  const auto center = [&](uint32_t block) {
+    return (static_cast<float>(block) + 0.5f - 0.5f * kHalf) * size;
+  };
   const uint64_t seed = Hash(1, place.level, place.x, place.y, place.z);
   const bool is_lit = AnyIsLit({center(place.x), center(place.y), center(place.z)}, size, kBlockProbes, seed);
   return is_lit ? Cell::kLit : Cell::kHidden;

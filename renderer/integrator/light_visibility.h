@@ -42,17 +42,17 @@ class LightVisibility {
   // the next. The first level has all nearer points, too, the last all farther ones. Blocks of 2 x 2 x 2
   // cells are examined first, since most are lit.
   struct Place {
-    int level = 0;
-    int x = 0, y = 0, z = 0;  // of the cell or block, from the lower corner of the level
+    uint32_t level = 0;
+    uint32_t x = 0, y = 0, z = 0;  // of the cell or block, from the lower corner of the level
   };
   struct Grid {
-    int side = 0;                                  // cells or blocks along an axis of a level
+    uint32_t side = 0;                             // cells or blocks along an axis of a level
     mutable std::vector<std::atomic<Cell>> cells;  // level by level, z by z, y by y
 
-    explicit Grid(int per_side)
-        : side(per_side), cells(size_t{kLevels} * static_cast<size_t>(side * side * side)) {}
+    explicit Grid(uint32_t per_side)
+        : side(per_side), cells(size_t{kLevels} * per_side * per_side * per_side) {}
     std::atomic<Cell>& At(const Place& place) const {
-      return cells[static_cast<size_t>(((place.level * side + place.z) * side + place.y) * side + place.x)];
+      return cells[((size_t{place.level} * side + place.z) * side + place.y) * side + place.x];
     }
   };
 
@@ -71,7 +71,8 @@ class LightVisibility {
     const float distance = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     const int level = std::clamp(ExponentOf(distance) - first_exponent_, 0, kLevels - 1);
     const float inverse = inverse_size_[level];
-    return {level, CellOf(p.x * inverse), CellOf(p.y * inverse), CellOf(p.z * inverse)};
+    return {static_cast<uint32_t>(level), CellOf(p.x * inverse), CellOf(p.y * inverse),
+            CellOf(p.z * inverse)};
   }
   // floor(log2(v)) of a positive number; of any other value within the exponents of floats.
   static int ExponentOf(float v) {
@@ -79,8 +80,8 @@ class LightVisibility {
     return static_cast<int>(std::bit_cast<uint32_t>(v) >> kFractionBits & 0xff) - kBias;
   }
   // Of a coordinate in units of the size of a cell; of NaN 0.
-  static int CellOf(float coordinate) {
-    return static_cast<int>(std::min(std::max(0.0f, coordinate + kHalf), 2.0f * kHalf - 1));
+  static uint32_t CellOf(float coordinate) {
+    return static_cast<uint32_t>(std::min(std::max(0.0f, coordinate + kHalf), 2.0f * kHalf - 1));
   }
   Cell ExamineCell(const Place& place) const;
   Cell ExamineBlock(const Place& place) const;
