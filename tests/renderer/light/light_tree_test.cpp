@@ -149,17 +149,21 @@ TEST_P(LightTreeSides, EveryLightThatReachesAPointCanBeChosen) {
 
 INSTANTIATE_TEST_SUITE_P(OneAndTwo, LightTreeSides, testing::Bool());
 
-TEST(LightTree, ImportanceFollowsIrradianceOfSmallLights) {
-  // Two lights of equal strength, one twice as far: it contributes a quarter.
-  std::vector<LightBounds> bounds(2);
-  bounds[0].box = {{0, 0, 1}, {0, 0, 1}};
-  bounds[1].box = {{0, 0, 2}, {0, 0, 2}};
-  for (LightBounds& b : bounds) {
-    b.cos_theta_o = -1;
-    b.cos_theta_e = 0;
-    b.strength = 3;
+// Lights without extent and of equal strength that shine in all directions.
+std::vector<LightBounds> PointBounds(const std::vector<Point3>& places) {
+  std::vector<LightBounds> bounds(places.size());
+  for (size_t i = 0; i < places.size(); ++i) {
+    bounds[i].box = {places[i], places[i]};
+    bounds[i].cos_theta_o = -1;
+    bounds[i].cos_theta_e = 0;
+    bounds[i].strength = 3;
   }
-  const LightTree tree = TreeOf(bounds);
+  return bounds;
+}
+
+TEST(LightTree, ImportanceFollowsIrradianceOfSmallLights) {
+  // One is twice as far as the other: it contributes a quarter.
+  const LightTree tree = TreeOf(PointBounds({{0, 0, 1}, {0, 0, 2}}));
   EXPECT_NEAR(tree.Pmf(At({0, 0, 0}, {}), 0), 0.8f, 1e-5f);
   EXPECT_NEAR(tree.Pmf(At({0, 0, 0}, {0, 0, 1}), 1), 0.2f, 1e-5f);
 }
@@ -170,15 +174,7 @@ ReferencePoint WithLobe(ReferencePoint reference, Vec3 axis, float alpha) {
 }
 
 TEST(LightTree, ALobePrefersLightsAlongItsAxis) {
-  std::vector<LightBounds> bounds(2);
-  bounds[0].box = {{0, 0.1f, 3}, {0, 0.1f, 3}};
-  bounds[1].box = {{3, 0, 0.1f}, {3, 0, 0.1f}};
-  for (LightBounds& b : bounds) {
-    b.cos_theta_o = -1;
-    b.cos_theta_e = 0;
-    b.strength = 1;
-  }
-  const LightTree tree = TreeOf(bounds);
+  const LightTree tree = TreeOf(PointBounds({{0, 0.1f, 3}, {3, 0, 0.1f}}));
   const ReferencePoint reference = At({0, 0, 0}, {0, 0, 1});
   EXPECT_GT(tree.Pmf(WithLobe(reference, {0, 0, 1}, 0.1f), 0), 0.99f);
   EXPECT_GT(tree.Pmf(WithLobe(reference, {1, 0, 0}, 0.1f), 1), 0.99f);
@@ -223,14 +219,7 @@ TEST(LightTree, LightsBehindTheirPlaneAreNotChosen) {
 }
 
 TEST(LightTree, CoincidentLightsAreAllReachable) {
-  std::vector<LightBounds> bounds(1000);
-  for (LightBounds& b : bounds) {
-    b.box = {{1, 1, 1}, {1, 1, 1}};
-    b.cos_theta_o = -1;
-    b.cos_theta_e = 0;
-    b.strength = 1;
-  }
-  const LightTree tree = TreeOf(bounds);
+  const LightTree tree = TreeOf(PointBounds(std::vector<Point3>(1000, {1, 1, 1})));
   double total = 0;
   for (int light = 0; light < 1000; ++light) total += static_cast<double>(tree.Pmf(At({}, {}), light));
   EXPECT_NEAR(total, 1, 1e-4);

@@ -79,6 +79,28 @@ TEST(RectangleLight, TrianglesWithAPictureStayTwoLights) {
   EXPECT_FALSE(IsOneLight(lights.table, At({0, 0, 0}, {0, 0, 1})));
 }
 
+Point3 CenterOf(const std::vector<Point3>& corners) {
+  return (corners[0] + corners[2]) * 0.5f;
+}
+Normal3 NormalOf(const std::vector<Point3>& corners) {
+  return Normalize(Cross(corners[1] - corners[0], corners[3] - corners[0]));
+}
+
+// The mean over stratified samples of light 0 of what `value` makes of each.
+template <typename Value>
+double MeanOfSamples(const LightTable& table, const ReferencePoint& reference, const Value& value) {
+  constexpr int kSide = 200;
+  double sum = 0;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const Point2 u{(static_cast<float>(i % kSide) + 0.5f) / kSide,
+                   (static_cast<float>(i / kSide) + 0.5f) / kSide};
+    const auto sample = table.Sample(0, reference, u, FourWavelengths(0));
+    EXPECT_TRUE(sample);
+    if (sample) sum += static_cast<double>(value(*sample));
+  }
+  return sum / (kSide * kSide);
+}
+
 // Irradiance from a polygon of radiance 1 above the horizon (Lambert's formula).
 float Lambert(const std::vector<Point3>& corners, Point3 from, Normal3 n) {
   double sum = 0;
@@ -93,8 +115,8 @@ TEST(RectangleLight, GivesTheIrradianceOfLambertsFormula) {
   const std::vector<Point3> corners = Corners();
   LightScene lights;
   BuildMesh(lights, corners);
-  const Point3 center = (corners[0] + corners[2]) * 0.5f;
-  const Normal3 n = Normalize(Cross(corners[1] - corners[0], corners[3] - corners[0]));
+  const Point3 center = CenterOf(corners);
+  const Normal3 n = NormalOf(corners);
   // Near, far enough to be sampled by area, and on the other side.
   for (const float distance : {0.05f, 1.0f, 5.0f, 150.0f, -2.0f}) {
     const ReferencePoint reference = At(center - n * distance, distance > 0 ? n : -n);
@@ -128,19 +150,12 @@ TEST(RectangleLight, DensityIntegratesToOneOverItsSolidAngle) {
   BuildMesh(lights, c);
   for (const ReferencePoint& reference :
        {At({0, 0, 0}, {0, 0, 1}), At({0, 0, 0}), At({1, 1, 1}, {1, 0, 0})}) {
-    double sum = 0;
-    constexpr int kSide = 200;
-    for (int i = 0; i < kSide * kSide; ++i) {
-      const Point2 u{(static_cast<float>(i % kSide) + 0.5f) / kSide,
-                     (static_cast<float>(i / kSide) + 0.5f) / kSide};
-      const auto sample = lights.table.Sample(0, reference, u, FourWavelengths(0));
-      ASSERT_TRUE(sample);
-      sum += 1 / static_cast<double>(sample->pdf);
-    }
+    const double mean =
+        MeanOfSamples(lights.table, reference, [](const LightSample& sample) { return 1 / sample.pdf; });
     const auto corner = [&](int index) { return Double3(c[index] - reference.p); };
     const float solid_angle =
         SolidAngle(corner(0), corner(1), corner(2)) + SolidAngle(corner(0), corner(2), corner(3));
-    EXPECT_NEAR(sum / (kSide * kSide) / solid_angle, 1, 2e-3);
+    EXPECT_NEAR(mean / solid_angle, 1, 2e-3);
   }
 }
 
@@ -149,26 +164,18 @@ TEST(RectangleLight, SamplesFollowWhatArrivesAtAllDistances) {
   const std::vector<Point3> corners = Corners();
   LightScene lights;
   BuildMesh(lights, corners);
-  const Point3 center = (corners[0] + corners[2]) * 0.5f;
-  const Normal3 n = Normalize(Cross(corners[1] - corners[0], corners[3] - corners[0]));
+  const Point3 center = CenterOf(corners);
+  const Normal3 n = NormalOf(corners);
   const Vec3 aside = Normalize(corners[1] - corners[0]);
   const float radius = Length(corners[2] - corners[0]) / 2;
   for (const float distance : {0.5f, 1.3f, 1.45f, 2.0f, 10.0f}) {
     for (const float tilt : {0.0f, 0.8f}) {
       const ReferencePoint reference = At(center - Normalize(n + tilt * aside) * (distance * radius), n);
-      double sum = 0, squares = 0;
-      constexpr int kSide = 64;
-      for (int i = 0; i < kSide * kSide; ++i) {
-        const Point2 u{(static_cast<float>(i % kSide) + 0.5f) / kSide,
-                       (static_cast<float>(i / kSide) + 0.5f) / kSide};
-        const auto sample = lights.table.Sample(0, reference, u, FourWavelengths(0));
-        ASSERT_TRUE(sample);
-        const double value = static_cast<double>(AbsDot(sample->wi, n) / sample->pdf);
-        sum += value;
-        squares += value * value;
-      }
-      const double mean = sum / (kSide * kSide);
-      EXPECT_LT(squares / (kSide * kSide) / (mean * mean) - 1, 0.06) << distance << " " << tilt;
+      const auto arriving = [&](const LightSample& sample) { return AbsDot(sample.wi, n) / sample.pdf; };
+      const double mean = MeanOfSamples(lights.table, reference, arriving);
+      const double mean_square = MeanOfSamples(
+          lights.table, reference, [&](const LightSample& sample) { return Sqr(arriving(sample)); });
+      EXPECT_LT(mean_square / (mean * mean) - 1, 0.06) << distance << " " << tilt;
     }
   }
 }
@@ -177,7 +184,7 @@ TEST(RectangleLight, IsNotSampledFromItsPlaneNorFromBehind) {
   const std::vector<Point3> corners = Corners();
   LightScene lights;
   BuildMesh(lights, corners, kHalves, "false");
-  const Normal3 n = Normalize(Cross(corners[1] - corners[0], corners[3] - corners[0]));
+  const Normal3 n = NormalOf(corners);
   const Point2 u{0.3f, 0.6f};
   const Point3 beside = corners[0] - (corners[1] - corners[0]);
   EXPECT_FALSE(lights.table.Sample(0, At(beside, n), u, FourWavelengths(0)));
