@@ -109,7 +109,12 @@ Flood::Flood(const Address& victim, int connections, std::string source)
 }
 
 Flood::~Flood() {
+  Stop();
+}
+
+void Flood::Stop() {
   for (std::jthread& each : threads_) each.request_stop();
+  threads_.clear();  // joins
 }
 
 int Flood::Connect(uint32_t source) const {

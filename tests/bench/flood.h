@@ -24,6 +24,9 @@ class Flood {
   Flood(const Flood&) = delete;
   Flood& operator=(const Flood&) = delete;
 
+  // Closes all connections and opens no others. The counts stay.
+  void Stop();
+
   uint64_t opened() const { return opened_; }
   uint64_t refused() const { return refused_; }
   // Connections on which the victim sent more than an alert after a handshake: there must be none.

@@ -1,7 +1,7 @@
 // A farm over a long time: synthetic workers, clients that come and go, and a flood of peers that do not
 // belong to it. Prints what the coordinator holds, and checks that every job gives the picture that it gave
-// on the quiet farm. Exits with 1 if a picture differs, a client fails, a stranger is answered, or the
-// coordinator still grows after it has warmed up.
+// on the quiet farm. Exits with 1 if a picture differs, a client fails, a stranger is answered, memory still
+// grows after the coordinator has warmed up, or connections of those who have left stay open.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -17,6 +17,7 @@
 #include "tests/bench/bench_farm.h"
 #include "tests/bench/flood.h"
 #include "tests/bench/synthetic_workers.h"
+#include "tests/end_to_end/process.h"
 #include "tests/sanitizers.h"
 
 namespace tessera {
@@ -34,10 +35,11 @@ struct Plan {
 
 constexpr double kUnitSeconds = 0.01;
 constexpr double kWarmUp = 0.3;    // of the time
-constexpr double kEnd = 0.7;       // the time from when on what is open is compared
 constexpr int kRestMax_ms = 4000;  // of a client between two jobs
 constexpr int kFailuresPrinted = 20;
-constexpr int64_t kDescriptorsAccepted = 32;  // clients that are connected all the time
+// More than on the quiet farm after all have left: files and connections that come and go without clients.
+constexpr size_t kDescriptorsAccepted = 32;
+constexpr std::chrono::seconds kClosingMax{60};  // from then on until the last connection is closed
 
 Digest DigestOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -124,8 +126,6 @@ void ComeAndGo(std::stop_token stop, const BenchFarm& farm, int index, const Dig
 
 struct Growth {
   double warm_megabytes = 0, most_megabytes = 0;  // when warm, and ever
-  // The least while warming up and at the end: connections come and go, and what stays open is a leak.
-  size_t first_descriptors = SIZE_MAX, last_descriptors = SIZE_MAX;
 };
 
 // Looks at the coordinator until the time is over, and prints what it sees.
@@ -146,12 +146,7 @@ Growth Observe(const Plan& plan, BenchFarm& farm, const SyntheticWorkers& worker
                workers.counts().results, flood.opened(), flood.refused());
     std::fflush(stdout);
     growth.most_megabytes = std::max(growth.most_megabytes, usage.megabytes);
-    if (next < kWarmUp * seconds_total) {
-      growth.warm_megabytes = growth.most_megabytes;
-      growth.first_descriptors = std::min(growth.first_descriptors, usage.descriptors);
-    }
-    if (next > kEnd * seconds_total)
-      growth.last_descriptors = std::min(growth.last_descriptors, usage.descriptors);
+    if (next < kWarmUp * seconds_total) growth.warm_megabytes = growth.most_megabytes;
   }
   return growth;
 }
@@ -164,8 +159,10 @@ bool Soak(const Plan& plan) {
   std::string why;
   const auto expected = RunJob(farm, "quiet", why);
   if (!expected) throw std::runtime_error(why);
+  const auto descriptors = [&] { return UsageOf(farm.coordinator().pid()).descriptors; };
+  const size_t quiet_descriptors = descriptors();
   Record record;
-  const Flood flood(ParseAddress(farm.address(), "coordinator").value(), plan.flood);
+  Flood flood(ParseAddress(farm.address(), "coordinator").value(), plan.flood);
   Growth growth;
   {
     std::vector<std::jthread> clients;
@@ -174,18 +171,20 @@ bool Soak(const Plan& plan) {
     growth = Observe(plan, farm, workers, flood, record);
     for (std::jthread& each : clients) each.request_stop();
   }
+  flood.Stop();
+  const bool is_closed =
+      Eventually([&] { return descriptors() <= quiet_descriptors + kDescriptorsAccepted; }, kClosingMax);
   const double megabytes = growth.most_megabytes - growth.warm_megabytes;
   const double megabytes_max =
       static_cast<double>(MemoryBound(static_cast<size_t>(plan.growth_mb * 1e6))) / 1e6;
-  const auto descriptors =
-      static_cast<int64_t>(growth.last_descriptors) - static_cast<int64_t>(growth.first_descriptors);
   fmt::print(
-      "after warming up: {:+.1f} MB at most; at the end: {:+} descriptors at least\n"
+      "after warming up: {:+.1f} MB at most; descriptors: {} before, {} after all have left\n"
       "{} jobs right, {} wrong; {} strangers, {} answered\n",
-      megabytes, descriptors, record.finished(), record.failed(), flood.opened(), flood.answered());
+      megabytes, quiet_descriptors, descriptors(), record.finished(), record.failed(), flood.opened(),
+      flood.answered());
   if (!workers.error().empty()) fmt::print("a worker failed: {}\n", workers.error());
   return record.failed() == 0 && record.finished() > 0 && flood.answered() == 0 && workers.error().empty() &&
-         megabytes <= megabytes_max && descriptors <= kDescriptorsAccepted;
+         megabytes <= megabytes_max && is_closed;
 }
 
 }  // namespace
