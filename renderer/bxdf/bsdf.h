@@ -1,6 +1,7 @@
 // How a surface scatters light at one point: a BxDF and its shading frame.
 #pragma once
 
+#include <concepts>
 #include <optional>
 
 #include "renderer/bxdf/bxdf.h"
@@ -13,6 +14,11 @@ namespace tessera {
 class Bsdf {
  public:
   Bsdf() = default;
+  // Of a BxDF that depends on azimuths only through their difference.
+  Bsdf(Normal3 shading_n, const Bxdf& isotropic) : frame_(Frame::FromZ(shading_n)), bxdf_(isotropic) {}
+  // Of the BxDF that `make` returns. It is not copied: a copy would wait for the stores of its parts.
+  template <std::invocable Make>
+  Bsdf(const Frame& frame, Make&& make) : frame_(frame), bxdf_(make()) {}
   // shading_n and dpdu as in SurfaceInteraction::shading after bump mapping.
   Bsdf(Normal3 shading_n, Vec3 dpdu, const Bxdf& bxdf)
       : frame_(Frame::FromXZ(dpdu, shading_n)), bxdf_(bxdf) {}
@@ -43,10 +49,13 @@ class Bsdf {
   // uc chooses the component, u the direction. Returns nullopt if the light is absorbed.
   [[gnu::always_inline]] std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const {
     const Vec3 wo_local = frame_.ToLocal(wo);
-    if (wo_local.z == 0) return std::nullopt;
+    // One variable is returned, so that it is not copied: a copy would wait for the stores of its parts.
     std::optional<BsdfSample> sample = bxdf_.Sample(wo_local, uc, u);
-    if (!sample || sample->pdf <= 0 || !AnyNonZero(sample->f) || sample->wi.z == 0) return std::nullopt;
-    sample->wi = frame_.FromLocal(sample->wi);
+    if (sample && wo_local.z != 0 && sample->pdf > 0 && AnyNonZero(sample->f) && sample->wi.z != 0) {
+      sample->wi = frame_.FromLocal(sample->wi);
+    } else {
+      sample.reset();
+    }
     return sample;
   }
 

@@ -32,7 +32,7 @@ class PathTracer {
   bool PassHidden(const SurfaceInteraction& interaction);
   bool ScatterInMedium(float t);
   bool ScatterOnSurface(SurfaceInteraction& interaction);
-  bool SampleDirection(const SurfaceInteraction& interaction, const Bsdf& bsdf);
+  bool FollowDirection(const SurfaceInteraction& interaction, const Bsdf& bsdf, const BsdfSample& sample);
   void Leave(const SurfaceInteraction& interaction, const BsdfSample& sample);
   bool ComeOut(const SurfaceInteraction& entry, const BsdfSample& entered);
   bool SurvivesRoulette();
@@ -51,7 +51,18 @@ class PathTracer {
   }
   void AddInfiniteLights();
   void AddEmission(const SurfaceInteraction& interaction);
-  void AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf);
+  // A light sampled at a surface, and what the surface scatters of it.
+  struct SurfaceLight {
+    std::optional<SampledLight> sampled;  // if its light is scattered at all
+    BsdfEvaluation scattered;
+  };
+  SurfaceLight SampleSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf);
+  void AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf, const SurfaceLight& light);
+  std::optional<BsdfSample> DrawDirection(Vec3 wo, const Bsdf& bsdf) {
+    const float u_component = context_.sampler.Get1D();
+    const Point2 u_direction = context_.sampler.Get2D();
+    return bsdf.Sample(wo, u_component, u_direction);
+  }
   void AddMediumLight(Vec3 wo, const PhaseFunction& phase);
 
   void Add(SampledSpectrum contribution, int light) { sink_.Add(contribution, {light, depth_, first_}); }
@@ -181,22 +192,23 @@ bool PathTracer<Transport, Sink>::ScatterOnSurface(SurfaceInteraction& interacti
   const Bsdf bsdf = BsdfAt(context_, interaction, context_.settings.regularize && was_spread_);
   if (had_all_wavelengths && context_.wavelengths.SecondaryTerminated()) transport_.FollowFirstWavelength();
   previous_ = ReferenceAt(interaction, bsdf);
-  if (bsdf.HasNonSpecular()) AddSurfaceLight(interaction, bsdf);
-  return SampleDirection(interaction, bsdf) && (is_sharp_ || SurvivesRoulette());
+  // Both samples come before the shadow ray: a processor overlaps their long chains of dependent operations,
+  // but not with a traversal in between.
+  const SurfaceLight light = bsdf.HasNonSpecular() ? SampleSurfaceLight(interaction, bsdf) : SurfaceLight();
+  const std::optional<BsdfSample> sample = DrawDirection(interaction.wo, bsdf);
+  AddSurfaceLight(interaction, bsdf, light);
+  return sample && FollowDirection(interaction, bsdf, *sample) && (is_sharp_ || SurvivesRoulette());
 }
 
 template <typename Transport, typename Sink>
-bool PathTracer<Transport, Sink>::SampleDirection(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
-  const float u_component = context_.sampler.Get1D();
-  const Point2 u_direction = context_.sampler.Get2D();
-  const std::optional<BsdfSample> sample = bsdf.Sample(interaction.wo, u_component, u_direction);
-  if (!sample) return false;
-  NoteScatter(bsdf, interaction.wo, sample->wi, sample->IsSpecular());
+bool PathTracer<Transport, Sink>::FollowDirection(const SurfaceInteraction& interaction, const Bsdf& bsdf,
+                                                  const BsdfSample& sample) {
+  NoteScatter(bsdf, interaction.wo, sample.wi, sample.IsSpecular());
   if constexpr (Transport::kHasMedia) {
-    if (sample->IsTransmission() && context_.world.materials.ScattersBelow(interaction.material))
-      return ComeOut(interaction, *sample);
+    if (sample.IsTransmission() && context_.world.materials.ScattersBelow(interaction.material))
+      return ComeOut(interaction, sample);
   }
-  Leave(interaction, *sample);
+  Leave(interaction, sample);
   return true;
 }
 
@@ -208,7 +220,7 @@ void PathTracer<Transport, Sink>::Leave(const SurfaceInteraction& interaction, c
   is_sharp_ = sample.IsSpecular() || IsSharp(sample.pdf);
   was_spread_ |= weigh_;
   if (sample.IsTransmission()) eta_scale_ *= Sqr(sample.eta);
-  ray_ = interaction.SpawnRay(sample.wi);
+  interaction.SpawnRay(sample.wi, &ray_);
 }
 
 // The path entered the surface at `entry`; below it is scattered until it comes out. Both count as one event.
@@ -223,11 +235,8 @@ bool PathTracer<Transport, Sink>::ComeOut(const SurfaceInteraction& entry, const
     const float factor = AbsDot(entered.wi, entry.shading.n) * Sqr(entered.eta) / entered.pdf;
     transport_.ScatterBelow(entered.f * exit->weight * factor, exit->densities);
     previous_ = ReferenceAt(exit->interaction, exit->bsdf);
-    AddSurfaceLight(exit->interaction, exit->bsdf);
-    const float u_component = context_.sampler.Get1D();
-    const Point2 u_direction = context_.sampler.Get2D();
-    const std::optional<BsdfSample> sample =
-        exit->bsdf.Sample(exit->interaction.wo, u_component, u_direction);
+    AddSurfaceLight(exit->interaction, exit->bsdf, SampleSurfaceLight(exit->interaction, exit->bsdf));
+    const std::optional<BsdfSample> sample = DrawDirection(exit->interaction.wo, exit->bsdf);
     if (!sample) return false;
     NoteScatter(exit->bsdf, exit->interaction.wo, sample->wi, sample->IsSpecular());
     Leave(exit->interaction, *sample);
@@ -273,19 +282,30 @@ void PathTracer<Transport, Sink>::AddEmission(const SurfaceInteraction& interact
 }
 
 template <typename Transport, typename Sink>
-void PathTracer<Transport, Sink>::AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
+auto PathTracer<Transport, Sink>::SampleSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf)
+    -> SurfaceLight {
   SetLightShare();
-  const std::optional<SampledLight> sampled = SampleOneLight(context_, previous_, interaction, light_share_);
-  if (!sampled) return;
-  const LightSample& light = sampled->light;
-  const BsdfEvaluation evaluation = bsdf.Evaluate(interaction.wo, light.wi);
-  if (!AnyNonZero(evaluation.f)) return;
-  NoteScatter(bsdf, interaction.wo, light.wi, false);
-  const float cosine = AbsDot(light.wi, interaction.shading.n);
+  SurfaceLight light{SampleOneLight(context_, previous_, interaction, light_share_), {}};
+  if (light.sampled) {
+    light.scattered = bsdf.Evaluate(interaction.wo, light.sampled->light.wi);
+    if (!AnyNonZero(light.scattered.f)) light.sampled.reset();
+  }
+  return light;
+}
+
+// Of light that nothing keeps from the surface.
+template <typename Transport, typename Sink>
+void PathTracer<Transport, Sink>::AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf,
+                                                  const SurfaceLight& light) {
+  if (!light.sampled) return;
+  const SampledLight& sampled = *light.sampled;
+  const BsdfEvaluation& scattered = light.scattered;
+  NoteScatter(bsdf, interaction.wo, sampled.light.wi, false);
+  const float cosine = AbsDot(sampled.light.wi, interaction.shading.n);
   const std::optional<SampledSpectrum> contribution = transport_.LightContribution(
-      *sampled, ShadowRay(interaction, light), interaction, evaluation.f, cosine, evaluation.pdf);
-  if (!contribution) return NoteShadow(*sampled, evaluation.f * cosine);
-  Add(*contribution, sampled->index);
+      sampled, ShadowRay(interaction, sampled.light), interaction, scattered.f, cosine, scattered.pdf);
+  if (!contribution) return NoteShadow(sampled, scattered.f * cosine);
+  Add(*contribution, sampled.index);
 }
 
 template <typename Transport, typename Sink>

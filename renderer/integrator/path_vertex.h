@@ -42,7 +42,7 @@ inline Bsdf DiffuseEquivalent(const PathContext& context, const SurfaceInteracti
   const std::optional<BsdfSample> sample = bsdf.Sample(interaction.wo, u_component, u_direction);
   SampledSpectrum albedo(0.0f);
   if (sample) albedo = sample->f * (AbsDot(sample->wi, interaction.shading.n) / sample->pdf);
-  return Bsdf(interaction.shading.n, interaction.shading.dpdu, DiffuseBxdf(albedo));
+  return Bsdf(interaction.shading.n, DiffuseBxdf(albedo));
 }
 
 // May change the shading normal and drop wavelengths.

@@ -64,7 +64,7 @@ std::optional<SubsurfaceExit> SampleSubsurface(const PathContext& context, const
   exit.weight = below->bssrdf.Evaluate(exit.interaction.p) * (static_cast<float>(found.count) / density[0]);
   exit.densities = density * (1 / density[0]);
   if (!AnyNonZero(exit.weight)) return std::nullopt;
-  exit.bsdf = Bsdf(exit.interaction.shading.n, exit.interaction.shading.dpdu, below->exit);
+  exit.bsdf = Bsdf(exit.interaction.shading.n, below->exit);
   return exit;
 }
 

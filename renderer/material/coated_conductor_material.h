@@ -19,6 +19,7 @@ struct CoatedConductorMaterial {
 
   static CoatedConductorMaterial Read(MaterialReader& reader);
   bool ReadsTextures() const { return AnyTexture(metal, metal_roughness, coat_roughness, layer); }
+  bool IsIsotropic() const { return metal_roughness.IsIsotropic() && coat_roughness.IsIsotropic(); }
   Bxdf MakeBxdf(const MaterialContext& at) const;
 };
 

@@ -25,6 +25,7 @@ struct CoatedDiffuseMaterial {
 
   static CoatedDiffuseMaterial Read(MaterialReader& reader);
   bool ReadsTextures() const { return AnyTexture(reflectance, layer, roughness); }
+  bool IsIsotropic() const { return roughness.IsIsotropic(); }
   Bxdf MakeBxdf(const MaterialContext& at) const;
 
  private:

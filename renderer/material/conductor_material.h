@@ -17,6 +17,7 @@ struct ConductorMaterial {
     return {metal, reader.Roughness()};
   }
   bool ReadsTextures() const { return AnyTexture(metal, roughness); }
+  bool IsIsotropic() const { return roughness.IsIsotropic(); }
   Bxdf MakeBxdf(const MaterialContext& at) const {
     const ConductorIndex index = metal.Evaluate(at);
     return ConductorBxdf(at(roughness), index.eta, index.k);

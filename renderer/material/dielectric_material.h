@@ -16,6 +16,7 @@ struct DielectricMaterial {
     return {eta, reader.Roughness()};
   }
   bool ReadsTextures() const { return AnyTexture(roughness); }
+  bool IsIsotropic() const { return roughness.IsIsotropic(); }
   Bxdf MakeBxdf(const MaterialContext& at) const { return DielectricBxdf(at(roughness), at(eta)); }
 };
 

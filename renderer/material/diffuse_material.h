@@ -12,6 +12,7 @@ struct DiffuseMaterial {
 
   static DiffuseMaterial Read(MaterialReader& reader) { return {reader.Albedo("reflectance", 0.5f)}; }
   bool ReadsTextures() const { return AnyTexture(reflectance); }
+  bool IsIsotropic() const { return true; }
   Bxdf MakeBxdf(const MaterialContext& at) const { return DiffuseBxdf(Clamp(at(reflectance), 0, 1)); }
 };
 

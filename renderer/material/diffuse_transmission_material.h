@@ -13,6 +13,7 @@ struct DiffuseTransmissionMaterial {
 
   static DiffuseTransmissionMaterial Read(MaterialReader& reader);
   bool ReadsTextures() const { return AnyTexture(reflectance, transmittance); }
+  bool IsIsotropic() const { return true; }
   Bxdf MakeBxdf(const MaterialContext& at) const;
 };
 

@@ -25,6 +25,7 @@ struct HairMaterial {
   bool ReadsTextures() const {
     return AnyTexture(spectrum, eumelanin, pheomelanin, eta, beta_m, beta_n, alpha);
   }
+  bool IsIsotropic() const { return false; }
   Bxdf MakeBxdf(const MaterialContext& at) const;
 
  private:

@@ -13,6 +13,7 @@ struct InterfaceMaterial {
   static bool IsNamed(std::string_view kind) { return kind.empty() || kind == "interface" || kind == "none"; }
 
   bool ReadsTextures() const { return false; }
+  bool IsIsotropic() const { return true; }
   // For integrators that do not know interfaces: absorbs all light.
   Bxdf MakeBxdf(const MaterialContext&) const { return {}; }
 };

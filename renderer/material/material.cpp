@@ -32,9 +32,11 @@ MaterialTable::Traits MaterialTable::TraitsOf(const Material& material) const {
       Overloads{
           [](const SurfaceMaterial& surface) {
             const bool reads = Dispatch(surface.kind, [](const auto& kind) { return kind.ReadsTextures(); });
+            const bool isotropic =
+                Dispatch(surface.kind, [](const auto& kind) { return kind.IsIsotropic(); });
             return Traits{std::holds_alternative<InterfaceMaterial>(surface.kind),
                           reads || surface.relief.ReadsTextures(),
-                          std::holds_alternative<SubsurfaceMaterial>(surface.kind),
+                          std::holds_alternative<SubsurfaceMaterial>(surface.kind), isotropic,
                           surface.relief.NeedsNormalDerivatives()};
           },
           // A mix needs what the materials it chooses from need.
@@ -43,6 +45,7 @@ MaterialTable::Traits MaterialTable::TraitsOf(const Material& material) const {
             const Traits& second = traits_[mix.second];
             return Traits{false, mix.ReadsTextures() || first.needs_footprint || second.needs_footprint,
                           first.scatters_below || second.scatters_below,
+                          first.is_isotropic && second.is_isotropic,
                           first.needs_normal_derivatives || second.needs_normal_derivatives};
           },
       });
@@ -50,7 +53,7 @@ MaterialTable::Traits MaterialTable::TraitsOf(const Material& material) const {
 
 void MaterialTable::SetTraits() {
   // A mix without a name may choose from materials that come later in the table. Those count as needing it.
-  traits_.assign(materials_.size(), {false, true, true, true});
+  traits_.assign(materials_.size(), {false, true, true, false, true});
   for (size_t i = 0; i < materials_.size(); ++i) traits_[i] = TraitsOf(materials_[i]);
 }
 
@@ -83,8 +86,10 @@ Bsdf MaterialTable::Evaluate(int material, const TextureTable& textures, const T
   const SurfaceMaterial& surface = Chosen(material, textures, context, interaction);
   surface.relief.Apply(textures, context, interaction);
   const MaterialContext at{textures, context, wavelengths, regularizes};
-  const Bxdf bxdf = Dispatch(surface.kind, [&](const auto& kind) { return kind.MakeBxdf(at); });
-  return Bsdf(interaction.shading.n, interaction.shading.dpdu, bxdf);
+  const SurfaceInteraction::Shading& shading = interaction.shading;
+  return Bsdf(
+      traits_[material].is_isotropic ? Frame::FromZ(shading.n) : Frame::FromXZ(shading.dpdu, shading.n),
+      [&] { return Dispatch(surface.kind, [&](const auto& kind) { return kind.MakeBxdf(at); }); });
 }
 
 }  // namespace tessera

@@ -26,6 +26,12 @@ class MaterialTable {
   // Whether Evaluate looks up textures, so that `context` must hold the footprint.
   bool NeedsFootprint(int material) const { return traits_[material].needs_footprint; }
 
+  // Whether Evaluate, or the texture footprint that it needs, uses dpdu and dpdv of the interaction. A relief
+  // reads a texture.
+  bool NeedsTangents(int material) const {
+    return traits_[material].needs_footprint || !traits_[material].is_isotropic;
+  }
+
   // Whether Evaluate uses the derivatives of the interaction's normal.
   bool NeedsNormalDerivatives(int material) const { return traits_[material].needs_normal_derivatives; }
 
@@ -54,6 +60,7 @@ class MaterialTable {
     bool is_interface;
     bool needs_footprint;
     bool scatters_below;
+    bool is_isotropic;  // what it scatters depends on azimuths only through their difference
     bool needs_normal_derivatives;
   };
   Traits TraitsOf(const Material& material) const;

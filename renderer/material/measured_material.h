@@ -14,6 +14,7 @@ struct MeasuredMaterial {
 
   static MeasuredMaterial Read(MaterialReader& reader);
   bool ReadsTextures() const { return false; }
+  bool IsIsotropic() const { return false; }
   Bxdf MakeBxdf(const MaterialContext& at) const { return MeasuredBxdf(*brdf, at.wavelengths.lambda); }
 };
 

@@ -36,6 +36,7 @@ struct SubsurfaceMaterial {
 
   static SubsurfaceMaterial Read(MaterialReader& reader);
   bool ReadsTextures() const { return AnyTexture(sigma_a, sigma_s, reflectance, mfp, roughness); }
+  bool IsIsotropic() const { return roughness.IsIsotropic(); }
   Bxdf MakeBxdf(const MaterialContext& at) const { return DielectricBxdf(at(roughness), eta); }
   // ns: the shading normal at p.
   Subsurface At(const MaterialContext& at, Point3 p, Normal3 ns) const;

@@ -12,6 +12,7 @@ struct ThinDielectricMaterial {
 
   static ThinDielectricMaterial Read(MaterialReader& reader) { return {reader.Eta()}; }
   bool ReadsTextures() const { return false; }
+  bool IsIsotropic() const { return true; }
   Bxdf MakeBxdf(const MaterialContext& at) const { return ThinDielectricBxdf(at(eta)); }
 };
 

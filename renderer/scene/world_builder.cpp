@@ -113,6 +113,7 @@ Result<std::vector<Shape>> WorldBuilder::MakeShapes(const ShapeDescription& desc
   surface.material = description.material.index;
   if (request_.names != nullptr) surface.name = request_.names->IndexOf(description);
   surface.is_interface = world_.materials.IsInterface(description.material.index);
+  surface.needs_tangents = world_.materials.NeedsTangents(description.material.index);
   surface.needs_normal_derivatives = world_.materials.NeedsNormalDerivatives(description.material.index);
   surface.inside_medium = MediumIndex(description.inside_medium);
   surface.outside_medium = MediumIndex(description.outside_medium);

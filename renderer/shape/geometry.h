@@ -28,7 +28,10 @@ struct SurfaceProperties {
   // Only a change of medium, no surface: rays pass.
   bool is_interface = false;
   uint8_t hidden_from = 0;  // HiddenFrom
-  // Whether the material uses SurfaceInteraction::Shading::dndu and dndv. They are not computed otherwise.
+  // Whether the material uses dpdu and dpdv of SurfaceInteraction and its shading. They may be missing
+  // otherwise.
+  bool needs_tangents = true;
+  // Whether it uses SurfaceInteraction::Shading::dndu and dndv, too. They are not computed otherwise.
   bool needs_normal_derivatives = true;
   uint64_t light_links = kAllLightLinks;
   // Opacity. Below 1 a ray passes with probability 1 - alpha, decided by a hash of its origin and direction.

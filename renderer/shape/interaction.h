@@ -36,10 +36,10 @@ struct SurfaceInteraction {
   Vec3 p_error;  // half size of a box around p that holds the true point
   Normal3 n;     // geometric, unit; on the side given by the shape's orientation and reversal
   Point2 uv;
-  Vec3 dpdu, dpdv;
-  struct Shading {  // as interpolated from vertex normals and tangents
-    Normal3 n;      // unit, in the hemisphere of n
-    Vec3 dpdu, dpdv;
+  Vec3 dpdu, dpdv;    // may be 0 unless SurfaceProperties::needs_tangents
+  struct Shading {    // as interpolated from vertex normals and tangents
+    Normal3 n;        // unit, in the hemisphere of n
+    Vec3 dpdu, dpdv;  // the same
     Vec3 dndu, dndv;  // 0 unless SurfaceProperties::needs_normal_derivatives
   } shading;
   Vec3 wo;  // unit, against the ray
@@ -54,6 +54,13 @@ struct SurfaceInteraction {
 
   // A ray that leaves this point along d without hitting the surface here again.
   Ray SpawnRay(Vec3 d) const { return {OffsetRayOrigin(p, p_error, n, d), d, INFINITY, time}; }
+  // The same in the place of another, member by member: the copy of a ray waits for the stores of its parts.
+  void SpawnRay(Vec3 d, Ray* ray) const {
+    ray->o = OffsetRayOrigin(p, p_error, n, d);
+    ray->d = d;
+    ray->t_max = INFINITY;
+    ray->time = time;
+  }
 };
 
 // A ray of length just under 1 from one surface point to another, for shadow tests.

@@ -27,7 +27,8 @@ void TransformInteraction(const Transform& transform, SurfaceInteraction* intera
 SurfaceInteraction MakeInteraction(const Geometry& geometry, const Hit& hit, const Ray& ray) {
   const Shape& shape = ShapeOf(geometry, hit.instance, hit.shape);
   const InstancePlace place(geometry, hit.instance, ray.time);
-  const HitRay hit_ray{ray, place.render_from_group(), shape.surface.needs_normal_derivatives};
+  const HitRay hit_ray{ray, place.render_from_group(), shape.surface.needs_tangents,
+                       shape.surface.needs_normal_derivatives};
   SurfaceInteraction interaction;
   Dispatch(shape.form, [&](const auto& form) { form.FillInteraction(hit, hit_ray, &interaction); });
   if (hit_ray.render_from_group != nullptr) {

@@ -21,6 +21,7 @@ struct Crossing {
 struct HitRay {
   const Ray& ray;                                // in rendering space
   const Transform* render_from_group = nullptr;  // null if the shape is not instanced
+  bool needs_tangents = true;                    // whether dpdu and dpdv are used, of shading, too
   bool needs_normal_derivatives = true;          // whether dndu and dndv are used
 
   DoubleRay InShapeSpace() const {

@@ -83,18 +83,39 @@ void FillNormalDerivatives(Packed3 n0, Packed3 n1, Packed3 n2, const UvMap& uv_m
   if (LengthSquared(dn) > 0) CoordinateSystem(Normalize(dn).Unpack(), &shading->dndu, &shading->dndv);
 }
 
+// The normals of a mesh at its corners.
+struct PackedNormals {
+  Packed3 n0, n1, n2;
+
+  PackedNormals(const TriangleMesh& mesh, const uint32_t* corners)
+      : n0(Packed3::Load(mesh.N[corners[0]])),
+        n1(Packed3::Load(mesh.N[corners[1]])),
+        n2(Packed3::Load(mesh.N[corners[2]])) {}
+  // Interpolated and unit; n if they cancel.
+  Packed3 At(const Hit& hit, Packed3 n) const {
+    const Packed3 interpolated = Interpolate(n0, n1, n2, hit.u, hit.v);
+    const float length_squared = LengthSquared(interpolated);
+    return length_squared > 0 ? interpolated / std::sqrt(length_squared) : n;
+  }
+};
+
+// n is the geometric normal.
+void FillNormals(const TriangleMesh& mesh, const uint32_t* corners, const Hit& hit, Packed3 n,
+                 SurfaceInteraction* interaction) {
+  const Packed3 ns = mesh.N.empty() ? n : PackedNormals(mesh, corners).At(hit, n);
+  ns.Store(&interaction->shading.n);
+  FaceForward(n, ns).Store(&interaction->n);
+}
+
 // Of a mesh with normals or tangents. n is the geometric normal and dpdu its tangent.
 void FillShading(const TriangleMesh& mesh, const uint32_t* corners, const Hit& hit, const UvMap& uv_map,
                  bool needs_normal_derivatives, Packed3 n, Packed3 dpdu, SurfaceInteraction* interaction) {
   SurfaceInteraction::Shading& shading = interaction->shading;
   Packed3 ns = n;
   if (!mesh.N.empty()) {
-    const Packed3 n0 = Packed3::Load(mesh.N[corners[0]]), n1 = Packed3::Load(mesh.N[corners[1]]),
-                  n2 = Packed3::Load(mesh.N[corners[2]]);
-    const Packed3 interpolated = Interpolate(n0, n1, n2, hit.u, hit.v);
-    const float length_squared = LengthSquared(interpolated);
-    if (length_squared > 0) ns = interpolated / std::sqrt(length_squared);
-    if (needs_normal_derivatives) FillNormalDerivatives(n0, n1, n2, uv_map, &shading);
+    const PackedNormals normals(mesh, corners);
+    ns = normals.At(hit, n);
+    if (needs_normal_derivatives) FillNormalDerivatives(normals.n0, normals.n1, normals.n2, uv_map, &shading);
   }
   Packed3 ss = dpdu;
   if (!mesh.S.empty()) {
@@ -159,6 +180,8 @@ void TriangleMesh::FillInteraction(const Hit& hit, const HitRay& ray, SurfaceInt
   triangle.PointErrorAt(u, v).Store(&interaction->p_error);
   interaction->uv = corner_uv.At(u, v);
   const Packed3 winding = triangle.WindingNormal();
+  const Packed3 n = flip_normals ? -winding : winding;
+  if (!ray.needs_tangents) return FillNormals(*this, corners, hit, n, interaction);
   const UvMap uv_map(corner_uv);
   const Packed3 dp02 = triangle.p0 - triangle.p2, dp12 = triangle.p1 - triangle.p2;
   Tangents tangents{uv_map.ByU(dp02, dp12), uv_map.ByV(dp02, dp12)};
@@ -166,7 +189,6 @@ void TriangleMesh::FillInteraction(const Hit& hit, const HitRay& ray, SurfaceInt
     tangents = AnyTangents(-winding);
   tangents.u.Store(&interaction->dpdu);
   tangents.v.Store(&interaction->dpdv);
-  const Packed3 n = flip_normals ? -winding : winding;
   if (N.empty() && S.empty()) {
     SurfaceInteraction::Shading& shading = interaction->shading;
     n.Store(&interaction->n);

@@ -162,6 +162,33 @@ Material )" + material);
   EXPECT_TRUE(needs(R"("mix" "string materials" [ "plain" "bumped" ])"));
 }
 
+TEST(Material, OnlyMaterialsThatScatterOrReadAlongTangentsNeedThem) {
+  const auto needs = [&](const std::string& material) {
+    const Materials m(R"(Texture "c" "float" "checkerboard" Texture "s" "spectrum" "checkerboard"
+MakeNamedMaterial "plain" "string type" "diffuse"
+MakeNamedMaterial "brushed" "string type" "conductor" "float uroughness" 0.1 "float vroughness" 0.4
+Material )" + material);
+    EXPECT_EQ(m.error, "") << material;
+    return m.table.NeedsTangents(m.last);
+  };
+  for (const char* isotropic : {R"("interface")", R"("diffuse")", R"("diffusetransmission")",
+                                R"("thindielectric")", R"("conductor" "float roughness" 0.2)",
+                                R"("dielectric" "float uroughness" 0.2 "float vroughness" 0.2)",
+                                R"("coateddiffuse" "float roughness" 0.3)", R"("coatedconductor")",
+                                R"("subsurface")", R"("mix" "string materials" [ "plain" "plain" ])"}) {
+    EXPECT_FALSE(needs(isotropic)) << isotropic;
+  }
+  for (const char* along :
+       {R"("hair")", R"("conductor" "float uroughness" 0.2)", R"("dielectric" "float vroughness" 0.2)",
+        R"("coateddiffuse" "float uroughness" 0.3 "float vroughness" 0.2)",
+        R"("coatedconductor" "float interface.uroughness" 0.5)",
+        R"("coatedconductor" "float conductor.vroughness" 0.5)", R"("subsurface" "float uroughness" 0.5)",
+        R"("diffuse" "texture reflectance" "s")", R"("diffuse" "texture displacement" "c")",
+        R"("mix" "string materials" [ "plain" "brushed" ])"}) {
+    EXPECT_TRUE(needs(along)) << along;
+  }
+}
+
 TEST(Material, OnlyMaterialsThatReadTexturesNeedTheFootprint) {
   const std::string checks = R"(Texture "c" "float" "checkerboard" Texture "s" "spectrum" "checkerboard"
 MakeNamedMaterial "plain" "string type" "diffuse"

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numbers>
+
 #include "tests/chi_square.h"
 
 namespace tessera {
@@ -22,6 +25,25 @@ TEST(Sampling, ConcentricDiskIsUniform) {
   const ChiSquareResult r = ChiSquare(grid, sample, [](float, float) { return kInv2Pi; });
   EXPECT_TRUE(r.Passes(kTests)) << r.text;
   EXPECT_EQ(SampleUniformDiskConcentric({0.5f, 0.5f}), (Point2{0, 0}));
+}
+
+TEST(Sampling, ConcentricDiskTakesSquaresToCircles) {
+  TestRandom random(7);
+  for (int i = 0; i < 10'000; ++i) {
+    const Point2 u = random.Next2<Point2>();
+    const Point2 p = SampleUniformDiskConcentric(u);
+    EXPECT_NEAR(std::hypot(p.x, p.y), std::max(std::abs(2 * u.x - 1), std::abs(2 * u.y - 1)), 2e-7);
+  }
+}
+
+TEST(Sampling, EighthsOfATurnHaveTheSineAndCosineOfTheLibrary) {
+  for (int i = -1000; i <= 1000; ++i) {
+    const float x = static_cast<float>(i) / 1000;
+    const SineCosine at = SineCosineOfEighth(x);
+    const double angle = double{x} * std::numbers::pi / 4;
+    EXPECT_NEAR(at.sine, std::sin(angle), 1e-7) << x;
+    EXPECT_NEAR(at.cosine, std::cos(angle), 1e-7) << x;
+  }
 }
 
 TEST(Sampling, CosineHemisphereMatchesItsPdf) {

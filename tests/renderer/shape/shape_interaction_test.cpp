@@ -153,6 +153,24 @@ TEST(ShapeInteraction, DerivativesOfTheNormalAreLeftOutWhereTheMaterialDoesNotUs
   }
 }
 
+TEST(ShapeInteraction, TangentsOfTrianglesAreLeftOutWhereTheMaterialDoesNotUseThem) {
+  const Ray ray{{0.25f, 0.5f, 5}, {0, 0, -1}};
+  for (const bool has_normals : {false, true}) {
+    Shape shape = has_normals ? ShadedTriangle() : TriangleShape({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    const SurfaceInteraction with = InteractionOf(shape, ray);
+    shape.surface.needs_tangents = shape.surface.needs_normal_derivatives = false;
+    const SurfaceInteraction without = InteractionOf(shape, ray);
+    EXPECT_GT(LengthSquared(with.dpdu), 0);
+    EXPECT_EQ(without.dpdu, Vec3{});
+    EXPECT_EQ(without.shading.dpdu, Vec3{});
+    EXPECT_EQ(without.p, with.p);
+    EXPECT_EQ(without.p_error, with.p_error);
+    EXPECT_EQ(without.uv, with.uv);
+    EXPECT_EQ(without.n, with.n);
+    EXPECT_EQ(without.shading.n, with.shading.n);
+  }
+}
+
 TEST(ShapeInteraction, VertexTangentsRotateTheShadingFrame) {
   Shape shape = ShadedTriangle();
   std::get<TriangleMesh>(shape.form).S = {{0, 1, 0}, {0, 1, 0}, {0, 1, 0}};
