@@ -191,7 +191,7 @@ bool PathTracer<Transport, Sink>::ScatterOnSurface(SurfaceInteraction& interacti
   const bool had_all_wavelengths = !context_.wavelengths.SecondaryTerminated();
   const Bsdf bsdf = BsdfAt(context_, interaction, context_.settings.regularize && was_spread_);
   if (had_all_wavelengths && context_.wavelengths.SecondaryTerminated()) transport_.FollowFirstWavelength();
-  previous_ = ReferenceAt(interaction, bsdf);
+  SetReference(interaction, bsdf, &previous_);
   // Both samples come before the shadow ray: a processor overlaps their long chains of dependent operations,
   // but not with a traversal in between.
   const SurfaceLight light = bsdf.HasNonSpecular() ? SampleSurfaceLight(interaction, bsdf) : SurfaceLight();
@@ -234,7 +234,7 @@ bool PathTracer<Transport, Sink>::ComeOut(const SurfaceInteraction& entry, const
     // Radiance is compressed by eta^2 inside; where it comes out it is no more.
     const float factor = AbsDot(entered.wi, entry.shading.n) * Sqr(entered.eta) / entered.pdf;
     transport_.ScatterBelow(entered.f * exit->weight * factor, exit->densities);
-    previous_ = ReferenceAt(exit->interaction, exit->bsdf);
+    SetReference(exit->interaction, exit->bsdf, &previous_);
     AddSurfaceLight(exit->interaction, exit->bsdf, SampleSurfaceLight(exit->interaction, exit->bsdf));
     const std::optional<BsdfSample> sample = DrawDirection(exit->interaction.wo, exit->bsdf);
     if (!sample) return false;

@@ -21,15 +21,26 @@ inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction) {
 // The point that `bsdf` is lit at. Rays leave a curve from outside its width. What scatters light of one side
 // only is lit where the rays of that side start, as in pbrt: near lights are elsewhere than seen from the
 // axis.
-inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
-  ReferencePoint reference = ReferenceAt(interaction);
-  reference.lobe = bsdf.Lobe(interaction.wo);
-  if (!interaction.faces_rays) return reference;
+//
+// Written member by member: the copy of a reference point waits for the stores of its parts.
+inline void SetReference(const SurfaceInteraction& interaction, const Bsdf& bsdf, ReferencePoint* reference) {
+  reference->p = interaction.p;
+  reference->p_error = interaction.p_error;
+  reference->n = interaction.n;
+  reference->shading_n = interaction.shading.n;
+  reference->time = interaction.time;
+  reference->light_links = interaction.light_links;
+  reference->lobe = bsdf.Lobe(interaction.wo);
+  if (!interaction.faces_rays) return;
   const bool reflects = HasFlag(bsdf.flags(), BxdfFlags::kReflection);
-  if (reflects == HasFlag(bsdf.flags(), BxdfFlags::kTransmission)) return reference;
-  reference.p = OffsetRayOrigin(interaction.p, interaction.p_error, interaction.n,
-                                reflects ? interaction.wo : -interaction.wo);
-  reference.p_error = {};
+  if (reflects == HasFlag(bsdf.flags(), BxdfFlags::kTransmission)) return;
+  reference->p = OffsetRayOrigin(interaction.p, interaction.p_error, interaction.n,
+                                 reflects ? interaction.wo : -interaction.wo);
+  reference->p_error = {};
+}
+inline ReferencePoint ReferenceAt(const SurfaceInteraction& interaction, const Bsdf& bsdf) {
+  ReferencePoint reference;
+  SetReference(interaction, bsdf, &reference);
   return reference;
 }
 

@@ -7,8 +7,6 @@
 namespace tessera {
 namespace {
 
-constexpr float kOneMinus = 0x1.fffffep-1f;
-
 double Length(Double3 a) {
   return std::sqrt(Dot(a, a));
 }
@@ -150,18 +148,6 @@ Point2 SphericalRectangle::Invert(Point2 place) const {
   const double h1 = y1_ / std::sqrt(d_squared + y1_ * y1_);
   const double h = y / std::sqrt(d_squared + y * y);
   return {ClampToUnit(AreaUpTo(x) / area_), ClampToUnit((h - h0) / (h1 - h0))};
-}
-
-Point2 SampleBilinear(Point2 u, const BilinearWeights& w) {
-  const float y = std::min(SampleLinear(u.y, w.w00 + w.w10, w.w01 + w.w11), kOneMinus);
-  const float x = std::min(SampleLinear(u.x, Lerp(y, w.w00, w.w01), Lerp(y, w.w10, w.w11)), kOneMinus);
-  return {x, y};
-}
-
-float BilinearPdf(Point2 p, const BilinearWeights& w) {
-  const float sum = w.w00 + w.w10 + w.w01 + w.w11;
-  if (sum == 0) return 1;
-  return 4 * Lerp(p.y, Lerp(p.x, w.w00, w.w10), Lerp(p.x, w.w01, w.w11)) / sum;
 }
 
 }  // namespace tessera

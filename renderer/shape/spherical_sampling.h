@@ -2,6 +2,7 @@
 // inverses. Inside, double precision with + - * / sqrt alone; angles by float functions.
 #pragma once
 
+#include "renderer/math/sampling.h"
 #include "renderer/math/vec.h"
 #include "renderer/shape/double3.h"
 #include "renderer/shape/triangle.h"
@@ -60,7 +61,15 @@ struct BilinearWeights {
 };
 // A point of the unit square with density proportional to the weights' bilinear interpolation, and that
 // density.
-Point2 SampleBilinear(Point2 u, const BilinearWeights& w);
-float BilinearPdf(Point2 p, const BilinearWeights& w);
+inline Point2 SampleBilinear(Point2 u, const BilinearWeights& w) {
+  const float y = SampleLinear(u.y, w.w00 + w.w10, w.w01 + w.w11);
+  const float x = SampleLinear(u.x, Lerp(y, w.w00, w.w01), Lerp(y, w.w10, w.w11));
+  return {x, y};
+}
+inline float BilinearPdf(Point2 p, const BilinearWeights& w) {
+  const float sum = w.w00 + w.w10 + w.w01 + w.w11;
+  if (sum == 0) return 1;
+  return 4 * Lerp(p.y, Lerp(p.x, w.w00, w.w10), Lerp(p.x, w.w01, w.w11)) / sum;
+}
 
 }  // namespace tessera
