@@ -50,8 +50,8 @@ class Bsdf {
   [[gnu::always_inline]] std::optional<BsdfSample> Sample(Vec3 wo, float uc, Point2 u) const {
     const Vec3 wo_local = frame_.ToLocal(wo);
     // One variable is returned, so that it is not copied: a copy would wait for the stores of its parts.
-    std::optional<BsdfSample> sample = bxdf_.Sample(wo_local, uc, u);
-    if (sample && wo_local.z != 0 && sample->pdf > 0 && AnyNonZero(sample->f) && sample->wi.z != 0) {
+    std::optional<BsdfSample> sample = wo_local.z != 0 ? bxdf_.Sample(wo_local, uc, u) : std::nullopt;
+    if (sample && sample->pdf > 0 && AnyNonZero(sample->f) && sample->wi.z != 0) {
       sample->wi = frame_.FromLocal(sample->wi);
     } else {
       sample.reset();
