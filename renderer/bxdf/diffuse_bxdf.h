@@ -22,7 +22,7 @@ class DiffuseBxdf {
   }
   std::optional<BsdfSample> Sample(Vec3 wo, float /*uc*/, Point2 u) const {
     Vec3 wi = SampleCosineHemisphere(u);
-    wi.z = std::copysign(wi.z, wo.z);  // without a branch, which no processor predicts
+    wi.z = std::copysign(wi.z, wo.z);  // without a branch, which could not be predicted
     return BsdfSample{f_, wi, CosineHemispherePdf(AbsCosTheta(wi)),
                       BxdfFlags::kReflection | BxdfFlags::kDiffuse, 1};
   }

@@ -293,7 +293,7 @@ auto PathTracer<Transport, Sink>::SampleSurfaceLight(const SurfaceInteraction& i
   return light;
 }
 
-// Of light that nothing keeps from the surface.
+// Adds the light if nothing is in its way.
 template <typename Transport, typename Sink>
 void PathTracer<Transport, Sink>::AddSurfaceLight(const SurfaceInteraction& interaction, const Bsdf& bsdf,
                                                   const SurfaceLight& light) {

@@ -31,7 +31,7 @@ inline SineCosine SineCosineOfEighth(float x) {
 // Uniform over the unit disk, with little distortion (Shirley and Chiu 1997). Density 1/pi per area.
 inline Point2 SampleUniformDiskConcentric(Point2 u) {
   const Vec2 offset{2 * u.x - 1, 2 * u.y - 1};
-  // The coordinates are exchanged where y is larger: a selection, since no processor predicts it.
+  // The coordinates are exchanged where y is larger: by selections, since a branch could not be predicted.
   const bool is_wide = std::abs(offset.x) > std::abs(offset.y);
   const float radius = is_wide ? offset.x : offset.y;  // signed
   const float other = is_wide ? offset.y : offset.x;
