@@ -23,7 +23,7 @@ namespace tessera {
 // Every kind has
 //   static Kind Read(MaterialReader& reader);            unless it has no parameters
 //   bool ReadsTextures() const;                          whether any of its inputs is a texture
-//   bool IsIsotropic() const;                            whether its BxDFs take any tangent
+//   bool IsIsotropic() const;                            whether its BxDFs are the same for all tangents
 //   Bxdf MakeBxdf(const MaterialContext& at) const;
 using SurfaceMaterialKind =
     std::variant<DiffuseMaterial, DiffuseTransmissionMaterial, ConductorMaterial, DielectricMaterial,

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "renderer/math/sampling.h"
-
 namespace tessera {
 namespace {
 
