@@ -31,7 +31,7 @@ Result<TileNode> DecodeNode(std::string_view payload) {
   node.tile = in.Read32();
   node.range.begin = in.Read32();
   node.range.size = in.Read32();
-  if (!in.ok() || !node.range.IsDyadic() || value_bytes % sizeof(float) != 0)
+  if (!in.ok() || !node.range.IsDyadic() || value_bytes == 0 || value_bytes % sizeof(float) != 0)
     return Failed("does not contain sums of samples");
   std::vector<float> values(value_bytes / sizeof(float));
   std::memcpy(values.data(), payload.data() + kHeadBytes, value_bytes);

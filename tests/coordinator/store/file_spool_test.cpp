@@ -369,6 +369,14 @@ TEST(FileSpool, ValuesOfEveryRuleSurvive) {
   EXPECT_EQ(restored.Picture().values, merger.Picture().values);
 }
 
+TEST(FileSpool, ANodeWithoutValuesIsRefusedByName) {
+  SpoolStage stage;
+  stage.Keep(Node(0, {0, 4}, 0));
+  const auto restored = stage.Restore();
+  ASSERT_FALSE(restored);
+  EXPECT_THAT(restored.error().message, HasSubstr("segment-1: does not contain sums of samples; move the"));
+}
+
 TEST(FileSpool, AFileOfANewerVersionIsRefusedByName) {
   SpoolStage stage;
   stage.Keep(Node(0, {0, 4}));
