@@ -3,9 +3,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
+#include "renderer/integrator/equi_angular_flight.h"
 #include "renderer/integrator/medium_tracker.h"
 #include "renderer/integrator/vacuum_transport.h"
 
@@ -24,7 +26,21 @@ class MediumTransport {
         wavelength_pdf_(context.wavelengths.pdf),
         medium_(context.world.camera_medium) {}
 
+  // Sets hit->t to infinity if the ray meets no surface up to where Fly had to look.
   FlightEvent Fly(Ray& ray, Hit* hit, float* t_event, SampledSpectrum* emitted);
+  // To be called before Fly where light is to count: where else than after a collision the flight is to find
+  // light. Fly then looks for surfaces up to there. Numbers are drawn from the sampler if `is_stratified`.
+  // Sets *u_point to two for sampling a point of the light.
+  std::optional<EquiAngularFlight::Place> LookForLight(const Ray& ray, bool is_stratified, Point2* u_point);
+  // The contribution of a light that was sampled from the place of the last flight, or nullopt if something
+  // is in the way of the shadow ray. The medium scatters `phase` of it. pmf: with which light sampling after
+  // a collision there takes this light.
+  std::optional<SampledSpectrum> PlaceContribution(const EquiAngularFlight::Place& place,
+                                                   const SampledLight& sampled, const Ray& shadow,
+                                                   float phase, float pmf);
+  // At the vertex that the current ray comes from: the density with which LookForLight finds it and `light`,
+  // divided by that of a collision there. 0 on surfaces.
+  float PlaceDensity(int light) const { return vertex_flight_.RelativeDensity(light, t_vertex_); }
   SampledSpectrum HitContribution(SampledSpectrum emitted, std::optional<float> light_pdf) const {
     const float path_pdf = Average(weights_.r_u);
     const float weight = PowerHeuristic(path_pdf, Average(weights_.r_l) * light_pdf.value_or(0));
@@ -34,12 +50,13 @@ class MediumTransport {
                                                    const SurfaceInteraction& interaction, SampledSpectrum f,
                                                    float cosine, float pdf) {
     const int medium = MediumTracker::Beyond(interaction, sampled.light.wi, medium_);
-    return LightThrough(medium, sampled, shadow, f * cosine, pdf);
+    return LightThrough(medium, sampled, shadow, f * cosine, pdf, 0);
   }
   // The same from a point in the current medium, whose phase function has value and density `phase`.
   std::optional<SampledSpectrum> LightContribution(const SampledLight& sampled, const Ray& shadow,
                                                    float phase) {
-    return LightThrough(medium_, sampled, shadow, SampledSpectrum(phase), phase);
+    const float place_pdf = PlaceDensity(sampled.index) * sampled.light.pdf;
+    return LightThrough(medium_, sampled, shadow, SampledSpectrum(phase), phase, place_pdf);
   }
 
   // As if media on the way were clear, too.
@@ -51,6 +68,7 @@ class MediumTransport {
     medium_ = MediumTracker::Beyond(interaction, d, medium_);
   }
   void Scatter(const SurfaceInteraction& interaction, Vec3 wi, SampledSpectrum weight, float pdf) {
+    vertex_flight_.Clear();
     weights_.beta *= weight;
     weights_.r_l = weights_.r_u / pdf;
     medium_ = MediumTracker::Beyond(interaction, wi, medium_);
@@ -59,6 +77,7 @@ class MediumTransport {
   // the throughput of both. `densities`: with which each wavelength would have found the way, relative to the
   // first.
   void ScatterBelow(SampledSpectrum weight, SampledSpectrum densities) {
+    vertex_flight_.Clear();
     weights_.beta *= weight;
     weights_.r_u *= densities;
   }
@@ -82,22 +101,30 @@ class MediumTransport {
   const PhaseFunction& phase() const { return context_.world.media[medium_].phase(); }
 
  private:
-  // Light through `medium` to a vertex that scatters f_cosine.
+  // Light through `medium` to a vertex that scatters f_cosine. pdf: with which its direction is sampled.
+  // place_pdf: with which LookForLight finds it, divided by the density of the vertex.
   std::optional<SampledSpectrum> LightThrough(int medium, const SampledLight& sampled, const Ray& shadow,
-                                              SampledSpectrum f_cosine, float pdf) {
+                                              SampledSpectrum f_cosine, float pdf, float place_pdf) {
     PathWeights passage;
     if (sampled.casts_shadows && !tracker_.Reaches(shadow, medium, sampled.light, &passage))
       return std::nullopt;
-    const float light_pdf = Average(weights_.r_u * passage.r_l) * sampled.pdf;
-    const float path_pdf = Average(weights_.r_u * passage.r_u) * pdf;
-    const float weight = sampled.light.is_delta ? 1 : PowerHeuristic(light_pdf, path_pdf);
+    const float arrival = Average(weights_.r_u * passage.r_l);
+    const float light_pdf = arrival * sampled.pdf;
+    const float path_pdf = sampled.light.is_delta ? 0 : Average(weights_.r_u * passage.r_u) * pdf;
+    const float other_pdf = Combined(path_pdf, arrival * place_pdf);
+    const float weight = other_pdf == 0 ? 1 : PowerHeuristic(light_pdf, other_pdf);
     return counted_ * weights_.beta * f_cosine * passage.beta * sampled.light.Radiance(context_.wavelengths) *
            (weight / light_pdf);
   }
 
   const PathContext& context_;
   MediumTracker tracker_;
-  Float4 wavelength_pdf_;  // at the start of the path
+  EquiAngularFlight flight_;         // of the current ray
+  PathWeights start_;                // where it starts
+  float t_place_ = 0;                // up to where it looks for light
+  EquiAngularFlight vertex_flight_;  // that led to the medium where the current ray starts
+  float t_vertex_ = 0;               // at its end
+  Float4 wavelength_pdf_;            // at the start of the path
   PathWeights weights_;
   // What each wavelength stands for in the contributions: see FollowFirstWavelength.
   SampledSpectrum counted_{1.0f};
@@ -108,15 +135,17 @@ class MediumTransport {
                                                                SampledSpectrum* emitted) {
   const World& world = context_.world;
   float u = 0;
+  hit->t = std::numeric_limits<float>::infinity();
   if (medium_ >= 0) {
     Dispatch(tracker_.In(medium_), [&](const auto& medium) {
       if (!medium.MayCollide()) return;
       u = context_.sampler.Get1D();
       // What lies beyond the first collision need not be found, unless the medium glows all the way to it.
       if (!world.media[medium_].is_emissive())
-        ray.t_max = std::min(medium.CollisionDistanceMax(u), kFlightMax);
+        ray.t_max = std::min(std::max(medium.CollisionDistanceMax(u), t_place_), kFlightMax);
     });
   }
+  t_place_ = 0;
   const bool found = world.accelerator->Intersect(ray, hit);
   if (medium_ >= 0) {
     FlightRandom random(ray, u);
@@ -127,9 +156,56 @@ class MediumTransport {
     });
     if (emits) *emitted = counted_ * *emitted;
     if (end == FlightEnd::kAbsorbed) return FlightEvent::kAbsorbed;
-    if (end == FlightEnd::kScattered) return FlightEvent::kInMedium;
+    if (end == FlightEnd::kScattered) {
+      vertex_flight_ = flight_;
+      t_vertex_ = *t_event;
+      return FlightEvent::kInMedium;
+    }
   }
   return found ? FlightEvent::kOnSurface : FlightEvent::kEscaped;
+}
+
+inline std::optional<EquiAngularFlight::Place> MediumTransport::LookForLight(const Ray& ray,
+                                                                             bool is_stratified,
+                                                                             Point2* u_point) {
+  flight_.Clear();
+  t_place_ = 0;
+  const LightTable& lights = context_.world.lights;
+  if (medium_ < 0 || !lights.has_spheres()) return std::nullopt;
+  const HomogeneousCoefficients* const medium =
+      Dispatch(tracker_.In(medium_), [](const auto& coefficients) { return coefficients.Homogeneous(); });
+  if (medium == nullptr || !AnyNonZero(medium->sigma_s)) return std::nullopt;
+  flight_.Start(lights, *medium, ray);
+  start_ = weights_;
+  // The flights of a long path need no numbers that are well distributed together.
+  FlightRandom random(ray);
+  const auto next = [&] { return is_stratified ? context_.sampler.Get1D() : random.Next(); };
+  const float u_light = next();
+  const std::optional<EquiAngularFlight::Place> place = flight_.Sample(u_light, next());
+  if (is_stratified) *u_point = context_.sampler.Get2D();
+  if (!place) return std::nullopt;
+  if (!is_stratified) *u_point = {random.Next(), random.Next()};
+  t_place_ = place->t;
+  return place;
+}
+
+inline std::optional<SampledSpectrum> MediumTransport::PlaceContribution(
+    const EquiAngularFlight::Place& place, const SampledLight& sampled, const Ray& shadow, float phase,
+    float pmf) {
+  PathWeights passage;
+  if (sampled.casts_shadows && !tracker_.Reaches(shadow, medium_, sampled.light, &passage))
+    return std::nullopt;
+  const SampledSpectrum collision = flight_.CollisionDensities(place.t);
+  // Densities as LightThrough has them after a collision at the place.
+  const SampledSpectrum collided = start_.r_u * collision;
+  const float arrival = Average(collided * passage.r_l) * sampled.light.pdf;
+  const float path_pdf = sampled.light.is_delta ? 0 : Average(collided * passage.r_u) * phase;
+  const float weight = PowerHeuristic(arrival * place.relative_density, Combined(path_pdf, arrival * pmf));
+  const float pdf = Average(start_.r_u * passage.r_l) * place.density * sampled.light.pdf;
+  const float scale = phase * weight / pdf;
+  if (!std::isfinite(scale)) return std::nullopt;  // so far away that nothing arrives
+  return counted_ * start_.beta * collision * flight_.Unabsorbed(place.t) * passage.beta *
+         sampled.light.Radiance(context_.wavelengths) * scale;
 }
 
 }  // namespace tessera

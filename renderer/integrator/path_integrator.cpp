@@ -44,10 +44,11 @@ class PathTracer {
   bool CountsHit(int light) const {
     return HitCounts(context_.world.links, light, {depth_, !weigh_, is_shadowed_, previous_.light_links});
   }
-  // Sets with which probability a light is sampled at the vertex: always at the first, since its light and
-  // shadows are visible in the picture.
-  void SetLightShare() {
-    light_share_ = visibility_ == nullptr || depth_ == 1 ? 1 : visibility_->SamplingProbability(previous_.p);
+  // With which probability a light is sampled at a vertex: always at the first, since its light and shadows
+  // are visible in the picture.
+  void SetLightShare() { light_share_ = LightShare(previous_.p, depth_); }
+  float LightShare(Point3 p, int depth) const {
+    return visibility_ == nullptr || depth == 1 ? 1 : visibility_->SamplingProbability(p);
   }
   void AddInfiniteLights();
   void AddEmission(const SurfaceInteraction& interaction);
@@ -64,6 +65,7 @@ class PathTracer {
     return bsdf.Sample(wo, u_component, u_direction);
   }
   void AddMediumLight(Vec3 wo, const PhaseFunction& phase);
+  void AddPlaceLight(const EquiAngularFlight::Place& place, Point2 u);
 
   void Add(SampledSpectrum contribution, int light) { sink_.Add(contribution, {light, depth_, first_}); }
   // Both to be called once depth_ counts the vertex, before what it scatters is added.
@@ -138,9 +140,13 @@ FlightEvent PathTracer<Transport, Sink>::Fly(Hit* hit, float* t_event) {
   (depth_ == 0 ? context_.counts.camera : context_.counts.bounce) += 1;
   if constexpr (Transport::kHasMedia) {
     SampledSpectrum emitted(0.0f);
-    const bool counts_emission = depth_ < context_.settings.max_depth;
-    const FlightEvent event = transport_.Fly(ray_, hit, t_event, counts_emission ? &emitted : nullptr);
+    const bool counts_light = depth_ < context_.settings.max_depth;
+    std::optional<EquiAngularFlight::Place> place;
+    Point2 u_point;
+    if (counts_light) place = transport_.LookForLight(ray_, depth_ == 0, &u_point);
+    const FlightEvent event = transport_.Fly(ray_, hit, t_event, counts_light ? &emitted : nullptr);
     if (AnyNonZero(emitted)) Add(emitted, LightPath::kMediumEmission);
+    if (place && place->t < hit->t) AddPlaceLight(*place, u_point);
     return event;
   } else {
     return transport_.Fly(ray_, hit, nullptr, nullptr);
@@ -277,7 +283,11 @@ void PathTracer<Transport, Sink>::AddEmission(const SurfaceInteraction& interact
       world.lights.EmittedRadiance(interaction.area_light, interaction, -ray_.d, context_.wavelengths);
   if (!AnyNonZero(emitted)) return;
   std::optional<float> light_pdf;
-  if (weigh_) light_pdf = light_share_ * EmitterPdf(world, previous_, ray_.d, interaction);
+  if (weigh_) {
+    float place_density = 0;
+    if constexpr (Transport::kHasMedia) place_density = transport_.PlaceDensity(interaction.area_light);
+    light_pdf = EmitterPdf(world, previous_, ray_.d, interaction, light_share_, place_density);
+  }
   Add(transport_.HitContribution(emitted, light_pdf), interaction.area_light);
 }
 
@@ -320,6 +330,26 @@ void PathTracer<Transport, Sink>::AddMediumLight(Vec3 wo, const PhaseFunction& p
       transport_.LightContribution(*sampled, shadow, scattered);
   if (!contribution) return NoteShadow(*sampled, SampledSpectrum(scattered));
   Add(*contribution, sampled->index);
+}
+
+// Adds light that the medium scatters at a place on the ray which no surface hides.
+template <typename Transport, typename Sink>
+void PathTracer<Transport, Sink>::AddPlaceLight(const EquiAngularFlight::Place& place, Point2 u) {
+  if constexpr (Transport::kHasMedia) {
+    const World& world = context_.world;
+    const ReferencePoint reference{ray_.At(place.t), {}, {}, {}, ray_.time, world.links.media()};
+    std::optional<SampledLight> sampled = SampleLight(context_, {place.light, 1}, reference, u);
+    if (!sampled || (world.links.any() && !FollowLink(context_, reference, *sampled))) return;
+    const LightSample& light = sampled->light;
+    const Ray shadow = SpawnRayTo(reference.p, {}, {}, light.p, light.p_error, light.n, ray_.time);
+    const float phase = transport_.phase().Evaluate(-ray_.d, light.wi);
+    const float pmf = LightShare(reference.p, depth_ + 1) * world.lights.ChoosePmf(reference, place.light);
+    const std::optional<SampledSpectrum> contribution =
+        transport_.PlaceContribution(place, *sampled, shadow, phase, pmf);
+    if (!contribution) return;
+    const FirstVertex first = depth_ == 0 ? FirstVertex{FirstScatter::kMedium} : first_;
+    sink_.Add(*contribution, {place.light, depth_ + 1, first});
+  }
 }
 
 }  // namespace

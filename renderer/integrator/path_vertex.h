@@ -93,6 +93,15 @@ struct SampledLight {
 // hit.
 bool FollowLink(const PathContext& context, const ReferencePoint& from, SampledLight& sampled);
 
+// Samples the chosen light as seen from `reference`, regardless of links. Returns nullopt if nothing arrives.
+inline std::optional<SampledLight> SampleLight(const PathContext& context, const ChosenLight& chosen,
+                                               const ReferencePoint& reference, Point2 u) {
+  const std::optional<LightSample> light =
+      context.world.lights.Sample(chosen.light, reference, u, context.wavelengths);
+  if (!light || light->pdf <= 0 || light->IsDark()) return std::nullopt;
+  return SampledLight{chosen.light, *light, chosen.pmf * light->pdf};
+}
+
 // Samples one light as seen from `reference` with probability `share`, regardless of links. Takes three
 // dimensions of the sampler. Returns nullopt if no light is sampled or none arrives.
 inline std::optional<SampledLight> SampleAnyLight(const PathContext& context, const ReferencePoint& reference,
@@ -101,13 +110,11 @@ inline std::optional<SampledLight> SampleAnyLight(const PathContext& context, co
   const Point2 u_light = context.sampler.Get2D();
   if (u_choice >= share) return std::nullopt;
   u_choice = std::min(u_choice / share, kOneMinusEpsilon);
-  const LightTable& lights = context.world.lights;
-  const std::optional<ChosenLight> chosen = lights.Choose(reference, u_choice);
+  const std::optional<ChosenLight> chosen = context.world.lights.Choose(reference, u_choice);
   if (!chosen) return std::nullopt;
-  const std::optional<LightSample> light =
-      lights.Sample(chosen->light, reference, u_light, context.wavelengths);
-  if (!light || light->pdf <= 0 || light->IsDark()) return std::nullopt;
-  return SampledLight{chosen->light, *light, chosen->pmf * light->pdf * share};
+  std::optional<SampledLight> sampled = SampleLight(context, *chosen, reference, u_light);
+  if (sampled) sampled->pdf *= share;
+  return sampled;
 }
 // The same with the links of `reference`, where the shadow ray starts.
 inline std::optional<SampledLight> SampleOneLight(const PathContext& context, const ReferencePoint& reference,
@@ -151,10 +158,17 @@ inline Ray ShadowRay(const SurfaceInteraction& from, const LightSample& light) {
   return SpawnRayTo(from.p, from.p_error, from.n, light.p, light.p_error, light.n, from.time);
 }
 
-// The densities with which SampleOneLight, if its share is 1, finds what a ray along wi hits.
+// The density that stands for two other techniques in the power heuristic.
+inline float Combined(float a, float b) {
+  return b == 0 ? a : std::sqrt(a * a + b * b);
+}
+
+// The densities with which SampleOneLight finds what a ray along wi hits, if its share is `share`, or 1. That
+// of an emitter includes another technique, which finds the reference point and the light with
+// `place_density` times the density of the point.
 inline float EmitterPdf(const World& world, const ReferencePoint& reference, Vec3 wi,
-                        const SurfaceInteraction& emitter) {
-  const float choice = world.lights.ChoosePmf(reference, emitter.area_light);
+                        const SurfaceInteraction& emitter, float share = 1, float place_density = 0) {
+  const float choice = Combined(share * world.lights.ChoosePmf(reference, emitter.area_light), place_density);
   if (choice == 0) return 0;
   return choice * world.lights.AreaLightPdf(emitter.area_light, reference, wi, emitter);
 }

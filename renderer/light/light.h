@@ -91,6 +91,17 @@ class LightTable {
   // half of a rectangle stands for both triangles.
   float ChoosePmf(const ReferencePoint& reference, int light) const;
 
+  // Around `light`, or the light that is sampled for it; nullopt for lights at infinity, and for all lights
+  // unless the light sampler is the tree.
+  std::optional<BoundingSphere> SphereOf(int light) const;
+  bool has_spheres() const;
+  // Chooses one of the lights that have a sphere, for what a medium scatters along a ray, whose direction is
+  // of unit length. `extinction` is that of the medium, per scene unit. Returns nullopt with the probability
+  // that other lights light the ray, and if no light has a sphere. u in [0, 1).
+  std::optional<ChosenLight> ChooseAlong(const Ray& ray, float extinction, float u) const;
+  // The probability with which ChooseAlong takes `light`, or the light that is sampled for it.
+  float ChoosePmfAlong(const Ray& ray, float extinction, int light) const;
+
   // Samples the light of index `light` from `reference`. Returns nullopt if no light arrives.
   std::optional<LightSample> Sample(int light, const ReferencePoint& reference, Point2 u,
                                     const SampledWavelengths& wavelengths) const;
@@ -117,6 +128,9 @@ class LightTable {
   bool empty() const { return size() == 0; }
 
  private:
+  // The index of the light that is sampled for `light`.
+  int SampledFor(int light) const;
+
   std::unique_ptr<Data> data_;
 };
 

@@ -61,7 +61,11 @@ LightChooser::LightChooser(LightSamplerKind kind, const std::vector<LightProfile
       irradiance_ += profile.irradiance;
     }
   }
-  if (placed.size() == 1 && candidates_.empty()) candidates_.swap(placed);  // nothing to choose
+  if (placed.size() == 1 && candidates_.empty()) {  // nothing to choose
+    candidates_.swap(placed);
+    lone_light_ = static_cast<int>(candidates_[0]);
+    lone_sphere_ = SphereAround(bounds[0].box);
+  }
   places_.assign(profiles.size(), kNowhere);
   for (uint32_t i = 0; i < candidates_.size(); ++i) places_[candidates_[i]] = i;
   if (!candidates_.empty()) choice_ = Distribution1D(Weights(kind, profiles, candidates_));
@@ -90,6 +94,27 @@ std::optional<ChosenLight> LightChooser::Choose(const ReferencePoint& reference,
   const Distribution1D::Drawn drawn =
       choice_.Sample(std::min((u - tree_share) / (1 - tree_share), kOneMinusEpsilon));
   return ChosenLight{static_cast<int>(candidates_[drawn.cell]), (1 - tree_share) * choice_.Pmf(drawn.cell)};
+}
+
+float LightChooser::TreeShareAlong(const Ray& ray, float extinction) const {
+  if (!(irradiance_ > 0)) return 1;
+  const float scattered = extinction * tree_.ImportanceAlong(ray);
+  return scattered / (scattered + irradiance_);
+}
+
+std::optional<ChosenLight> LightChooser::ChooseAlong(const Ray& ray, float extinction, float u) const {
+  if (lone_light_ >= 0) return ChosenLight{lone_light_, 1};
+  const float share = TreeShareAlong(ray, extinction);
+  if (!(u < share)) return std::nullopt;
+  std::optional<ChosenLight> chosen = tree_.ChooseAlong(ray, std::min(u / share, kOneMinusEpsilon));
+  if (chosen) chosen->pmf *= share;
+  return chosen;
+}
+
+float LightChooser::PmfAlong(const Ray& ray, float extinction, int light) const {
+  if (light == lone_light_) return 1;
+  if (!tree_.Contains(light)) return 0;
+  return TreeShareAlong(ray, extinction) * tree_.PmfAlong(ray, light);
 }
 
 float LightChooser::Pmf(const ReferencePoint& reference, int light) const {

@@ -32,6 +32,19 @@ class LightChooser {
   // that nothing arrives.
   std::optional<ChosenLight> Choose(const ReferencePoint& reference, float u) const;
   float Pmf(const ReferencePoint& reference, int light) const;
+
+  // Around a light that has a place; nullopt for lights at infinity, and for all lights unless they are
+  // chosen by a tree.
+  std::optional<BoundingSphere> SphereOf(int light) const {
+    if (light == lone_light_) return lone_sphere_;
+    if (!tree_.Contains(light)) return std::nullopt;
+    return tree_.SphereOf(light);
+  }
+  bool has_spheres() const { return lone_light_ >= 0 || !tree_.empty(); }
+  // Chooses one of the lights that have a sphere, for what a medium with this extinction (per scene unit)
+  // scatters along a ray. Returns nullopt with the probability that others light the ray.
+  std::optional<ChosenLight> ChooseAlong(const Ray& ray, float extinction, float u) const;
+  float PmfAlong(const Ray& ray, float extinction, int light) const;
   size_t bytes() const { return tree_.bytes() + (candidates_.size() + places_.size()) * sizeof(uint32_t); }
 
  private:
@@ -39,12 +52,16 @@ class LightChooser {
 
   // The probability of choosing from the tree and not from `candidates_`.
   float TreeShare(const ReferencePoint& reference) const;
+  // The same for a medium along a ray.
+  float TreeShareAlong(const Ray& ray, float extinction) const;
 
   std::vector<uint32_t> candidates_;  // lights that are chosen without a tree
   std::vector<uint32_t> places_;      // of each light in candidates_, or kNowhere
   Distribution1D choice_;             // over candidates_
   float irradiance_ = 0;              // of all candidates_ beside a tree
   LightTree tree_;
+  int lone_light_ = -1;  // the only candidate, instead of a tree of one light
+  BoundingSphere lone_sphere_;
 };
 
 }  // namespace tessera

@@ -27,14 +27,34 @@ LightTable::~LightTable() = default;
 LightTable::LightTable(LightTable&&) noexcept = default;
 LightTable& LightTable::operator=(LightTable&&) noexcept = default;
 
+int LightTable::SampledFor(int light) const {
+  const Data& data = *data_;
+  if (data.IsSource(light)) return light;
+  return data.AreaLight(data.areas.SampledFor(data.AreaIndex(light)));
+}
+
 std::optional<ChosenLight> LightTable::Choose(const ReferencePoint& reference, float u) const {
   return data_->chooser.Choose(reference, u);
 }
 
 float LightTable::ChoosePmf(const ReferencePoint& reference, int light) const {
-  const Data& data = *data_;
-  if (data.IsSource(light)) return data.chooser.Pmf(reference, light);
-  return data.chooser.Pmf(reference, data.AreaLight(data.areas.SampledFor(data.AreaIndex(light))));
+  return data_->chooser.Pmf(reference, SampledFor(light));
+}
+
+std::optional<BoundingSphere> LightTable::SphereOf(int light) const {
+  return data_->chooser.SphereOf(SampledFor(light));
+}
+
+bool LightTable::has_spheres() const {
+  return data_->chooser.has_spheres();
+}
+
+std::optional<ChosenLight> LightTable::ChooseAlong(const Ray& ray, float extinction, float u) const {
+  return data_->chooser.ChooseAlong(ray, extinction, u);
+}
+
+float LightTable::ChoosePmfAlong(const Ray& ray, float extinction, int light) const {
+  return data_->chooser.PmfAlong(ray, extinction, SampledFor(light));
 }
 
 std::optional<ShapeSample> LightTable::SamplePoint(int light, const ReferencePoint& reference,

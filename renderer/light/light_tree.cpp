@@ -99,6 +99,13 @@ Float4 LightTreeNode::Importance(const ReferencePoint& reference) const {
   return _mm_and_ps(Max(importance, Float4(0.0f)).v, seen);
 }
 
+Float4 LightTreeNode::ImportanceAlong(const Ray& ray) const {
+  const Float4 x = center_x - ray.o.x, y = center_y - ray.o.y, z = center_z - ray.o.z;
+  const Float4 nearest = Max(x * ray.d.x + y * ray.d.y + z * ray.d.z, Float4(0.0f));
+  const Float4 dx = x - nearest * ray.d.x, dy = y - nearest * ray.d.y, dz = z - nearest * ray.d.z;
+  return SafeDiv(strength, Sqrt(dx * dx + dy * dy + dz * dz + radius_squared));
+}
+
 LightTree::LightTree(std::span<const LightBounds> bounds, std::span<const uint32_t> lights,
                      size_t light_count) {
   BuiltLightTree built = BuildLightTree(bounds, lights);
@@ -117,13 +124,14 @@ LightTree::LightTree(std::span<const LightBounds> bounds, std::span<const uint32
   }
 }
 
-std::optional<ChosenLight> LightTree::Choose(const ReferencePoint& reference, float u) const {
+template <typename ImportanceOf>
+std::optional<ChosenLight> LightTree::ChooseBy(const ImportanceOf& importance, float u) const {
   if (nodes_.empty()) return std::nullopt;
   uint32_t node = 0;
   float pmf = 1;
   while (true) {
     alignas(16) float w[4];
-    _mm_store_ps(w, nodes_[node].Importance(reference).v);
+    _mm_store_ps(w, importance(nodes_[node]).v);
     const float sum0 = w[0], sum1 = sum0 + w[1], sum2 = sum1 + w[2], total = sum2 + w[3];
     if (!(total > 0) || !(total <= std::numeric_limits<float>::max())) return std::nullopt;
     const float place = u * total;
@@ -139,19 +147,43 @@ std::optional<ChosenLight> LightTree::Choose(const ReferencePoint& reference, fl
   }
 }
 
-float LightTree::Pmf(const ReferencePoint& reference, int light) const {
+template <typename ImportanceOf>
+float LightTree::PmfBy(const ImportanceOf& importance, int light) const {
   float pmf = 1;
   uint32_t place = places_[light];
   while (true) {
     const uint32_t node = place / 4;
     alignas(16) float w[4];
-    _mm_store_ps(w, nodes_[node].Importance(reference).v);
+    _mm_store_ps(w, importance(nodes_[node]).v);
     const float total = ((w[0] + w[1]) + w[2]) + w[3];
     if (!(w[place % 4] > 0) || !(total <= std::numeric_limits<float>::max())) return 0;
     pmf *= w[place % 4] / total;
     if (node == 0) return pmf;
     place = parents_[node];
   }
+}
+
+std::optional<ChosenLight> LightTree::Choose(const ReferencePoint& reference, float u) const {
+  return ChooseBy([&](const LightTreeNode& node) { return node.Importance(reference); }, u);
+}
+
+float LightTree::Pmf(const ReferencePoint& reference, int light) const {
+  return PmfBy([&](const LightTreeNode& node) { return node.Importance(reference); }, light);
+}
+
+std::optional<ChosenLight> LightTree::ChooseAlong(const Ray& ray, float u) const {
+  return ChooseBy([&](const LightTreeNode& node) { return node.ImportanceAlong(ray); }, u);
+}
+
+float LightTree::PmfAlong(const Ray& ray, int light) const {
+  return PmfBy([&](const LightTreeNode& node) { return node.ImportanceAlong(ray); }, light);
+}
+
+BoundingSphere LightTree::SphereOf(int light) const {
+  const LightTreeNode& node = nodes_[places_[light] / 4];
+  const int slot = static_cast<int>(places_[light] % 4);
+  return {{node.center_x[slot], node.center_y[slot], node.center_z[slot]},
+          std::sqrt(node.radius_squared[slot])};
 }
 
 }  // namespace tessera

@@ -30,6 +30,9 @@ struct alignas(16) LightTreeNode {
   // Upper estimates of what the reference point receives from each child: the irradiance at its shading
   // normal, or what its lobe scatters, in the same unit.
   Float4 Importance(const ReferencePoint& reference) const;
+  // Estimates of what a medium along a ray scatters of each child, if all lights emitted evenly to all sides
+  // and nothing were absorbed: the integral over the ray of strength over squared distance.
+  Float4 ImportanceAlong(const Ray& ray) const;
 };
 
 class LightTree {
@@ -49,10 +52,22 @@ class LightTree {
   std::optional<ChosenLight> Choose(const ReferencePoint& reference, float u) const;
   // The probability with which Choose takes `light`, which the tree contains.
   float Pmf(const ReferencePoint& reference, int light) const;
+  // The same for the medium along a ray.
+  float ImportanceAlong(const Ray& ray) const { return empty() ? 0 : Sum(nodes_[0].ImportanceAlong(ray)); }
+  std::optional<ChosenLight> ChooseAlong(const Ray& ray, float u) const;
+  float PmfAlong(const Ray& ray, int light) const;
+  // Around `light`, which the tree contains.
+  BoundingSphere SphereOf(int light) const;
   size_t bytes() const { return nodes_.size() * sizeof(LightTreeNode) + places_.size() * sizeof(uint32_t); }
 
  private:
   static constexpr uint32_t kNowhere = 0xffffffffu;
+
+  // The importance of the children of a node: Float4 (const LightTreeNode&).
+  template <typename ImportanceOf>
+  std::optional<ChosenLight> ChooseBy(const ImportanceOf& importance, float u) const;
+  template <typename ImportanceOf>
+  float PmfBy(const ImportanceOf& importance, int light) const;
 
   std::vector<LightTreeNode> nodes_;  // the first is the root
   std::vector<uint32_t> parents_;     // of each node: 4 * parent + slot

@@ -1,4 +1,4 @@
-// Axis-aligned boxes.
+// Axis-aligned boxes, and spheres around things.
 #pragma once
 
 #include <limits>
@@ -33,6 +33,16 @@ struct Bounds3 {
     return p.x >= min.x && p.x <= max.x && p.y >= min.y && p.y <= max.y && p.z >= min.z && p.z <= max.z;
   }
 };
+
+struct BoundingSphere {
+  Point3 center;
+  float radius = 0;
+};
+
+// The sphere through the corners of a box.
+inline BoundingSphere SphereAround(const Bounds3& box) {
+  return {box.Center(), Length(box.Diagonal()) / 2};
+}
 
 // The union of two boxes.
 inline Bounds3 Union(Bounds3 a, const Bounds3& b) {

@@ -11,6 +11,8 @@
 
 namespace tessera {
 
+struct HomogeneousCoefficients;
+
 // Its shape, in the space of the medium: flat below y = 0.5, wisps above, nothing above y = 1 where the noise
 // is positive. That of pbrt-v4.
 struct CloudShape {
@@ -38,6 +40,7 @@ class CloudCoefficients {
   CloudCoefficients(const CloudContents& cloud, const SampledWavelengths& wavelengths);
 
   GridRay<CloudCoefficients> RayAlong(const Ray& ray) const { return {*this, ray}; }
+  const HomogeneousCoefficients* Homogeneous() const { return nullptr; }
   bool MayCollide() const { return true; }
   float CollisionDistanceMax(float) const { return std::numeric_limits<float>::infinity(); }
 

@@ -13,6 +13,8 @@
 
 namespace tessera {
 
+struct HomogeneousCoefficients;
+
 using FloatGrid = VoxelGrid<float>;
 
 // How temperatures become emission: that of a black body with (temperature - offset) * scale kelvin, whose
@@ -42,6 +44,7 @@ class GridCoefficients {
   GridCoefficients(const GridContents& grid, const SampledWavelengths& wavelengths);
 
   GridRay<GridCoefficients> RayAlong(const Ray& ray) const { return {*this, ray}; }
+  const HomogeneousCoefficients* Homogeneous() const { return nullptr; }
   bool MayCollide() const { return true; }
   float CollisionDistanceMax(float) const { return std::numeric_limits<float>::infinity(); }
 

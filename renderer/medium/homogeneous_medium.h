@@ -20,6 +20,7 @@ struct HomogeneousCoefficients {
   SampledSpectrum emission;          // sigma_a times emitted radiance
 
   HomogeneousRay RayAlong(const Ray& ray) const;
+  const HomogeneousCoefficients* Homogeneous() const { return this; }
   bool MayCollide() const { return sigma_s[0] > 0; }
   float CollisionDistanceMax(float u) const { return SampleExponential(u, sigma_s[0]); }
 };

@@ -29,6 +29,8 @@ using MediumKind =
 //   MediumRay RayAlong(const Ray&) const;
 //     A medium ray (majorant.h) for Fly and FlyShadow. Must not outlive the coefficients, nor these the
 //     medium.
+//   const HomogeneousCoefficients* Homogeneous() const;
+//     Null unless the medium is the same everywhere.
 //   bool MayCollide() const;
 //     False if no flight draws a random number.
 //   float CollisionDistanceMax(float u) const;

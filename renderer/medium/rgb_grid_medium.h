@@ -12,6 +12,8 @@
 
 namespace tessera {
 
+struct HomogeneousCoefficients;
+
 // The smooth spectrum of an RGB triple: `scale` times the polynomial.
 struct RgbVoxel {
   SigmoidPolynomial polynomial;
@@ -42,6 +44,7 @@ class RgbGridCoefficients {
   RgbGridCoefficients(const RgbGridContents& grid, const SampledWavelengths& wavelengths);
 
   GridRay<RgbGridCoefficients> RayAlong(const Ray& ray) const { return {*this, ray}; }
+  const HomogeneousCoefficients* Homogeneous() const { return nullptr; }
   bool MayCollide() const { return true; }
   float CollisionDistanceMax(float) const { return std::numeric_limits<float>::infinity(); }
 

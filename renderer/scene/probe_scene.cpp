@@ -7,10 +7,10 @@ namespace tessera {
 std::span<const ProbeVariant> ProbeVariants() {
   static constexpr ProbeVariant kVariants[] = {
       {R"(Sampler "independent" "integer pixelsamples" 3 PixelFilter "box"
-          Integrator "path" "string lightsampler" "bvh")",
+          Integrator "path" "string lightsampler" "power")",
        "embree", true, true},
       {R"(Sampler "stratified" "integer xsamples" 2 "integer ysamples" 2 PixelFilter "gaussian"
-          Integrator "volpath" "string lightsampler" "power")",
+          Integrator "volpath" "string lightsampler" "bvh")",
        "bvh", true, true},
       {R"(Sampler "sobol" "integer pixelsamples" 4 "string randomization" "permutedigits" PixelFilter "mitchell"
           Film "gbuffer" "integer xresolution" 24 "integer yresolution" 16 "float iso" 120

@@ -104,6 +104,55 @@ TEST(LightTree, ChooseReturnsThePmf) {
   EXPECT_GT(chosen_count, 4000);
 }
 
+Ray RandomRay(TestRandom& random) {
+  const Point3 origin = InBox(random, 12);
+  return {origin, SampleUniformSphere(random.Next2<Point2>())};
+}
+
+TEST(LightTree, ProbabilitiesAlongARaySumToOne) {
+  const LightTree tree = TreeOf(BoundsOf(RandomTriangles(333, 3), false));
+  TestRandom random(4);
+  for (int i = 0; i < 20; ++i) {
+    const Ray ray = RandomRay(random);
+    double total = 0;
+    for (int light = 0; light < 333; ++light) total += static_cast<double>(tree.PmfAlong(ray, light));
+    EXPECT_NEAR(total, 1, 1e-4);
+  }
+}
+
+TEST(LightTree, ChooseAlongReturnsThePmf) {
+  const LightTree tree = TreeOf(BoundsOf(RandomTriangles(1000, 5), false));
+  TestRandom random(6);
+  for (int i = 0; i < 2000; ++i) {
+    const Ray ray = RandomRay(random);
+    const std::optional<ChosenLight> chosen = tree.ChooseAlong(ray, random.Next());
+    ASSERT_TRUE(chosen);
+    ASSERT_NEAR(chosen->pmf / tree.PmfAlong(ray, chosen->light), 1, 1e-5f);
+  }
+}
+
+TEST(LightTree, SpheresHoldTheirLights) {
+  const std::vector<Triangle> triangles = RandomTriangles(100, 7);
+  const LightTree tree = TreeOf(BoundsOf(triangles, false));
+  for (int light = 0; light < 100; ++light) {
+    const BoundingSphere sphere = tree.SphereOf(light);
+    for (const Point3 p : triangles[static_cast<size_t>(light)].p)
+      EXPECT_LT(Length(p - sphere.center), sphere.radius * 1.0001f);
+    EXPECT_LT(sphere.radius, 1);
+  }
+}
+
+// The integral of 1 / r^2 along a whole line that passes at distance d is pi / d.
+TEST(LightTree, ImportanceAlongARayFallsWithTheDistance) {
+  std::vector<LightBounds> bounds(2);
+  bounds[0].box.Add(Point3{0, 1, 0});
+  bounds[1].box.Add(Point3{0, 0, -4});
+  for (LightBounds& b : bounds) b.strength = 2;
+  const LightTree tree = TreeOf(bounds);
+  EXPECT_FLOAT_EQ(tree.PmfAlong({{-100, 0, 0}, {1, 0, 0}}, 0), 4.0f / 5);
+  EXPECT_FLOAT_EQ(tree.PmfAlong({{3, 1, 0}, {1, 0, 0}}, 0), std::sqrt(26.0f) / (3 + std::sqrt(26.0f)));
+}
+
 TEST(LightTree, FrequenciesMatchTheProbabilities) {
   const LightTree tree = TreeOf(BoundsOf(RandomTriangles(60, 7), true));
   TestRandom random(8);

@@ -220,6 +220,49 @@ AttributeBegin
 AttributeEnd
 )";
 
+// Lamps in a ball of coloured fog that absorbs, in front of a wall and under a sky: one that does not light
+// the fog, and one of three triangles. An empty ball is in front of them and one of glass among them.
+constexpr const char* kLampsInFog = R"(
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [ 0.02 0.05 0.2 ] "rgb sigma_s" [ 0.4 0.2 0.1 ] "float g" 0.3
+LightSource "infinite" "rgb L" [ 0.05 0.06 0.08 ]
+Material "diffuse" "rgb reflectance" [ 0.6 0.6 0.6 ]
+AttributeBegin
+  MediumInterface "fog" ""
+  Material "interface"
+  Translate 0 0 4
+  Shape "sphere" "float radius" 3.5
+AttributeEnd
+
+Shape "bilinearmesh" "string name" "wall" "point3 P" [ -4 -4 6  4 -4 6  -4 4 6  4 4 6 ]
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 9 9 7 ] "string link_include" "wall"
+  Translate -1 0.8 3
+  Shape "sphere" "float radius" 0.3
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 8 6 4 ]
+  Translate 0.7 0.7 3
+  Shape "sphere" "float radius" 0.25
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 9 9 9 ]
+  Shape "trianglemesh" "point3 P" [ -0.5 -0.8 2  0 -0.8 2.1  -0.5 -0.9 2.5  0 -0.7 2.6  -0.3 -0.6 2.9 ]
+    "integer indices" [ 0 1 2 1 3 2 2 3 4 ]
+AttributeEnd
+AttributeBegin
+  MediumInterface "" "fog"
+  Material "interface"
+  Translate 0.2 0.3 1.8
+  Shape "sphere" "float radius" 0.4
+AttributeEnd
+AttributeBegin
+  MediumInterface "" "fog"
+  Material "dielectric" "float eta" 1.5
+  Translate 0.6 -0.5 3
+  Shape "sphere" "float radius" 0.4
+AttributeEnd
+)";
+
 // Lights that illuminate some objects only, on surfaces that scatter in all ways.
 constexpr const char* kLinkedLights = R"(
 Material "coateddiffuse" "rgb reflectance" [ 0.6 0.5 0.3 ] "float roughness" 0.1

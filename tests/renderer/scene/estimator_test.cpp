@@ -196,6 +196,10 @@ TEST(Estimators, AgreeInSmokeAndFog) {
   ExpectAgreement(kSmoke, {"\"mixture\"", "\"simplevolpath\""}, 5, 0.02, "\"volpath\"");
 }
 
+TEST(Estimators, AgreeOnLampsInFog) {
+  ExpectAgreement(kLampsInFog, {"\"mixture\"", "\"simplevolpath\""}, 4, 0.03, "\"volpath\"");
+}
+
 TEST(Estimators, AgreeInARoomThatIsLitThroughAGap) {
   ExpectAgreement(kRoomLitThroughAGap, {"\"mixture\"", "\"simplevolpath\""}, 5, 0.05, "\"volpath\"");
 }

@@ -116,6 +116,16 @@ TEST(Media, IsothermalOvenHasUniformRadiance) {
   }
 }
 
+// On the axis of the camera.
+constexpr const char* kPointLight = "LightSource \"point\" \"point3 from\" [ 0 0 2 ]\n";
+constexpr const char* kLamp = R"(
+AttributeBegin
+AreaLightSource "diffuse"
+Translate 0 1 5
+Shape "sphere" "float radius" 0.01
+AttributeEnd
+)";
+
 // Untrusted scenes contain such numbers. They must not lead to a ray that cannot be traced or a pixel that is
 // NaN.
 TEST(Media, UnboundedMediaOfExtremeCoefficientsGiveFinitePixels) {
@@ -129,7 +139,10 @@ TEST(Media, UnboundedMediaOfExtremeCoefficientsGiveFinitePixels) {
           "\nMediumInterface \"m\"\n";
       std::string head = Wide(kVolPath);
       head.replace(head.find("1000"), 4, "30");
-      (void)Render(medium + head + "WorldBegin\n" + kEvenLight + kDistantLight + Ball("\"diffuse\"", "m"), 8);
+      for (const char* light : {kDistantLight, kPointLight}) {
+        (void)Render(medium + head + "WorldBegin\n" + kEvenLight + light + Ball("\"diffuse\"", "m"), 8);
+        (void)Render(medium + head + "WorldBegin\n" + light + kLamp, 8);
+      }
     }
   }
 }
@@ -151,6 +164,62 @@ Shape "bilinearmesh" "point3 P" [ -40 -40 1  40 -40 1  -40 40 1  40 40 1 ]
   const double expected = sigma_s * back * 2 * (1 - std::exp(-2 * sigma_t)) / (2 * sigma_t);
   const Pixels picture = Render(head + "WorldBegin\n" + kDistantLight + slab, 2048);
   ExpectMean(picture, Render(head + "WorldBegin\n" + kEvenLight, 2048), expected, 0.015);
+}
+
+constexpr double kPointScattering = 0.3, kPointAbsorption = 0.1, kPointDistance = 0.03;
+
+// A fog in which rays along +z pass a point light of intensity 10 at z = 3. Light is scattered once.
+std::string FogAroundAPointLight(const std::string& behind) {
+  std::string head = Narrow(kVolPath);
+  head.replace(head.find("1000"), 4, "1").replace(head.find("fov\" 0.5"), 8, "fov\" 0.01");
+  head.insert(head.find("Camera"), Medium("m", kPointAbsorption, kPointScattering, "\"float g\" 0.3") +
+                                       "MediumInterface \"\" \"m\"\n");
+  return head + "WorldBegin\nLightSource \"point\" \"rgb I\" [ 10 10 10 ] \"point3 from\" [ " +
+         std::to_string(kPointDistance) + " 0 3 ]\n" + behind;
+}
+
+// Of the radiance along the rays up to z, by the midpoint rule over the angle at the light.
+double PointLightScatteredUpTo(double z) {
+  constexpr int kSteps = 100000;
+  const double g = 0.3, extinction = kPointAbsorption + kPointScattering;
+  const double first = std::atan(-3 / kPointDistance), last = std::atan((z - 3) / kPointDistance);
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double angle = first + (i + 0.5) * (last - first) / kSteps;
+    const double along = kPointDistance * std::tan(angle), distance = std::hypot(along, kPointDistance);
+    // Light goes away from the point light, and on against the ray.
+    const double cosine = -along / distance;
+    const double phase = (1 - g * g) / (4 * M_PI * std::pow(1 + g * g - 2 * g * cosine, 1.5));
+    sum += phase * std::exp(-extinction * (3 + along + distance));
+  }
+  return 10 * kPointScattering * sum * (last - first) / kSteps / kPointDistance;
+}
+
+TEST(Media, LightOfAPointLightCloseToTheRayIsTheIntegralOverTheRay) {
+  // A small disk before the light hides the end of the ray from it, too.
+  struct Disk {
+    double z, radius, lit_up_to;
+  };
+  const Pixels even = Render(Narrow(kVolPath) + "WorldBegin\n" + kEvenLight, 1024);
+  for (const auto& [z, radius, lit_up_to] :
+       {Disk{2.99, 0.003, 2.98889}, Disk{3.1, 9, 3.1}, Disk{12, 9, 12}, Disk{1e4, 1, 1e4}}) {
+    const std::string disk =
+        "Material \"diffuse\" \"rgb reflectance\" [ 0 0 0 ]\nShape \"disk\" \"float height\" " +
+        std::to_string(z) + " \"float radius\" " + std::to_string(radius);
+    ExpectMean(Render(FogAroundAPointLight(disk), 1024), even, PointLightScatteredUpTo(lit_up_to), 0.01,
+               std::to_string(z));
+  }
+}
+
+// Collisions alone would find most of it in one of a hundred samples: the relative variance of one sample
+// would be about mean free path / (2 pi distance) = 13.
+TEST(Media, LightOfAPointLightCloseToTheRayHasLittleNoise) {
+  constexpr uint32_t kSamples = 16;
+  const Pixels picture = Render(FogAroundAPointLight(""), kSamples);
+  const double mean = picture.Mean(1);
+  double sum = 0;
+  for (size_t i = 0; i < 64; ++i) sum += std::pow(picture.values[i * 3 + 1] - mean, 2);
+  EXPECT_LT(sum / 63 * kSamples / (mean * mean), 1.5);
 }
 
 // A surface with the same medium on both sides is not a boundary: rays keep their medium.
