@@ -17,8 +17,7 @@ std::optional<EquiAngularFlight::Place> EquiAngularFlight::Sample(float u_light,
   return Place{chosen->light, t, density, density / Average(CollisionDensities(t))};
 }
 
-float EquiAngularFlight::RelativeDensity(int light, float t) const {
-  if (lights_ == nullptr) return 0;
+float EquiAngularFlight::RelativeDensityOfStarted(int light, float t) const {
   const std::optional<BoundingSphere> sphere = lights_->SphereOf(light);
   if (!sphere) return 0;
   const EquiAngular distances(ray_, *sphere);

@@ -41,7 +41,17 @@ class EquiAngularFlight {
   // u_light and u_distance in [0, 1). Returns nullopt if light is not to be looked for.
   std::optional<Place> Sample(float u_light, float u_distance) const;
   // Place::relative_density of a light and a distance.
-  float RelativeDensity(int light, float t) const;
+  float RelativeDensity(int light, float t) const {
+    return lights_ == nullptr ? 0 : RelativeDensityOfStarted(light, t);
+  }
+  // Becomes equal to `other`. Cheap if that is as after Clear.
+  void Follow(const EquiAngularFlight& other) {
+    if (other.lights_ == nullptr) {
+      Clear();
+    } else {
+      *this = other;
+    }
+  }
 
   // The density of a collision at t, per length, if each of the wavelengths decided.
   SampledSpectrum CollisionDensities(float t) const { return sigma_s_ * Exp(sigma_s_ * -t); }
@@ -49,6 +59,7 @@ class EquiAngularFlight {
   SampledSpectrum Unabsorbed(float t) const { return Exp(sigma_a_ * -t); }
 
  private:
+  float RelativeDensityOfStarted(int light, float t) const;
   // Whether light is looked for on a ray that comes this near to a light. Where the light is farther away
   // than a mean free path, the density of collisions is as good.
   bool IsNear(float distance) const { return extinction_ * distance < 1; }

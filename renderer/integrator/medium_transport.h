@@ -157,7 +157,7 @@ class MediumTransport {
     if (emits) *emitted = counted_ * *emitted;
     if (end == FlightEnd::kAbsorbed) return FlightEvent::kAbsorbed;
     if (end == FlightEnd::kScattered) {
-      vertex_flight_ = flight_;
+      vertex_flight_.Follow(flight_);
       t_vertex_ = *t_event;
       return FlightEvent::kInMedium;
     }
