@@ -211,8 +211,8 @@ TEST(Media, LightOfAPointLightCloseToTheRayIsTheIntegralOverTheRay) {
   }
 }
 
-// Collisions alone would find most of it in one of a hundred samples: the relative variance of one sample
-// would be about mean free path / (2 pi distance) = 13.
+// Collisions alone would find most of it in few samples of great weight: the relative variance of one sample
+// would be about 30.
 TEST(Media, LightOfAPointLightCloseToTheRayHasLittleNoise) {
   constexpr uint32_t kSamples = 16;
   const Pixels picture = Render(FogAroundAPointLight(""), kSamples);
