@@ -40,12 +40,11 @@ constexpr float Gamma(int n) {
 // A point on the side of the surface to which w points, outside the box of half size `error` around p: a ray
 // from there cannot hit the surface at p again (Pharr, Jakob, Humphreys 2023, section 6.8.6). n is the unit
 // normal.
-inline Point3 OffsetRayOrigin(Point3 p, Vec3 error, Normal3 n, Vec3 w) {
-  const Packed3 normal = Packed3::Load(n);
-  float d = Dot(Abs(normal), Packed3::Load(error));
-  if (Dot(Packed3::Load(w), normal) < 0) d = -d;
-  const Packed3 offset = normal * d;
-  const Packed3 po = Packed3::Load(p) + offset;
+inline Packed3 OffsetRayOrigin(Packed3 p, Packed3 error, Packed3 n, Packed3 w) {
+  float d = Dot(Abs(n), error);
+  if (Dot(w, n) < 0) d = -d;
+  const Packed3 offset = n * d;
+  const Packed3 po = p + offset;
   // The next float in the direction of the offset, lane by lane: NextFloatUp with the sign of the offset.
   const __m128 zero = _mm_setzero_ps();
   const __m128 sign = _mm_and_ps(offset.v, _mm_set1_ps(-0.0f));
@@ -57,7 +56,10 @@ inline Point3 OffsetRayOrigin(Point3 p, Vec3 error, Normal3 n, Vec3 w) {
       _mm_blendv_ps(next, _mm_set1_ps(std::numeric_limits<float>::denorm_min()), _mm_cmpeq_ps(along, zero));
   const __m128 is_finite = _mm_cmplt_ps(along, _mm_set1_ps(std::numeric_limits<float>::infinity()));
   const __m128 is_moved = _mm_and_ps(is_finite, _mm_cmp_ps(offset.v, zero, _CMP_NEQ_OQ));
-  return Packed3(_mm_blendv_ps(po.v, _mm_xor_ps(next, sign), is_moved)).Unpack();
+  return _mm_blendv_ps(po.v, _mm_xor_ps(next, sign), is_moved);
+}
+inline Point3 OffsetRayOrigin(const Point3& p, const Vec3& error, const Normal3& n, const Vec3& w) {
+  return OffsetRayOrigin(Packed3::Load(p), Packed3::Load(error), Packed3::Load(n), Packed3::Load(w)).Unpack();
 }
 
 }  // namespace tessera

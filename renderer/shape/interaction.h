@@ -64,12 +64,13 @@ struct SurfaceInteraction {
 };
 
 // A ray of length just under 1 from one surface point to another, for shadow tests.
-inline Ray SpawnRayTo(Point3 from, Vec3 from_error, Normal3 from_n, Point3 to, Vec3 to_error, Normal3 to_n,
-                      float time) {
+inline Ray SpawnRayTo(const Point3& from, const Vec3& from_error, const Normal3& from_n, const Point3& to,
+                      const Vec3& to_error, const Normal3& to_n, float time) {
   constexpr float kShadowEpsilon = 0.0001f;
-  const Point3 a = OffsetRayOrigin(from, from_error, from_n, to - from);
-  const Point3 b = OffsetRayOrigin(to, to_error, to_n, a - to);
-  return {a, b - a, 1 - kShadowEpsilon, time};
+  const Packed3 start = Packed3::Load(from), end = Packed3::Load(to);
+  const Packed3 a = OffsetRayOrigin(start, Packed3::Load(from_error), Packed3::Load(from_n), end - start);
+  const Packed3 b = OffsetRayOrigin(end, Packed3::Load(to_error), Packed3::Load(to_n), a - end);
+  return {a.Unpack(), (b - a).Unpack(), 1 - kShadowEpsilon, time};
 }
 
 }  // namespace tessera
