@@ -63,7 +63,7 @@ SobolMatrices MakeMatrices() {
   }
   for (int dimension = 0; dimension < kSobolDimensions; ++dimension) {
     for (int k = 0; k < SobolMatrices::kColumns; ++k)
-      matrices.reversed[dimension / SobolMatrices::kLanes][k][dimension % SobolMatrices::kLanes] =
+      matrices.reversed[dimension / SobolMatrices::kLanes].columns[k][dimension % SobolMatrices::kLanes] =
           ReverseBits(matrices.narrow[dimension][k]);
   }
   return matrices;
@@ -76,14 +76,14 @@ const SobolMatrices& Matrices() {
   return matrices;
 }
 
-void FastOwenSobolBlock(const SobolMatrices& matrices, uint32_t index, int block, const uint32_t* seeds,
+void FastOwenSobolBlock(const SobolMatrices::Block& block, uint32_t index, const uint32_t* seeds,
                         float* values) {
   const auto load = [](const uint32_t* lanes) {
     return _mm256_load_si256(reinterpret_cast<const __m256i*>(lanes));
   };
   __m256i points = _mm256_setzero_si256();
   for (; index != 0; index &= index - 1)
-    points = _mm256_xor_si256(points, load(matrices.reversed[block][std::countr_zero(index)]));
+    points = _mm256_xor_si256(points, load(block.columns[std::countr_zero(index)]));
   const __m256i bits = ReverseLaneBits(PermuteLanesUpwards(points, load(seeds)));
   // As UniformFloat: 24 bits fit into a signed integer and into a float.
   const __m256 fractions = _mm256_cvtepi32_ps(_mm256_srli_epi32(bits, 8));

@@ -16,12 +16,15 @@ struct SobolMatrices {
   static constexpr int kColumns = 32;
   uint32_t wide[2][kColumnsWide];
   uint32_t narrow[kSobolDimensions][kColumns];
-  // `narrow` with the bits of each column reversed. Points are exclusive-ors of columns, so that those of
-  // this matrix are the points of `narrow` reversed. Dimension d is lane d % kLanes of block d / kLanes, so
-  // that the points of a block can be computed together.
+  // The columns of several dimensions, whose points are computed together.
   static constexpr int kLanes = 8;
+  struct Block {
+    alignas(32) uint32_t columns[kColumns][kLanes];
+  };
+  // `narrow` with the bits of each column reversed. Points are exclusive-ors of columns, so that those of
+  // this matrix are the points of `narrow` reversed. Dimension d is lane d % kLanes of block d / kLanes.
   static_assert(kSobolDimensions % kLanes == 0);
-  alignas(32) uint32_t reversed[kSobolDimensions / kLanes][kColumns][kLanes];
+  Block reversed[kSobolDimensions / kLanes];
 };
 // Computed once from sobol_data.h.
 const SobolMatrices& Matrices();
@@ -91,7 +94,7 @@ inline float RandomizedSobol(const SobolMatrices& matrices, Randomization random
                              int dimension, uint32_t seed) {
   if (randomization == Randomization::kFastOwen) {
     // FastOwenScramble without its first reversal, which the columns already have.
-    const auto& block = matrices.reversed[dimension / SobolMatrices::kLanes];
+    const auto& block = matrices.reversed[dimension / SobolMatrices::kLanes].columns;
     uint32_t reversed = 0;
     for (uint32_t bits = index; bits != 0; bits &= bits - 1)
       reversed ^= block[std::countr_zero(bits)][dimension % SobolMatrices::kLanes];
@@ -100,9 +103,9 @@ inline float RandomizedSobol(const SobolMatrices& matrices, Randomization random
   return RandomizedFraction(randomization, SobolBits(matrices, index, dimension), seed);
 }
 
-// RandomizedSobol by Randomization::kFastOwen for the kLanes dimensions of a block, each with its own seed.
-// `seeds` and `values` are aligned to 32 bytes.
-void FastOwenSobolBlock(const SobolMatrices& matrices, uint32_t index, int block, const uint32_t* seeds,
+// RandomizedSobol by Randomization::kFastOwen for the kLanes dimensions of a block of reversed columns, each
+// with its own seed. `seeds` and `values` are aligned to 32 bytes.
+void FastOwenSobolBlock(const SobolMatrices::Block& block, uint32_t index, const uint32_t* seeds,
                         float* values);
 
 // A nested shuffle of sample indices: aligned blocks of a power of two go to aligned blocks, so that every

@@ -1,6 +1,49 @@
 #include "renderer/sampler/sobol_sampler.h"
 
+#include <array>
+
 namespace tessera {
+namespace {
+
+// Which dimension of the sequence each of the first dimensions of a sample is; the others keep their places.
+// Low dimensions are distributed better together than high ones, so they are not spent on numbers of little
+// consequence. Found by measuring the variance of pictures, for the numbers that paths take: a place on the
+// film (2), wavelengths, a light (1) and a point of it (2), a lobe (1) and a direction (2).
+constexpr std::array<uint8_t, 16> kOrder = {1, 2, 5, 9, 8, 6, 0, 4, 3, 7, 10, 11, 12, 13, 14, 15};
+
+constexpr bool IsPermutation(const std::array<uint8_t, 16>& order) {
+  uint32_t seen = 0;
+  for (const uint8_t dimension : order) seen |= 1u << dimension;
+  return seen == 0xffffu;
+}
+static_assert(IsPermutation(kOrder));
+
+// The blocks of a sample's first dimensions.
+using FirstBlocks = std::array<SobolMatrices::Block, kOrder.size() / SobolMatrices::kLanes>;
+const FirstBlocks& OrderedBlocks() {
+  static const FirstBlocks blocks = [] {
+    FirstBlocks ordered;
+    for (size_t i = 0; i < kOrder.size(); ++i) {
+      for (int k = 0; k < SobolMatrices::kColumns; ++k)
+        ordered[i / SobolMatrices::kLanes].columns[k][i % SobolMatrices::kLanes] =
+            ReverseBits(Matrices().narrow[kOrder[i]][k]);
+    }
+    return ordered;
+  }();
+  return blocks;
+}
+
+}  // namespace
+
+SobolSampler::SobolSampler(uint64_t seed, Randomization randomization)
+    : seed_(seed),
+      matrices_(&Matrices()),
+      first_blocks_(OrderedBlocks().data()),
+      randomization_(randomization) {}
+
+int SobolSampler::SequenceDimension(int dimension) {
+  return static_cast<size_t>(dimension) < kOrder.size() ? kOrder[static_cast<size_t>(dimension)] : dimension;
+}
 
 SobolSampler SobolSampler::Read(SamplerDirective& directive) {
   directive.ReadSampleCount(16);
@@ -15,13 +58,15 @@ void SobolSampler::DrawBlock() {
   }
   for (; seeded_ < drawn_; ++seeded_)
     seeds_[seeded_] = static_cast<uint32_t>(seed_.OfDimension(static_cast<int>(seeded_)));
-  FastOwenSobolBlock(*matrices_, index_, static_cast<int>(dimension_) / kLanes, seeds_ + dimension_, values_);
+  const unsigned block = dimension_ / kLanes;
+  FastOwenSobolBlock(block < kOrder.size() / kLanes ? first_blocks_[block] : matrices_->reversed[block],
+                     index_, seeds_ + dimension_, values_);
 }
 
 float SobolSampler::At(int dimension) const {
   const uint64_t seed = seed_.OfDimension(dimension);
   uint32_t index = index_;
-  int column = dimension;
+  int column = SequenceDimension(dimension);
   if (dimension >= kSobolDimensions) {
     // Beyond the table its dimensions are used again, with the samples in another order.
     column = dimension % kSobolDimensions;

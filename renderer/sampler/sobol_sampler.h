@@ -14,8 +14,10 @@ class SobolSampler {
   static constexpr bool kDependsOnCount = false;
   static SobolSampler Read(SamplerDirective& directive);
 
-  SobolSampler(uint64_t seed, Randomization randomization)
-      : seed_(seed), matrices_(&Matrices()), randomization_(randomization) {}
+  SobolSampler(uint64_t seed, Randomization randomization);
+
+  // The dimension of the sequence that a dimension of samples is, which is not negative.
+  static int SequenceDimension(int dimension);
 
   void StartSample(int x, int y, uint32_t index) {
     if (seed_.SetPixel(x, y)) seeded_ = 0;
@@ -42,6 +44,7 @@ class SobolSampler {
 
   PixelSeed seed_;
   const SobolMatrices* matrices_;
+  const SobolMatrices::Block* first_blocks_;  // of the dimensions whose order differs from the sequence's
   Randomization randomization_;
   uint32_t index_ = 0;
   unsigned dimension_ = 0;
