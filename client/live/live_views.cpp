@@ -13,7 +13,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kPauseMin{1000};
 constexpr int kPausePerCost = 20;
 constexpr size_t kWarningsMax = 10;  // of one view: different ones, such as the errors of a broken network
-constexpr milliseconds kRetryPause{250};  // if there is no picture yet
+constexpr milliseconds kRetryPause{100};  // if there is no picture yet
 constexpr milliseconds kIdleSlice{100};   // as fast as a terminal that changes its size is noticed
 
 }  // namespace
