@@ -40,6 +40,8 @@ class PixelRenderer {
  private:
   void Sample(int x, int y, uint32_t index, TileBuilder& tile) {
     float* const values = tile.Values();
+    // SobolSampler takes the dimensions of its sequence in an order that suits the order of these numbers and
+    // of those that a path draws at its first vertex.
     sampler_.StartSample(x, y, index);
     FilterSample filter = data_.filter.Sample(sampler_.Get2D());
     const float u_wavelengths = sampler_.Get1D();
