@@ -20,6 +20,7 @@ Command InfoCommand();
 Command JobsCommand();
 Command KindsCommand();
 Command LoginCommand();
+Command LogoutCommand();
 Command LogsCommand();
 Command ManCommand();
 Command PauseCommand();
@@ -45,7 +46,7 @@ inline constexpr MakeCommandFunction kCommands[] = {
     // Workers of a farm.
     WorkersCommand, DrainCommand, ReleaseCommand, TopCommand,
     // Who belongs to a farm.
-    LoginCommand, AccessCommand, DoctorCommand,
+    LoginCommand, LogoutCommand, AccessCommand, DoctorCommand,
     // This program.
     CompletionCommand, ManCommand};
 

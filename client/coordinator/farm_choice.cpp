@@ -1,6 +1,7 @@
 #include "client/coordinator/farm_choice.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <pwd.h>
 #include <unistd.h>
 
@@ -17,12 +18,22 @@ LoginStore PersonalLogins() {
   return LoginStore(PersonalLoginFolder(Environment));
 }
 
+// The names of its logins.
+std::vector<std::string> FarmsOf(const LoginStore& store) {
+  std::vector<std::string> farms;
+  for (const Login& each : store.List()) farms.push_back(each.farm);
+  return farms;
+}
+
+// "there are: home, studio"
+std::string ListOf(const std::vector<std::string>& farms) {
+  return farms.empty() ? "there is none at all" : fmt::format("there are: {}", fmt::join(farms, ", "));
+}
+
 Error NoSuchLogin(const std::string& farm, const LoginStore& store) {
-  std::string known;
-  for (const Login& each : store.List()) known += fmt::format("{}{}", known.empty() ? "" : ", ", each.farm);
   return BadInput(
       fmt::format("--farm {}: there is no login of this name ({}); run: tessera login TOKEN --farm {}", farm,
-                  known.empty() ? "there is none at all" : "there are: " + known, farm));
+                  ListOf(FarmsOf(store)), farm));
 }
 
 std::string AccountName() {
@@ -74,6 +85,18 @@ Result<NewLogin> LogIn(const std::string& token, const std::string& farm, const 
                                      joined->identity);
   if (!login) return login.error();
   return NewLogin{std::move(*login), fmt::format("{} \"{}\"", RoleName(joined->role), joined->name)};
+}
+
+Result<EndedLogin> LogOut(const std::string& farm) {
+  const LoginStore store = PersonalLogins();
+  const auto login = farm.empty() ? store.Default() : store.Find(farm);
+  if (!login) {
+    const std::string farms = ListOf(FarmsOf(store));
+    if (farm.empty()) return BadInput(fmt::format("FARM: there is no last login; name the farm ({})", farms));
+    return BadInput(fmt::format("FARM {}: there is no login of this name ({})", farm, farms));
+  }
+  if (auto removed = store.Remove(*login); !removed) return removed.error();
+  return EndedLogin{*login, FarmsOf(store), store.Default().has_value()};
 }
 
 }  // namespace tessera

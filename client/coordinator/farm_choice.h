@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "proto/identity/login.h"
 #include "proto/membership.h"
@@ -35,5 +36,13 @@ struct NewLogin {
 // Joins the farm of a token and keeps the login as `farm`. Empty: named after the address. `name` is how the
 // farm should call this user, unless the token says it. Empty: the name of the account.
 Result<NewLogin> LogIn(const std::string& token, const std::string& farm, const std::string& name);
+
+struct EndedLogin {
+  Login login;
+  std::vector<std::string> others;  // the farms of the logins that are left
+  bool has_default = false;         // whether commands without --farm still use one of these
+};
+// Deletes the login `farm`. Empty: the last one. The certificate stays valid at the coordinator.
+Result<EndedLogin> LogOut(const std::string& farm);
 
 }  // namespace tessera

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 
 #include "proto/identity/private_file.h"
@@ -60,7 +62,7 @@ Result<Login> LoginStore::Save(const std::string& farm, const std::string& addre
   // The identity comes last: without it there is no login.
   const std::pair<std::string, std::string> files[] = {
       {login.AuthorityPath(), identity.authority_pem},
-      {login.folder + "/address", address + "\n"},
+      {login.AddressPath(), address + "\n"},
       {login.IdentityPath(), identity.key.Pem() + identity.certificate_pem},
       {folder_ + kDefaultFile, farm + "\n"},
   };
@@ -70,10 +72,21 @@ Result<Login> LoginStore::Save(const std::string& farm, const std::string& addre
   return login;
 }
 
+Result<void> LoginStore::Remove(const Login& login) const {
+  std::vector<std::string> paths = {login.IdentityPath(), login.AddressPath(), login.AuthorityPath()};
+  if (ReadLine(folder_ + kDefaultFile) == login.farm) paths.push_back(folder_ + kDefaultFile);
+  for (const std::string& path : paths) {
+    if (::unlink(path.c_str()) != 0 && errno != ENOENT)
+      return Failed(fmt::format("cannot delete {}: {}", path, std::strerror(errno)));
+  }
+  ::rmdir(login.folder.c_str());  // fails if it holds files of somebody else, which stay
+  return {};
+}
+
 std::optional<Login> LoginStore::Find(const std::string& farm) const {
   if (!IsFarmName(farm)) return std::nullopt;
   Login login{farm, folder_ + "/" + farm, {}};
-  auto address = ReadLine(login.folder + "/address");
+  auto address = ReadLine(login.AddressPath());
   if (!address || ::access(login.IdentityPath().c_str(), F_OK) != 0) return std::nullopt;
   login.address = std::move(*address);
   return login;

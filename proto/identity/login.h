@@ -20,6 +20,7 @@ struct Login {
   std::string folder;
   std::string address;
 
+  std::string AddressPath() const { return folder + "/address"; }
   std::string AuthorityPath() const { return folder + "/authority.pem"; }
   std::string IdentityPath() const { return folder + "/identity.pem"; }
 };
@@ -40,12 +41,15 @@ class LoginStore {
   // from now on.
   Result<Login> Save(const std::string& farm, const std::string& address,
                      const IssuedIdentity& identity) const;
+  // Deletes the key and the certificates of a login, the key first. If it was the default, there is none
+  // until the next Save. Other files in its folder stay.
+  Result<void> Remove(const Login& login) const;
   // In the order of their names. Folders that cannot be read are left out.
   std::vector<Login> List() const;
   std::optional<Login> Find(const std::string& farm) const;
   // The default if it has this address, or else any login with it.
   std::optional<Login> FindAddress(const std::string& address) const;
-  // The last login that was saved.
+  // The last login that was saved, unless it was removed.
   std::optional<Login> Default() const;
 
  private:

@@ -139,6 +139,7 @@ TEST_F(Json, AnswersOfAFarmAreThoseOfTheGuide) {
   ASSERT_EQ(token.code, 0) << token.errors;
   ExpectRows("access", Farm({"access"}));
   ExpectRows("login", Here({"login", token.output.substr(0, token.output.find('\n')), "--farm", "studio"}));
+  ExpectRows("logout", Here({"logout", "studio"}));
   ExpectRows("access", Farm({"access"}));
   ExpectMembers();
 }

@@ -76,6 +76,28 @@ TEST_F(MembershipOfAFarm, RolesLimitWhatMembersMayDo) {
   EXPECT_THAT(coordinator().Errors(), HasSubstr("call_denied"));
 }
 
+TEST_F(MembershipOfAFarm, WhoeverLogsOutHasNoKeyAnyMore) {
+  for (const char* farm : {"home", "studio"}) {
+    const Outcome login = As("ada", "login " + Token({"--role", "user"}) + " --farm " + farm);
+    ASSERT_EQ(login.code, 0) << login.errors;
+  }
+  ASSERT_EQ(As("ada", "jobs").code, 0);
+  const Outcome logout = As("ada", "logout");
+  EXPECT_EQ(logout.code, 0);
+  EXPECT_THAT(logout.errors, HasSubstr("logged out of " + address()));
+  EXPECT_THAT(logout.errors, HasSubstr("give other commands --farm (home)"));
+  const Outcome jobs = As("ada", "jobs --farm studio");
+  EXPECT_EQ(jobs.code, 2);
+  EXPECT_THAT(jobs.errors, HasSubstr("there is no login of this name (there are: home)"));
+  EXPECT_EQ(As("ada", "jobs --farm home").code, 0);
+  const Outcome again = As("ada", "logout");
+  EXPECT_EQ(again.code, 2);
+  EXPECT_THAT(again.errors, HasSubstr("there is no last login; name the farm (there are: home)"));
+  EXPECT_EQ(As("ada", "logout ../../ada").code, 2);
+  EXPECT_EQ(As("ada", "logout home").code, 0);
+  EXPECT_FALSE(std::filesystem::exists(Path("ada/tessera/farms/home")));
+}
+
 TEST_F(MembershipOfAFarm, UsersTouchOnlyTheirOwnJobsAndSeeWhoseTheOthersAre) {
   LogIn("ada", "user");
   LogIn("bob", "user");

@@ -94,6 +94,39 @@ TEST_F(Logins, AKeyOfAnotherCertificateIsRefused) {
   EXPECT_THAT(ReadIdentity(*login).error().message, HasSubstr("does not belong"));
 }
 
+TEST_F(Logins, ThatAreRemovedLeaveNoKeyAndNoDefault) {
+  ASSERT_TRUE(Store().Save("home", "farm:1", MakeIdentity()));
+  const auto login = Store().Save("studio", "farm:2", MakeIdentity());
+  ASSERT_TRUE(login);
+  ASSERT_TRUE(Store().Remove(*login));
+  EXPECT_FALSE(std::filesystem::exists(login->folder));
+  EXPECT_FALSE(Store().Find("studio"));
+  EXPECT_FALSE(Store().Default());
+  EXPECT_TRUE(Store().Find("home"));
+  ASSERT_TRUE(Store().Save("studio", "farm:2", MakeIdentity()));
+  ASSERT_TRUE(Store().Remove(*Store().Find("home")));
+  EXPECT_EQ(Store().Default()->farm, "studio");
+}
+
+TEST_F(Logins, ThatAreRemovedLeaveOtherFilesOfTheirFolder) {
+  const auto login = Store().Save("studio", "farm:1", MakeIdentity());
+  ASSERT_TRUE(login);
+  ASSERT_TRUE(WritePrivateFile(login->folder + "/notes", "mine"));
+  ASSERT_TRUE(Store().Remove(*login));
+  EXPECT_FALSE(std::filesystem::exists(login->IdentityPath()));
+  EXPECT_TRUE(std::filesystem::exists(login->folder + "/notes"));
+}
+
+TEST_F(Logins, AKeyThatCannotBeDeletedIsAnError) {
+  const auto login = Store().Save("studio", "farm:1", MakeIdentity());
+  ASSERT_TRUE(login);
+  std::filesystem::remove(login->IdentityPath());
+  std::filesystem::create_directory(login->IdentityPath());
+  const auto removed = Store().Remove(*login);
+  ASSERT_FALSE(removed);
+  EXPECT_THAT(removed.error().message, HasSubstr("cannot delete " + login->IdentityPath()));
+}
+
 TEST_F(Logins, NamesOfFarmsCannotLeaveTheFolder) {
   for (const char* name : {"", ".", "..", "a/b", ".hidden", "a b"}) {
     EXPECT_FALSE(IsFarmName(name)) << name;
