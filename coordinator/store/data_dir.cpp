@@ -53,16 +53,17 @@ Result<void> CheckJournal(const std::string& path) {
 
 // Files that were being written when a process ended do not have their final names yet.
 void RemoveHalfWritten(const std::string& path) {
-  std::vector<std::filesystem::path> half_written;
+  std::vector<std::string> half_written;
+  const auto paths = ListFolder(path);
+  for (const std::string& each : paths ? *paths : std::vector<std::string>()) {
+    if (each.ends_with(".tmp") || each.ends_with(".new")) half_written.push_back(each);
+  }
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(path, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.ends_with(".tmp") || name.ends_with(".new")) half_written.push_back(entry.path());
+  for (std::filesystem::recursive_directory_iterator it(path + "/pictures", error), end; !error && it != end;
+       it.increment(error)) {
+    if (it->path().extension() == ".tmp") half_written.push_back(it->path().string());
   }
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(path + "/pictures", error)) {
-    if (entry.path().extension() == ".tmp") half_written.push_back(entry.path());
-  }
-  for (const auto& file : half_written) std::filesystem::remove(file, error);
+  for (const std::string& file : half_written) std::filesystem::remove(file, error);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "renderer/util/check.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {
@@ -41,20 +42,23 @@ Result<std::unique_ptr<FileSpool>> FileSpool::Open(const std::string& path, Run 
   std::filesystem::create_directories(path, error);
   if (error) return Failed(fmt::format("{}: cannot be created: {}", path, error.message()));
   std::unique_ptr<FileSpool> spool(new FileSpool(path, std::move(run), segment_bytes_min));
-  spool->Scan();
+  if (const auto scanned = spool->Scan(); !scanned) return scanned.error();
   return spool;
 }
 
-void FileSpool::Scan() {
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(path_, error)) {
-    const std::string name = entry.path().filename().string();
+Result<void> FileSpool::Scan() {
+  const auto paths = ListFolder(path_);
+  if (!paths) return paths.error();
+  for (const std::string& path : *paths) {
+    const std::string name = std::filesystem::path(path).filename().string();
     if (name.starts_with(kDropped)) {
-      RemoveFolder(entry.path().string());
+      RemoveFolder(path);
     } else if (const auto id = FrameOf(name)) {
-      Need(*id);
+      // A frame that counted as empty would be rendered again, over the results that it has.
+      if (const auto scanned = Need(*id).files->Scan(); !scanned) return scanned;
     }
   }
+  return {};
 }
 
 std::string FileSpool::FolderOf(FrameId id) const {

@@ -85,7 +85,7 @@ class FileSpool : public Spool {
   };
   FileSpool(std::string path, Run run, uint64_t segment_bytes_min)
       : path_(std::move(path)), run_(std::move(run)), segment_bytes_min_(segment_bytes_min) {}
-  void Scan();
+  Result<void> Scan();
   Frame& Need(FrameId id);
   std::string FolderOf(FrameId id) const;
   Result<void> SyncFrame(FrameId id, Frame& frame);

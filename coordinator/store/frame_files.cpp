@@ -46,21 +46,26 @@ void Remove(const std::string& path) {
 
 }  // namespace
 
-FrameFiles::FrameFiles(std::string folder) : folder_(std::move(folder)) {
+Result<void> FrameFiles::Scan() {
+  const auto paths = ListFolder(folder_);
+  if (!paths) return paths.error();
+  const std::lock_guard lock(mutex_);
   std::vector<std::string> old;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
-    const std::string name = entry.path().filename().string();
-    std::error_code ignored;
-    const uint64_t bytes = entry.file_size(ignored);
-    if (const auto segment = FileOf(name, kSegment, bytes)) {
+  for (const std::string& path : *paths) {
+    const std::string name = std::filesystem::path(path).filename().string();
+    std::error_code error;
+    const uint64_t bytes = std::filesystem::file_size(path, error);
+    const auto segment = FileOf(name, kSegment, bytes), base = FileOf(name, kBase, bytes);
+    if (error && (segment || base))
+      return Failed(fmt::format("{}: cannot be examined: {}", path, error.message()));
+    if (segment) {
       segments_.push_back(*segment);
-    } else if (const auto base = FileOf(name, kBase, bytes)) {
+    } else if (base) {
       const bool is_newer = base->number > base_.number;
       if (base_.number > 0) old.push_back(BasePath(is_newer ? base_ : *base));
       if (is_newer) base_ = *base;
     } else {
-      old.push_back(entry.path().string());
+      old.push_back(path);
     }
   }
   std::ranges::sort(segments_, {}, &File::number);
@@ -71,6 +76,7 @@ FrameFiles::FrameFiles(std::string folder) : folder_(std::move(folder)) {
   });
   for (const std::string& path : old) Remove(path);
   base_next_ = base_.number;
+  return {};
 }
 
 void FrameFiles::SetGuard(SceneGuard guard) {

@@ -25,8 +25,11 @@ class FrameFiles {
     std::optional<Digest> scene = {};  // that is part of its name
   };
 
-  // Reads the folder, which need not exist, and removes files that were replaced or never finished.
-  explicit FrameFiles(std::string folder);
+  explicit FrameFiles(std::string folder) : folder_(std::move(folder)) {}
+
+  // Finds the files that an earlier process left, and removes those that were replaced or never finished.
+  // Call it before anything else, once.
+  Result<void> Scan();
 
   // Sets what the frame is rendered from. Call it before files are read or written.
   void SetGuard(SceneGuard guard);

@@ -38,14 +38,14 @@ int OpenOwn(const std::string& path) {
 
 // Removes incoming files that are too old, or that cannot be resumed and that no process writes to.
 Result<void> RemoveStale(const std::string& incoming) {
-  std::error_code error;
+  const auto paths = ListFolder(incoming);
+  if (!paths) return paths.error();
   const auto stale = fs::file_time_type::clock::now() - kIncomingAgeMax;
-  for (const auto& entry : fs::directory_iterator(incoming, error)) {
+  for (const std::string& path : *paths) {
     std::error_code ignored;
-    const bool resumable = entry.path().filename().string().find('.') == std::string::npos;
-    if (!resumable || entry.last_write_time(ignored) < stale) RemoveIfIdle(entry.path().string());
+    const bool resumable = fs::path(path).filename().string().find('.') == std::string::npos;
+    if (!resumable || fs::last_write_time(path, ignored) < stale) RemoveIfIdle(path);
   }
-  if (error) return Failed(fmt::format("{}: cannot be read: {}", incoming, error.message()));
   return {};
 }
 
@@ -334,8 +334,13 @@ Result<void> BlobStore::Partial::Finish() {
     if (const auto synced = SyncFolder(folder_ + "/.."); !synced) return Fail(synced.error());
   }
   if (durable_ && ::fsync(file_) != 0) return Fail(SystemError(temporary_, "cannot be synced"));
-  const bool is_copy = ::access(path_.c_str(), F_OK) == 0;  // somebody else was faster
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) return Fail(SystemError(path_, "cannot be written"));
+  bool is_copy = false;
+  if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) != 0) {
+    // Somebody else was faster, or the file system cannot tell.
+    is_copy = errno == EEXIST || ::access(path_.c_str(), F_OK) == 0;
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0)
+      return Fail(SystemError(path_, "cannot be written"));
+  }
   ::close(file_);
   file_ = -1;  // nothing is left for the destructor
   if (is_copy) room_->Give(size_);

@@ -94,9 +94,10 @@ std::optional<Login> LoginStore::Find(const std::string& farm) const {
 
 std::vector<Login> LoginStore::List() const {
   std::vector<Login> logins;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
-    if (auto login = Find(entry.path().filename().string())) logins.push_back(std::move(*login));
+  const auto paths = ListFolder(folder_);
+  for (const std::string& path : paths ? *paths : std::vector<std::string>()) {
+    if (auto login = Find(std::filesystem::path(path).filename().string()))
+      logins.push_back(std::move(*login));
   }
   std::ranges::sort(logins, {}, &Login::farm);
   return logins;

@@ -16,6 +16,7 @@
 #include <system_error>
 
 #include "proto/identity/private_file.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {
@@ -66,11 +67,11 @@ SocketFolderLock::~SocketFolderLock() {
 
 int RemoveStaleSockets(const std::string& folder) {
   int removed = 0;
-  std::error_code failed;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, failed)) {
-    const std::string path = entry.path().string();
+  const auto paths = ListFolder(folder);
+  for (const std::string& path : paths ? *paths : std::vector<std::string>()) {
     struct stat status {};
-    if (entry.path().extension() != kSocketEnding || ::lstat(path.c_str(), &status) != 0) continue;
+    if (std::filesystem::path(path).extension() != kSocketEnding || ::lstat(path.c_str(), &status) != 0)
+      continue;
     const bool is_ours = S_ISSOCK(status.st_mode) && status.st_uid == ::geteuid();
     if (is_ours && IsDeserted(path) && ::unlink(path.c_str()) == 0) ++removed;
   }

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <random>
 
 namespace tessera {
 namespace {
@@ -92,6 +94,8 @@ Result<std::string> Gunzip(std::string_view compressed, const std::string& path,
     stream.avail_out = sizeof piece;
     status = inflate(&stream, Z_NO_FLUSH);
     bytes.append(piece, sizeof piece - stream.avail_out);
+    if (status == Z_STREAM_END && stream.avail_in + rest > 0)
+      status = inflateReset(&stream);  // the next member
   }
   inflateEnd(&stream);
   if (bytes.size() > limit) {
@@ -103,8 +107,11 @@ Result<std::string> Gunzip(std::string_view compressed, const std::string& path,
 }
 
 Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes, unsigned mode) {
-  const std::string beside = fmt::format("{}.{}.tmp", path, ::getpid());
-  FileDescriptor file(::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode));
+  // Of this writer alone: others may be threads of this process, or processes of other containers, whose
+  // numbers may be the same.
+  std::random_device random;
+  const std::string beside = fmt::format("{}.{:08x}{:08x}.tmp", path, random(), random());
+  FileDescriptor file(::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
   if (!file.valid()) return SystemError(path, "cannot be created");
   const bool written = WriteAll(file.number(), bytes) && ::fsync(file.number()) == 0 && file.Close() == 0;
   if (!written || ::rename(beside.c_str(), path.c_str()) != 0) {
@@ -114,6 +121,16 @@ Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes
   }
   const size_t slash = path.rfind('/');
   return SyncFolder(slash == std::string::npos ? "." : path.substr(0, slash + 1));
+}
+
+Result<std::vector<std::string>> ListFolder(const std::string& folder) {
+  std::vector<std::string> paths;
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    paths.push_back(it->path().string());
+  if (error && error != std::errc::no_such_file_or_directory)
+    return Failed(fmt::format("{}: cannot be listed: {}", folder, error.message()));
+  return paths;
 }
 
 Result<void> SyncFolder(const std::string& folder) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "renderer/util/result.h"
 
@@ -18,8 +19,8 @@ Result<std::string> ReadFile(const std::string& path, uint64_t size_max);
 constexpr uint64_t kGunzipRatioMax = 64;
 constexpr uint64_t kGunzipFloor = uint64_t{16} << 20;
 
-// The bytes that a gzip stream unpacks to; an error that names `path` if damaged, larger than `size_max` or
-// larger than its own size allows.
+// The bytes that a gzip file, of one or more members, unpacks to; an error that names `path` if damaged,
+// larger than `size_max` or larger than its own size allows.
 Result<std::string> Gunzip(std::string_view compressed, const std::string& path, uint64_t size_max);
 
 // Replaces `path` by a whole file or not at all: writes beside it, syncs, renames, syncs the folder. On
@@ -29,6 +30,9 @@ Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes
 // "PATH: WHAT: " with the reason that errno holds, as in "/data/journal: cannot be written: No space left on
 // device".
 Error SystemError(const std::string& path, const char* what);
+
+// The paths of the files and folders in a folder, in no particular order. None if there is no such folder.
+Result<std::vector<std::string>> ListFolder(const std::string& folder);
 
 // Syncs a folder, so that what was created, renamed or removed in it survives a crash.
 Result<void> SyncFolder(const std::string& folder);

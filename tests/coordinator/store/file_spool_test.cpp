@@ -107,6 +107,14 @@ TEST(FileSpool, FindsTheFramesThatItHas) {
   EXPECT_EQ(found[1].bytes, SpoolStage::kHeader + SpoolStage::kRecord);
 }
 
+TEST(FileSpool, AFrameThatCannotBeListedIsNotTakenForEmpty) {
+  SpoolStage stage;
+  ASSERT_TRUE(WriteFileAtomically(stage.folder.path() + "/spool/4-1", ""));
+  const auto opened = stage.Reopen();
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().message, HasSubstr("/spool/4-1: cannot be listed"));
+}
+
 TEST(FileSpool, ASegmentCutAtAnyByteLosesNoRecordBefore) {
   SpoolStage whole;
   for (uint32_t tile = 0; tile < 3; ++tile) whole.Keep(Node(tile, {0, 1}));

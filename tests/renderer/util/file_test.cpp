@@ -1,13 +1,15 @@
 #include "renderer/util/file.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
-
 #include <sys/stat.h>
 #include <unistd.h>
-#include <random>
+#include <zlib.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <random>
+#include <thread>
 
 namespace tessera {
 namespace {
@@ -108,6 +110,15 @@ TEST(Gunzip, StopsAtTheSizeThatTheFileCanReasonablyHave) {
   EXPECT_EQ(Gunzip(Zipped(noise), "f.gz", uint64_t{4} << 30)->size(), noise.size());
 }
 
+TEST(Gunzip, UnpacksAllMembersOfAFile) {
+  const std::string one = Zipped("one "), two = Zipped("two ");
+  EXPECT_EQ(*Gunzip(one + two + one, "f.gz", 100), "one two one ");
+  EXPECT_EQ(Gunzip(one + two, "f.gz", 7).error().message, "f.gz: unpacks to more than the limit of 7 bytes");
+  const char* const message = "f.gz: the compressed data is damaged or cut short";
+  EXPECT_EQ(Gunzip(one + two.substr(0, two.size() - 1), "f.gz", 100).error().message, message);
+  EXPECT_EQ(Gunzip(one + "and text", "f.gz", 100).error().message, message);
+}
+
 TEST(Gunzip, DamageIsToldByThePath) {
   const std::string packed(reinterpret_cast<const char*>(kPacked), sizeof kPacked);
   const char* const message = "f.gz: the compressed data is damaged or cut short";
@@ -118,6 +129,31 @@ TEST(Gunzip, DamageIsToldByThePath) {
   damaged[packed.size() - 6] = static_cast<char>(damaged[packed.size() - 6] ^ 1);  // in the checksum
   EXPECT_EQ(Gunzip(damaged, "f.gz", 100).error().message, message);
   EXPECT_EQ(Gunzip("not packed at all", "f.gz", 100).error().message, message);
+}
+
+TEST_F(FileTest, WritersOfOneFileDoNotDisturbEachOther) {
+  const std::string whole(1 << 20, 'a'), other(1 << 20, 'b');
+  std::thread first([&] {
+    for (int i = 0; i < 20; ++i) EXPECT_TRUE(WriteFileAtomically(Path("f"), whole));
+  });
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(WriteFileAtomically(Path("f"), other));
+  first.join();
+  const auto bytes = ReadFile(Path("f"), whole.size());
+  ASSERT_TRUE(bytes);
+  EXPECT_TRUE(*bytes == whole || *bytes == other);
+  EXPECT_EQ(ListFolder(Path(""))->size(), 1u);
+}
+
+TEST_F(FileTest, AFolderIsListed) {
+  ASSERT_TRUE(WriteFileAtomically(Path("f"), "text"));
+  ASSERT_TRUE(CreateFolders(Path("a")));
+  auto paths = ListFolder(Path(""));
+  ASSERT_TRUE(paths);
+  std::ranges::sort(*paths);
+  EXPECT_EQ(*paths, (std::vector<std::string>{Path("a"), Path("f")}));
+  EXPECT_TRUE(ListFolder(Path("none"))->empty());
+  EXPECT_THAT(ListFolder(Path("f")).error().message,
+              testing::HasSubstr("f: cannot be listed: Not a directory"));
 }
 
 TEST_F(FileTest, FoldersAreCreatedWithThoseAboveThem) {
