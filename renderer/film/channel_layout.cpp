@@ -38,8 +38,17 @@ std::vector<Operand> OperandsOf(const Channel& channel) {
     }
     case ChannelType::kHitSquare:
       return {{ChannelType::kHitSum, channel.name + ".sum"}, {ChannelType::kHitCount, ""}};
-    default: return {};
+    case ChannelType::kColor:
+    case ChannelType::kWeight:
+    case ChannelType::kCount:
+    case ChannelType::kFloat:
+    case ChannelType::kDepth:
+    case ChannelType::kIds:
+    case ChannelType::kHitWeight:
+    case ChannelType::kHitCount:
+    case ChannelType::kHitSum: break;
   }
+  return {};
 }
 
 std::optional<size_t> Find(const std::vector<Channel>& channels, const Operand& operand) {
@@ -60,8 +69,15 @@ Source SourceOf(const Channel& channel) {
     case ChannelType::kHitSlope: return Source::kHitSlope;
     case ChannelType::kDirection: return Source::kDirection;
     case ChannelType::kHitSquare: return Source::kHitVariance;
-    default: return channel.rule == MergeRule::kSum ? Source::kMean : Source::kValue;
+    case ChannelType::kColor:
+    case ChannelType::kWeight:
+    case ChannelType::kFloat:
+    case ChannelType::kIds:
+    case ChannelType::kHitWeight:
+    case ChannelType::kHitCount:
+    case ChannelType::kHitSum: break;
   }
+  return channel.rule == MergeRule::kSum ? Source::kMean : Source::kValue;
 }
 
 void AddValue(const std::vector<Channel>& channels, size_t index, std::vector<PictureChannel>& picture) {

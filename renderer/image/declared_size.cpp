@@ -135,8 +135,12 @@ std::optional<DeclaredSize> FindDeclaredSize(ImageFormat format, std::string_vie
     case ImageFormat::kTiff: return TiffSize(bytes);
     case ImageFormat::kBmp: return BmpSize(bytes);
     case ImageFormat::kWebp: return WebpSize(bytes);
-    default: return std::nullopt;
+    case ImageFormat::kExr:
+    case ImageFormat::kPfm:
+    case ImageFormat::kQoi:
+    case ImageFormat::kUnknown: break;
   }
+  return std::nullopt;
 }
 
 Result<void> CheckDeclaredSize(ImageFormat format, const std::string& bytes, const std::string& name) {

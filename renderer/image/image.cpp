@@ -121,8 +121,17 @@ Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
   switch (*format) {
     case ImageFormat::kPfm: return DecodePfm(bytes, name);
     case ImageFormat::kQoi: return DecodeQoi(bytes, name, encoding);
-    default: return DecodeWithLibrary(*format, bytes, name, encoding);
+    case ImageFormat::kExr:
+    case ImageFormat::kPng:
+    case ImageFormat::kJpeg:
+    case ImageFormat::kTga:
+    case ImageFormat::kHdr:
+    case ImageFormat::kTiff:
+    case ImageFormat::kBmp:
+    case ImageFormat::kWebp:
+    case ImageFormat::kUnknown: break;
   }
+  return DecodeWithLibrary(*format, bytes, name, encoding);
 }
 
 Result<std::shared_ptr<const Image>> ImageCache::Get(const std::string& name,

@@ -28,8 +28,12 @@ const char* PluginName(ImageFormat format) {
     case ImageFormat::kHdr: return "hdr";
     case ImageFormat::kTiff: return "tiff";
     case ImageFormat::kBmp: return "bmp";
-    default: return "webp";
+    case ImageFormat::kWebp: return "webp";
+    case ImageFormat::kPfm:
+    case ImageFormat::kQoi:
+    case ImageFormat::kUnknown: break;  // not decoded by a library
   }
+  return "";
 }
 
 Error Damaged(const std::string& name, ImageFormat format, std::string reason) {

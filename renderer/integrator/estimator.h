@@ -19,6 +19,8 @@ struct Estimator {
   std::optional<LightDirections> lights;  // of mixture: for the same world
   // Of path and volpath, for the same world; null: lights are sampled everywhere.
   std::unique_ptr<LightVisibility> visibility;
+
+  bool HasShadowRays() const { return integrator.has_shadow_rays && techniques.sample_lights; }
 };
 
 // Radiance that arrives against a camera ray, per wavelength: to be divided by the densities that the

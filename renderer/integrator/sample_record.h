@@ -76,17 +76,22 @@ struct MirroredSurface {
 
 // What a recorder looks at. What it does not need may be left out.
 struct RecordNeeds {
-  bool surface = true;  // the first hit
-  bool albedo = true;   // of the first hit and of what is mirrored
-  bool lobes = true;    // LightPath::first
-  bool shadow = true;
-  bool mirrored = true;  // MirroredSurface; needs `surface`
+  bool surface = false;  // the first hit
+  bool albedo = false;   // of the first hit and of what is mirrored
+  bool lobes = false;    // LightPath::first
+  bool shadow = false;
+  bool mirrored = false;  // MirroredSurface; needs `surface`
+
+  constexpr RecordNeeds operator|(const RecordNeeds& other) const {
+    return {surface || other.surface, albedo || other.albedo, lobes || other.lobes, shadow || other.shadow,
+            mirrored || other.mirrored};
+  }
 };
 
 // Receives the parts of samples. Used by one thread at a time.
 class SampleRecorder {
  public:
-  explicit SampleRecorder(const RecordNeeds& needs = {}) : needs_(needs) {}
+  explicit SampleRecorder(const RecordNeeds& needs) : needs_(needs) {}
   virtual ~SampleRecorder() = default;
   const RecordNeeds& needs() const { return needs_; }
   // The contributions of a path sum to its radiance. As that, each is to be divided by the densities that the

@@ -59,8 +59,8 @@ void FillSquares(const SurfaceInteraction&, const LayerSample& sample, float* va
   for (int c = 0; c < 3; ++c) values[c] = sample.rgb[c] * sample.rgb[c];
 }
 
-constexpr RecordNeeds kGeometry{true, false, false, false, false};
-constexpr RecordNeeds kWithAlbedo{true, true, false, false, false};
+constexpr RecordNeeds kGeometry{.surface = true};
+constexpr RecordNeeds kWithAlbedo{.surface = true, .albedo = true};
 
 constexpr Layer Vector(ChannelType type, void (*fill)(const LayerSample&, float*)) {
   return {"XYZ", type, MergeRule::kSum, kGeometry, fill};

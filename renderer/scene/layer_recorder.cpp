@@ -11,11 +11,6 @@ namespace {
 
 constexpr size_t kComponentsMax = 4;
 
-RecordNeeds Union(const RecordNeeds& a, const RecordNeeds& b) {
-  return {a.surface || b.surface, a.albedo || b.albedo, a.lobes || b.lobes, a.shadow || b.shadow,
-          a.mirrored || b.mirrored};
-}
-
 // What the values of a channel are multiplied by.
 float FactorOf(const Layer& layer, float filter_weight) {
   if (layer.rule == MergeRule::kNearest) return 1;
@@ -24,8 +19,18 @@ float FactorOf(const Layer& layer, float filter_weight) {
     case ChannelType::kHitCount:
     case ChannelType::kHitSum:
     case ChannelType::kHitSquare: return 1;
-    default: return filter_weight;
+    case ChannelType::kColor:
+    case ChannelType::kWeight:
+    case ChannelType::kCount:
+    case ChannelType::kFloat:
+    case ChannelType::kDepth:
+    case ChannelType::kIds:
+    case ChannelType::kHitWeight:
+    case ChannelType::kHitFloat:
+    case ChannelType::kHitSlope:
+    case ChannelType::kDirection: break;
   }
+  return filter_weight;
 }
 
 void AddScattered(SampledSpectrum contribution, const FirstVertex& first, ScatteredLight& light) {
@@ -44,7 +49,7 @@ void AddScattered(SampledSpectrum contribution, const FirstVertex& first, Scatte
 }  // namespace
 
 LayerRecorder::LayerRecorder(const LayerScene& scene, const ChannelLayout& layout)
-    : SampleRecorder({false, false, false, false, false}), scene_(scene) {
+    : SampleRecorder(RecordNeeds{}), scene_(scene) {
   AddGroups(layout);
   for (const Kind<Layer>& kind : Layers().kinds()) AddOutput(kind, layout);
   if (scene.gbuffer == GbufferSpace::kNone) return;
@@ -63,7 +68,7 @@ void LayerRecorder::AddOutput(const Kind<Layer>& kind, const ChannelLayout& layo
   if (output.slots.empty()) return;
   TESSERA_CHECK(output.slots.size() == kind.reader.components.size());
   TESSERA_CHECK(output.slots.size() <= kComponentsMax);
-  needs_ = Union(needs_, kind.reader.needs);
+  needs_ = needs_ | kind.reader.needs;
   outputs_.push_back(std::move(output));
 }
 

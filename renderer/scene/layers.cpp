@@ -103,13 +103,13 @@ void FillLobe(const LayerSample& sample, float* values) {
 
 // ---- The table
 
-constexpr RecordNeeds kNothing{false, false, false, false, false};
-constexpr RecordNeeds kSurface{true, false, false, false, false};
-constexpr RecordNeeds kAlbedo{true, true, false, false, false};
-constexpr RecordNeeds kMirroredNormal{true, false, false, false, true};
-constexpr RecordNeeds kMirroredAlbedo{true, true, false, false, true};
-constexpr RecordNeeds kLobes{false, false, true, false, false};
-constexpr RecordNeeds kShadow{false, false, false, true, false};
+constexpr RecordNeeds kNothing{};
+constexpr RecordNeeds kSurface{.surface = true};
+constexpr RecordNeeds kAlbedo{.surface = true, .albedo = true};
+constexpr RecordNeeds kMirroredNormal{.surface = true, .mirrored = true};
+constexpr RecordNeeds kMirroredAlbedo{.surface = true, .albedo = true, .mirrored = true};
+constexpr RecordNeeds kLobes{.lobes = true};
+constexpr RecordNeeds kShadow{.shadow = true};
 
 // Light, as colours with the precision of the picture's own.
 constexpr Layer Light(void (*fill)(const LayerSample&, float*), const RecordNeeds& needs = kNothing) {

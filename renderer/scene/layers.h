@@ -20,7 +20,7 @@ struct Layer {
   std::string_view components;
   ChannelType type = ChannelType::kFloat;
   MergeRule rule = MergeRule::kSum;
-  RecordNeeds needs{false, false, false, false, false};
+  RecordNeeds needs;
   // Writes one value per channel, which are 0, or none; of a channel of ids the id that the sample sees. Null
   // if the film fills the layer by itself.
   void (*fill)(const LayerSample& sample, float* values) = nullptr;

@@ -3,10 +3,6 @@
 namespace tessera {
 namespace {
 
-bool HasShadowRays(const Estimator& estimator) {
-  return estimator.integrator.has_shadow_rays && estimator.techniques.sample_lights;
-}
-
 struct UnseenLight {
   const SourceLocation* location;
   std::string name;  // for messages
@@ -33,7 +29,7 @@ std::vector<UnseenLight> UnseenLights(const SceneDescription& scene,
 Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& scene,
                             const std::vector<EmittingShape>& emitters, const World& world,
                             Diagnostics& diagnostics) {
-  if (HasShadowRays(estimator)) return {};
+  if (estimator.HasShadowRays()) return {};
   if (world.links.any_passed() || world.links.any_without_shadows()) {
     diagnostics.Warn(scene.integrator.location,
                      "\"visible_shadow\" and \"cast_shadows\" have no effect: this integrator traces no "

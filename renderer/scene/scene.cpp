@@ -222,10 +222,7 @@ void SceneBuilder::WarnOfEmptyLayers(const std::set<std::string>& layers, const 
     scene_.diagnostics.Warn(
         scene_.film.location,
         "layer \"light_groups\" has all light in the group \"others\": no light has a group");
-  const IntegratorKind kind = integrator.integrator.kind;
-  const bool samples_lights = kind == IntegratorKind::kPath || kind == IntegratorKind::kVolPath ||
-                              (kind == IntegratorKind::kSimplePath && integrator.sample_lights);
-  if (layers.contains("shadow") && !samples_lights) {
+  if (layers.contains("shadow") && !data_->estimator.HasShadowRays()) {
     scene_.diagnostics.Warn(
         scene_.integrator.location,
         fmt::format("layer \"shadow\" is black: integrator \"{}\" does not sample lights", integrator.name));

@@ -24,6 +24,9 @@ class Record : public SampleRecorder {
     SampledSpectrum albedo;
   };
 
+  Record()
+      : SampleRecorder({.surface = true, .albedo = true, .lobes = true, .shadow = true, .mirrored = true}) {}
+
   void Add(SampledSpectrum contribution, const LightPath& path) override {
     parts.push_back({contribution, path});
   }
