@@ -1,5 +1,7 @@
 #include "renderer/camera/camera_directive.h"
 
+#include <fmt/format.h>
+
 namespace tessera {
 
 ScreenWindow ReadScreenWindow(const CameraDirective& directive) {
@@ -13,7 +15,9 @@ ScreenWindow ReadScreenWindow(const CameraDirective& directive) {
   if (given.size() == 4)
     window = {given[0], given[1], given[2], given[3]};
   else if (!given.empty())
-    reader.FailAt("screenwindow", "screenwindow takes 4 numbers: x0 x1 y0 y1");
+    directive.diagnostics.Warn(
+        reader.LocationOf("screenwindow"),
+        fmt::format("screenwindow is ignored: it has {} values, expected x0 x1 y0 y1", given.size()));
   if (window.x0 == window.x1 || window.y0 == window.y1) {
     reader.FailAt("screenwindow",
                   "screenwindow must not be empty: x0 and x1 as well as y0 and y1 must differ");

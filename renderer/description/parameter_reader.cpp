@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "renderer/description/diagnostics.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
@@ -149,15 +150,31 @@ Vec3 ParameterReader::Vector3Value(std::string_view name, Vec3 default_value) {
   return v ? Vec3{v[0], v[1], v[2]} : default_value;
 }
 
+std::string ParameterReader::OtherChoice(std::string_view name, const std::string& value,
+                                         std::span<const std::string_view> allowed) const {
+  std::string list;
+  for (const std::string_view a : allowed) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", a);
+  return fmt::format("\"string {}\" of {} is {}, expected one of {}{}", name, Subject(*entity_),
+                     Quoted(value), list, DidYouMean(value, allowed));
+}
+
 std::string ParameterReader::Choice(std::string_view name, std::string_view default_value,
                                     std::span<const std::string_view> allowed) {
   const std::optional<std::string> value = FindString(name);
   if (!value) return std::string(default_value);
   if (std::find(allowed.begin(), allowed.end(), *value) != allowed.end()) return *value;
-  std::string list;
-  for (const std::string_view a : allowed) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", a);
-  FailAt(name, fmt::format("\"string {}\" of {} is {}, expected one of {}{}", name, Subject(*entity_),
-                           Quoted(*value), list, DidYouMean(*value, allowed)));
+  FailAt(name, OtherChoice(name, *value, allowed));
+  return std::string(default_value);
+}
+
+std::string ParameterReader::ChoiceOrDefault(std::string_view name, std::string_view default_value,
+                                             std::span<const std::string_view> allowed,
+                                             Diagnostics& diagnostics) {
+  const std::optional<std::string> value = FindString(name);
+  if (!value) return std::string(default_value);
+  if (std::find(allowed.begin(), allowed.end(), *value) != allowed.end()) return *value;
+  diagnostics.Warn(LocationOf(name), fmt::format("{}; \"{}\" is used, as in pbrt",
+                                                 OtherChoice(name, *value, allowed), default_value));
   return std::string(default_value);
 }
 
@@ -167,6 +184,10 @@ std::optional<std::string> ParameterReader::FindTexture(std::string_view name) {
   if (p && p->type != "texture") {
     asked_.push_back({"texture", std::string(name)});
     return std::nullopt;
+  }
+  if (p) {
+    for (const std::string_view type : kTexturableTypes)  // which are now not used beside it
+      asked_.push_back({std::string(type), std::string(name)});
   }
   return FindStringOf("texture", name);
 }

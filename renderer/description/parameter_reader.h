@@ -15,6 +15,8 @@
 
 namespace tessera {
 
+class Diagnostics;
+
 // A parameter of type rgb, spectrum or blackbody, not yet a Spectrum (color/ makes it one).
 struct SpectrumValue {
   enum class Form { kRgb, kBlackbody, kSamples, kNamed };
@@ -56,6 +58,9 @@ class ParameterReader {
   // One of `allowed`; any other value is an error that lists them and suggests the nearest.
   std::string Choice(std::string_view name, std::string_view default_value,
                      std::span<const std::string_view> allowed);
+  // The same, but any other value is a warning, and gives the default.
+  std::string ChoiceOrDefault(std::string_view name, std::string_view default_value,
+                              std::span<const std::string_view> allowed, Diagnostics& diagnostics);
   // The texture that `texture name` refers to.
   std::optional<std::string> FindTexture(std::string_view name);
   // An rgb, spectrum or blackbody parameter.
@@ -91,6 +96,9 @@ class ParameterReader {
     std::string type, name;
   };
 
+  // The message for a value that is none of `allowed`.
+  std::string OtherChoice(std::string_view name, const std::string& value,
+                          std::span<const std::string_view> allowed) const;
   // The last parameter of this type and name, marked as read; written ones before defaults.
   const Parameter* Find(std::string_view type, std::string_view name);
   // The same for several types, not marked.

@@ -18,7 +18,8 @@ void ReadLightSampler(ParameterReader& reader, IntegratorChoice* choice, Diagnos
   const std::string name = reader.String("lightsampler", "bvh");
   const Kind<LightSamplerKind>* kind = LightSamplers().Find(name);
   if (kind == nullptr) {
-    reader.FailAt("lightsampler", LightSamplers().Refusal(name));
+    diagnostics.Warn(reader.LocationOf("lightsampler"),
+                     fmt::format("{}; \"bvh\" is used, as in pbrt", LightSamplers().Refusal(name)));
     return;
   }
   choice->light_sampler = kind->reader;

@@ -112,8 +112,10 @@ Result<void> TextureBuilder::Add(const SceneDescription& scene) {
 
 std::optional<FloatInput> TextureBuilder::FindFloat(ParameterReader& reader, std::string_view name) {
   const std::optional<std::string> texture = reader.FindTexture(name);
-  const std::optional<float> constant = reader.FindFloat(name);
-  if (!texture) return constant ? std::optional<FloatInput>({*constant, -1}) : std::nullopt;
+  if (!texture) {
+    const std::optional<float> constant = reader.FindFloat(name);
+    return constant ? std::optional<FloatInput>({*constant, -1}) : std::nullopt;
+  }
   if (const auto found = state_->floats.find(*texture); found != state_->floats.end()) return found->second;
   reader.FailAt(name, State::Unknown(*texture, state_->floats, "float", state_->spectra, "spectrum"));
   return FloatInput{};
@@ -126,8 +128,10 @@ FloatInput TextureBuilder::Float(ParameterReader& reader, std::string_view name,
 std::optional<SpectrumInput> TextureBuilder::FindSpectrum(ParameterReader& reader, std::string_view name,
                                                           SpectrumUse use) {
   const std::optional<std::string> texture = reader.FindTexture(name);
-  const std::optional<Spectrum> constant = FindSpectrumParameter(reader, name, use, files_);
-  if (!texture) return constant ? std::optional<SpectrumInput>({*constant, -1}) : std::nullopt;
+  if (!texture) {
+    const std::optional<Spectrum> constant = FindSpectrumParameter(reader, name, use, files_);
+    return constant ? std::optional<SpectrumInput>({*constant, -1}) : std::nullopt;
+  }
   const auto found = state_->spectra.find(*texture);
   if (found == state_->spectra.end()) {
     reader.FailAt(name, State::Unknown(*texture, state_->spectra, "spectrum", state_->floats, "float"));

@@ -69,8 +69,8 @@ typename Maker::Input Add(Maker& maker, const Node& node,
 }
 
 int Mapping2(TextureKindContext& context) {
-  return context.assembly.AddMapping(
-      ReadTextureMapping(context.reader, context.render_from_texture.Inverse()));
+  return context.assembly.AddMapping(ReadTextureMapping(context.reader, context.render_from_texture.Inverse(),
+                                                        context.builder.diagnostics()));
 }
 int Mapping3(TextureKindContext& context) {
   return context.assembly.AddMapping(SpaceMapping(context.render_from_texture.Inverse()));

@@ -71,10 +71,11 @@ TextureCoordinates2 TextureMapping::Map2(const TextureContext& context) const {
   return {Finite(c.st), Finite(c.dx), Finite(c.dy)};
 }
 
-TextureMapping ReadTextureMapping(ParameterReader& reader, const Transform& texture_from_render) {
+TextureMapping ReadTextureMapping(ParameterReader& reader, const Transform& texture_from_render,
+                                  Diagnostics& diagnostics) {
   TextureMapping m;
   m.texture_from_render = texture_from_render;
-  const std::string kind = reader.Choice("mapping", "uv", kMappingNames);
+  const std::string kind = reader.ChoiceOrDefault("mapping", "uv", kMappingNames, diagnostics);
   if (kind == "spherical") {
     m.kind = TextureMapping::Kind::kSpherical;
   } else if (kind == "cylindrical") {

@@ -6,6 +6,7 @@
 
 namespace tessera {
 
+class Diagnostics;
 class ParameterReader;
 
 // A point of a two-dimensional texture and its change per pixel of the image. Always finite.
@@ -34,7 +35,8 @@ struct TextureMapping {
 };
 
 // The parameters mapping, uscale, vscale, udelta, vdelta, v1 and v2.
-TextureMapping ReadTextureMapping(ParameterReader& reader, const Transform& texture_from_render);
+TextureMapping ReadTextureMapping(ParameterReader& reader, const Transform& texture_from_render,
+                                  Diagnostics& diagnostics);
 TextureMapping SpaceMapping(const Transform& texture_from_render);
 
 }  // namespace tessera

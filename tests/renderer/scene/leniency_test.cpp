@@ -80,6 +80,50 @@ TEST(Leniency, CropsOfAnotherNumberOfValuesAreIgnoredWithAWarning) {
               ElementsAre("a.pbrt:1:83: cropwindow is ignored: it has 2 values, expected x0 x1 y0 y1"));
 }
 
+TEST(Leniency, AScreenWindowOfAnotherNumberOfValuesIsIgnoredWithAWarning) {
+  std::string text = WithFilm("", kBall);
+  const Outcome plain = Render(text);
+  const Outcome outcome = Render(text.insert(text.find("\nSampler"), " \"float screenwindow\" [ -1 1 ]"));
+  EXPECT_EQ(outcome.values, plain.values);
+  EXPECT_THAT(outcome.warnings,
+              ElementsAre("a.pbrt:2:22: screenwindow is ignored: it has 2 values, expected x0 x1 y0 y1"));
+}
+
+TEST(Leniency, AnUnknownTextureMappingIsUvWithAWarning) {
+  const std::string texture = "Texture \"t\" \"spectrum\" \"checkerboard\" \"float uscale\" 4 ";
+  const std::string ball = "\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n" + kBall;
+  const Outcome plain = Render(WithFilm("", texture + ball));
+  const Outcome outcome = Render(WithFilm("", texture + "\"string mapping\" \"cubic\"" + ball));
+  EXPECT_EQ(outcome.values, plain.values);
+  EXPECT_THAT(
+      outcome.warnings,
+      ElementsAre("a.pbrt:7:56: \"string mapping\" of Texture \"checkerboard\" is \"cubic\", expected "
+                  "one of \"uv\", \"spherical\", \"cylindrical\", \"planar\"; \"uv\" is used, as in "
+                  "pbrt"));
+}
+
+TEST(Leniency, AnUnknownLightSamplerIsBvhWithAWarning) {
+  const std::string text = WithFilm("", kBall);
+  const Outcome outcome = Render("Integrator \"volpath\" \"string lightsampler\" \"powr\"\n" + text);
+  EXPECT_EQ(outcome.values, Render(text).values);
+  EXPECT_THAT(outcome.warnings,
+              ElementsAre("a.pbrt:1:22: unknown light sampler \"powr\" (did you mean \"power\"?); \"bvh\" is "
+                          "used, as in pbrt"));
+}
+
+TEST(Leniency, AConstantBesideATextureOfItsNameIsRefusedInAnyOrder) {
+  const std::string textures =
+      "Texture \"r\" \"float\" \"constant\" \"float value\" 0.3 "
+      "Texture \"s\" \"spectrum\" \"constant\" \"rgb value\" [ .1 .2 .3 ]\n";
+  const std::string constant = "\"float roughness\" 0.1 ", texture = "\"texture roughness\" \"r\" ";
+  const std::string color = "\"rgb reflectance\" [ 1 1 1 ] ", map = "\"texture reflectance\" \"s\" ";
+  for (const std::string& pair : {constant + texture, texture + constant, color + map, map + color}) {
+    EXPECT_THAT(ErrorOf(WithFilm("", textures + "Material \"coateddiffuse\" " + pair + kBall)),
+                testing::HasSubstr("of Material \"coateddiffuse\" is not used beside its other values"))
+        << pair;
+  }
+}
+
 TEST(Leniency, AnAttributeEndTooManyIsIgnoredWithAWarning) {
   const Outcome plain = Render(WithFilm("", kBall));
   const Outcome more =
