@@ -61,7 +61,7 @@ Result<bool> FrameFetcher::SavePreview(size_t index, int frame) {
 
 Result<void> FrameFetcher::Keep(const Result<std::string>& exr, int frame) {
   if (!exr) return exr.error();
-  auto saved = SavePicture(*exr, frame, names_, stop_);
+  auto saved = SavePicture(*exr, frame, names_, stop_, if_unsaved_);
   if (!saved) return saved.error();
   saved_.push_back(std::move(*saved));
   return {};

@@ -15,8 +15,13 @@ namespace tessera {
 class FrameFetcher {
  public:
   // `stop` as in WriteOutput.
-  FrameFetcher(CoordinatorClient& client, JobId job, PictureNames names, std::stop_token stop)
-      : client_(client), job_(job), names_(std::move(names)), stop_(std::move(stop)) {}
+  FrameFetcher(CoordinatorClient& client, JobId job, PictureNames names, std::stop_token stop,
+               IfUnsaved if_unsaved = IfUnsaved::kFail)
+      : client_(client),
+        job_(job),
+        names_(std::move(names)),
+        stop_(std::move(stop)),
+        if_unsaved_(if_unsaved) {}
 
   // Saves every picture that is finished and has not been saved yet.
   Result<void> SaveFinished();
@@ -35,6 +40,7 @@ class FrameFetcher {
   JobId job_;
   PictureNames names_;
   std::stop_token stop_;
+  IfUnsaved if_unsaved_;
   std::vector<bool> is_saved_;  // by index
   std::vector<SavedPicture> saved_;
 };

@@ -1,8 +1,14 @@
 #include "client/saved_picture.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "client/output/layer_files.h"
 #include "client/output/output_file.h"
@@ -10,9 +16,11 @@
 #include "client/output/picture_encoder.h"
 #include "client/output/picture_format.h"
 #include "proto/shell/console.h"
+#include "proto/shell/program.h"
 #include "renderer/denoise/denoise.h"
 #include "renderer/film/picture_file.h"
 #include "renderer/text/unicode.h"
+#include "renderer/util/file.h"
 
 namespace tessera {
 namespace {
@@ -58,10 +66,20 @@ void WarnIfNoisy(std::string_view exr, const std::string& path) {
       ShownPath(path), CleanText(failed->text, kReasonBytesMax));
 }
 
-}  // namespace
+// Returns where the OpenEXR file is, in a new folder for temporary files.
+Result<std::string> Rescue(std::string_view exr, const std::string& path) {
+  const std::string set = Environment("TMPDIR");
+  std::string folder = (set.empty() ? "/tmp" : set) + "/tessera-rescued-XXXXXX";
+  if (::mkdtemp(folder.data()) == nullptr) return SystemError(folder, "cannot be created");
+  const std::string rescued = folder + "/" + std::filesystem::path(path).stem().string() + ".exr";
+  if (auto written = WriteFileAtomically(rescued, exr); !written) {
+    ::rmdir(folder.c_str());
+    return written.error();
+  }
+  return rescued;
+}
 
-Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureNames& names,
-                                 std::stop_token stop) {
+Result<SavedPicture> Save(std::string_view exr, int frame, const PictureNames& names, std::stop_token stop) {
   const std::string path = names.Picture(frame), png = names.Png(frame);
   const auto format = PictureFormatOf(path);
   if (!format) return format.error();
@@ -88,6 +106,21 @@ Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureN
     if (auto written = WriteOutput(png, *copy, stop, names.existing()); !written) return written.error();
   }
   return SavedPicture{frame, path, Sha256(bytes)};
+}
+
+}  // namespace
+
+Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureNames& names,
+                                 std::stop_token stop, IfUnsaved if_unsaved) {
+  auto saved = Save(exr, frame, names, std::move(stop));
+  const std::string path = names.Picture(frame);
+  if (saved || if_unsaved == IfUnsaved::kFail || saved.error().kind != ErrorKind::kFailed ||
+      IsStandardOutput(path))
+    return saved;
+  const auto rescued = Rescue(exr, path);
+  return Failed(saved.error().message +
+                (rescued ? fmt::format("; the picture is kept as {}", ShownPath(*rescued))
+                         : fmt::format("; nor can it be kept elsewhere: {}", rescued.error().message)));
 }
 
 std::string PicturesJson(const std::vector<SavedPicture>& pictures, bool is_sequence, double seconds) {

@@ -18,11 +18,17 @@ struct SavedPicture {
   Digest digest;  // of the file's bytes
 };
 
+// What becomes of a picture that cannot be written.
+enum class IfUnsaved {
+  kFail,    // it can be fetched again
+  kRescue,  // it exists nowhere else: its OpenEXR file is kept in a folder of $TMPDIR, which the error names
+};
+
 // Writes the bytes of an OpenEXR file, or what they hold in the format that the picture's name asks for, and
 // a PNG if `names` asks for one. Whether the picture was rendered here or fetched from a farm, all files are
 // made of the same bytes. `stop` as in WriteOutput.
 Result<SavedPicture> SavePicture(std::string_view exr, int frame, const PictureNames& names,
-                                 std::stop_token stop);
+                                 std::stop_token stop, IfUnsaved if_unsaved = IfUnsaved::kFail);
 
 // {"output": ..., "sha256": ..., "seconds": ...}, or for a sequence {"frames": [{"frame": ..., "output": ...,
 // ...}], ...}.

@@ -1,7 +1,6 @@
 // A private folder that is removed with everything in it.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <utility>
 
@@ -11,19 +10,19 @@ namespace tessera {
 
 class TemporaryFolder {
  public:
-  // Creates it in $TMPDIR or /tmp, accessible to this user only.
+  // Creates it in $TMPDIR or /tmp, accessible to this user only. Removes those there whose processes were
+  // killed.
   static Result<TemporaryFolder> Make();
-  TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  TemporaryFolder(TemporaryFolder&& other) noexcept
+      : path_(std::exchange(other.path_, {})), lock_(std::exchange(other.lock_, -1)) {}
   TemporaryFolder& operator=(TemporaryFolder&&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
+  ~TemporaryFolder();
   const std::string& path() const { return path_; }
 
  private:
-  explicit TemporaryFolder(std::string path) : path_(std::move(path)) {}
+  TemporaryFolder(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
   std::string path_;
+  int lock_;  // the folder itself, locked while it is used
 };
 
 }  // namespace tessera

@@ -183,7 +183,7 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
     const auto encoded = EncodeFinished(spec, std::move(picture).value(), size.workers * size.threads, stop);
     if (!encoded) return encoded.error();
     for (const auto& handoff : handoffs) handoff->Finish(frame.number, encoded->exr);
-    auto picture_saved = SavePicture(encoded->exr, frame.number, names, stop);
+    auto picture_saved = SavePicture(encoded->exr, frame.number, names, stop, IfUnsaved::kRescue);
     if (!picture_saved) return picture_saved.error();
     saved.push_back(std::move(*picture_saved));
   }
@@ -228,7 +228,9 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
   const auto viewed = AddViews(views, options.live, TitleOf(options),
                                [&] { return std::make_unique<FarmPictures>(*endpoint, *id); });
   if (!viewed) return viewed.error();
-  FrameFetcher fetcher(**client, *id, names, cancellation.token());
+  // Without --resume, the farm ends with this command, and its pictures with it.
+  FrameFetcher fetcher(**client, *id, names, cancellation.token(),
+                       kept != nullptr ? IfUnsaved::kFail : IfUnsaved::kRescue);
   uint32_t finished = 0;
   const auto status = WatchWithProgress(**client, *id, [&](const JobStatus& now) {
     if (now.frames_finished == finished || cancellation.cancelled()) return;

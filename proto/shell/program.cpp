@@ -1,12 +1,15 @@
 #include "proto/shell/program.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <system_error>
 
@@ -40,6 +43,29 @@ Result<void> CheckSystemLimits() {
   return CheckThreads(kThreadsMin + 2 * UsableCores());
 }
 
+// Takes the numbers of standard streams that the caller has closed: a file that is opened later would get
+// what is printed. Writing to them fails, as it would without.
+void OccupyStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    const int flags = stream == STDIN_FILENO ? O_WRONLY : O_RDONLY;
+    if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF) ::open("/dev/null", flags);
+  }
+}
+
+// `reason`: a number of errno, or 0.
+Error CannotPrint(int reason) {
+  return Failed(fmt::format("the standard output: cannot be written{}{}", reason != 0 ? ": " : "",
+                            reason != 0 ? std::strerror(reason) : ""));
+}
+
+// Writes what is still buffered of the standard output. A reader that went away has what it wanted.
+Result<void> FinishOutput() {
+  errno = 0;
+  const bool is_written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (is_written || errno == EPIPE) return {};
+  return CannotPrint(errno);
+}
+
 }  // namespace
 
 void ReportUncaughtExceptions(const std::string& name) {
@@ -69,6 +95,8 @@ int RunProgram(const std::string& name, int argc, char** argv, const ProgramBody
   ReportUncaughtExceptions(name);
   // A reader of our output that goes away is a write error and does not end the program.
   ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_IGN);  // the same of a file that would exceed a limit (ulimit -f)
+  OccupyStandardStreams();
   std::stop_source termination;
   try {
     if (const auto sufficient = CheckSystemLimits(); !sufficient) return Report(name, sufficient.error());
@@ -77,10 +105,13 @@ int RunProgram(const std::string& name, int argc, char** argv, const ProgramBody
       termination.request_stop();
     });
     const auto code = body({argv + 1, argv + argc}, termination.get_token());
-    return code ? *code : Report(name, code.error());
+    if (!code) return Report(name, code.error());
+    if (const auto written = FinishOutput(); !written && *code == 0) return Report(name, written.error());
+    return *code;
   } catch (const std::system_error& e) {
     // A library that could not start a thread (std::thread).
     if (e.code() == std::errc::resource_unavailable_try_again) return Report(name, CannotStartThread(e));
+    if (std::ferror(stdout) != 0) return Report(name, CannotPrint(e.code().value()));  // of fmt::print
     return Report(name, Failed(e.what()));
   } catch (const std::exception& e) {
     return Report(name, Failed(e.what()));

@@ -54,6 +54,43 @@ TEST_F(FullDisk, RelightKeepsThePictureThatItWouldReplace) {
   EXPECT_FALSE(Bytes("small/mixed.exr") == before);
 }
 
+TEST_F(FullDisk, ARenderedPictureThatCannotBeWrittenIsKeptElsewhere) {
+  const SmallDisk disk(Path("small"));
+  if (!disk.is_mounted()) GTEST_SKIP() << "no permission to mount a file system";
+  disk.Fill();
+  const std::string oracle = Oracle(LitScene(), {});
+  std::filesystem::create_directory(Path("temporary"));
+  for (const std::string mode : {"--in-process", "--workers 1"}) {
+    const Outcome outcome = RunShell(folder(), "TMPDIR=" + Path("temporary") + " $tessera render " +
+                                                   LitScene() + " -o small/p.exr " + mode);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.errors,
+                AllOf(HasSubstr("small/p.exr: cannot be written: No space left"),
+                      HasSubstr("; the picture is kept as " + Path("temporary/tessera-rescued-"))));
+    const std::set<std::string> kept = FilesIn("temporary");
+    ASSERT_EQ(kept.size(), 1u) << mode;
+    EXPECT_TRUE(Bytes("temporary/" + *kept.begin() + "/p.exr") == oracle) << mode;
+    std::filesystem::remove_all(Path("temporary/" + *kept.begin()));
+  }
+}
+
+TEST_F(FullDisk, AnAnswerThatCannotBeWrittenIsAnError) {
+  for (const std::string command : {"kinds --json >/dev/full", "--version >/dev/full", "--version >&-"}) {
+    const Outcome outcome = RunShell(folder(), "$tessera " + command);
+    EXPECT_EQ(outcome.code, 1) << command;
+    EXPECT_THAT(outcome.errors, HasSubstr("the standard output: cannot be written")) << command;
+  }
+  EXPECT_EQ(RunShell(folder(), "$tessera kinds | head -n 1 >/dev/null; exit ${PIPESTATUS[0]}").code, 0);
+}
+
+TEST_F(FullDisk, AFileBeyondTheLimitOfSizesIsAnError) {
+  const Outcome outcome =
+      RunShell(folder(), "ulimit -f 1; $tessera render " + LitScene() + " --in-process -o p.exr");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.errors, HasSubstr("p.exr: cannot be written: File too large"));
+  EXPECT_FALSE(std::filesystem::exists(Path("p.exr")));
+}
+
 TEST_F(FullDisk, FilesOfSingleLayersAreReplacedByWholeOnesOnly) {
   const SmallDisk disk(Path("small"));
   if (!disk.is_mounted()) GTEST_SKIP() << "no permission to mount a file system";
