@@ -59,7 +59,7 @@ Result<std::string> ProbeDigest(const WorkerOptions& options) {
   return std::string(digest->bytes.begin(), digest->bytes.end());
 }
 
-Result<WorkerState> Introduce(const WorkerOptions& options) {
+Result<WorkerState> DescribeSelf(const WorkerOptions& options) {
   WorkerState self;
   self.worker = WorkerId{RandomId()};
   self.name = options.name;
@@ -114,7 +114,7 @@ Result<std::unique_ptr<Worker>> Worker::Make(const WorkerOptions& options, const
                                              BlobStore cache) {
   if (auto can_start = CheckThreads(options.threads + UsableCores() + kThreadsOfWorker); !can_start)
     return can_start.error();
-  auto self = Introduce(options);
+  auto self = DescribeSelf(options);
   if (!self) return self.error();
   return std::unique_ptr<Worker>(new Worker(options, coordinator, std::move(*self), std::move(cache)));
 }

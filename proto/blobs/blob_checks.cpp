@@ -6,7 +6,7 @@
 namespace tessera {
 namespace {
 
-// Beyond these everything is forgotten and found out again. Far above what a farm uses at the same time.
+// Beyond these all entries are dropped and determined again. Far above what a farm uses at the same time.
 constexpr size_t kKnownMax = 1'000'000;
 constexpr size_t kUnfinishedMax = 1024;
 

@@ -1,5 +1,5 @@
-// An open folder. Its files are reached through it, not by its name: whoever may rename it or put a link in
-// its place leads nobody elsewhere. Thread safe.
+// An open folder. Its files are reached through its descriptor, not by its name, so that renaming it or
+// putting a link in its place has no effect. Thread safe.
 #pragma once
 
 #include <memory>

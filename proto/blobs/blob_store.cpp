@@ -121,7 +121,7 @@ uint64_t BlobStore::bytes() const {
   return room_->bytes();
 }
 
-// Two levels, so that no folder gets long.
+// Two levels, so that no folder holds too many files.
 std::string BlobStore::Folder(const Digest& digest) const {
   return folder_->location() + "/" + digest.Hex().substr(0, 2);
 }

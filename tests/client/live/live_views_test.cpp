@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <thread>
 
 #include "client/live/local_pictures.h"
 #include "tests/client/live/live_pictures.h"
@@ -13,18 +17,35 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-// A source whose pictures are of frame 1, 2 and so on, and which fails while `fails` is true.
+// Returns whether the condition holds within a minute.
+bool Eventually(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + seconds(60);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  return true;
+}
+
+// What a source is told, and how often it was asked.
+struct Asking {
+  std::atomic<bool> fails = false;
+  std::atomic<int> asked = 0;
+};
+
+// A source whose pictures are of frame 1, 2 and so on, and which fails while it is told to.
 class Counting : public PictureSource {
  public:
-  explicit Counting(std::shared_ptr<std::atomic<bool>> fails = std::make_shared<std::atomic<bool>>(false))
-      : fails_(std::move(fails)) {}
+  explicit Counting(std::shared_ptr<Asking> asking = std::make_shared<Asking>())
+      : asking_(std::move(asking)) {}
   Result<std::optional<LivePicture>> Next(const std::stop_token&) override {
-    if (*fails_) return Failed("the source fails");
+    ++asking_->asked;
+    if (asking_->fails) return Failed("the source fails");
     return std::optional(LivePicture{++count_, PictureOf(2, 2, 1)});
   }
 
  private:
-  std::shared_ptr<std::atomic<bool>> fails_;
+  std::shared_ptr<Asking> asking_;
   int count_ = 0;
 };
 
@@ -61,7 +82,7 @@ TEST(LiveViews, AViewThatHangsIsStoppedWhenPatienceEnds) {
   auto last = std::make_shared<std::atomic<int>>(0);
   LiveViews views({});
   ASSERT_TRUE(views.Add(std::make_unique<Counting>(), std::make_unique<Recording>(last, true)));
-  while (*last == 0) std::this_thread::sleep_for(milliseconds(5));
+  ASSERT_TRUE(Eventually([&] { return *last > 0; }));
   views.Finish(milliseconds(50));  // returns
   EXPECT_EQ(*last, 1);
 }
@@ -72,21 +93,22 @@ TEST(LiveViews, AStopEndsThemWithoutTheLastPicture) {
   {
     LiveViews views(stop.get_token());
     ASSERT_TRUE(views.Add(std::make_unique<Counting>(), std::make_unique<Recording>(last, true)));
-    while (*last == 0) std::this_thread::sleep_for(milliseconds(5));
+    EXPECT_TRUE(Eventually([&] { return *last > 0; }));
     stop.request_stop();
   }
   EXPECT_EQ(*last, 1);
 }
 
 TEST(LiveViews, ASourceThatFailsIsAskedAgain) {
-  auto fails = std::make_shared<std::atomic<bool>>(true);
+  auto asking = std::make_shared<Asking>();
+  asking->fails = true;
   auto last = std::make_shared<std::atomic<int>>(0);
   LiveViews views({});
-  ASSERT_TRUE(views.Add(std::make_unique<Counting>(fails), std::make_unique<Recording>(last, false)));
-  std::this_thread::sleep_for(milliseconds(600));
+  ASSERT_TRUE(views.Add(std::make_unique<Counting>(asking), std::make_unique<Recording>(last, false)));
+  EXPECT_TRUE(Eventually([&] { return asking->asked >= 2; }));
   EXPECT_EQ(*last, 0);
-  *fails = false;
-  while (*last == 0) std::this_thread::sleep_for(milliseconds(5));
+  asking->fails = false;
+  EXPECT_TRUE(Eventually([&] { return *last > 0; }));
 }
 
 FrameSpec DeskFrame() {
