@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
@@ -210,6 +211,13 @@ Result<void> RecordLog::Sync() {
   // Always from the synced end: what a failed attempt left there is written over.
   if (!WriteAt(file_, pieces, synced_)) return SystemError(path_, "cannot be written");
   if (::fdatasync(file_) != 0) return SystemError(path_, "cannot be synced");
+  struct stat status {};
+  if (::fstat(file_, &status) == 0 && status.st_nlink == 0) {
+    return Failed(
+        fmt::format("{}: was removed while it is in use; stop tessera-coordinator, put the data "
+                    "directory back and start it again",
+                    path_));
+  }
   synced_ += pending_bytes_;
   pending_bytes_ = 0;
   pending_.clear();

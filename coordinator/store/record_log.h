@@ -58,7 +58,7 @@ class RecordLog {
   // Keeps a record in memory until Sync. Its payload is `head`, then the bytes of `body`.
   void Append(std::string_view head, SharedSums body = {});
   // If this succeeds, all records appended so far are on stable storage. If it fails, they stay in memory and
-  // it may be called again.
+  // it may be called again. A file that somebody has removed is a failure.
   Result<void> Sync();
   bool has_pending() const { return !pending_.empty(); }
   // Closes the file until the next Sync that has something to write.

@@ -51,6 +51,18 @@ TEST(FileJournal, GivesBackWhatWasSyncedInOrder) {
   EXPECT_THAT(*stage.Reopen(), ElementsAre(1, 2, 3, 4));
 }
 
+TEST(FileJournal, NothingIsAcknowledgedIntoAFileThatWasRemoved) {
+  JournalStage stage;
+  stage.WriteThree();
+  const std::string away = stage.path + ".away";
+  std::filesystem::rename(stage.path, away);
+  std::filesystem::remove(away);
+  stage.journal->Append(CoordinatorStarted{4});
+  const auto synced = stage.journal->Sync();
+  ASSERT_FALSE(synced);
+  EXPECT_THAT(synced.error().message, HasSubstr("/journal: was removed while it is in use"));
+}
+
 TEST(FileJournal, WhatWasNotSyncedIsNotThere) {
   JournalStage stage;
   stage.WriteThree();
