@@ -133,7 +133,13 @@ void AddRepeatedWord(CLI::App& app, const std::string& name, const std::string& 
 
 void AddText(CLI::App& app, const std::string& name, const std::string& type, const std::string& help,
              std::string& target, Presence presence) {
-  app.add_option(name, target, help)->type_name(type)->required(presence == Presence::kRequired);
+  const auto set = [name, &target](const std::string& word) -> Result<void> {
+    // Most often a variable of the shell that is not set.
+    if (word.empty()) return BadInput(fmt::format("{}: the value is empty", name));
+    target = word;
+    return {};
+  };
+  AddWord(app, name, type, help, set, presence);
 }
 
 void AddInteger(CLI::App& app, const std::string& name, const std::string& help, int min, int max,

@@ -36,7 +36,7 @@ void AddWord(CLI::App& app, const std::string& name, const std::string& type, co
 // A flag that may be given up to `count_max` times, with one word each.
 void AddRepeatedWord(CLI::App& app, const std::string& name, const std::string& type, const std::string& help,
                      int count_max, WordSetter set, Presence presence = Presence::kOptional);
-// A word that is taken as it is.
+// A word that is taken as it is, but may not be empty.
 void AddText(CLI::App& app, const std::string& name, const std::string& type, const std::string& help,
              std::string& target, Presence presence = Presence::kOptional);
 // A whole number.

@@ -20,6 +20,7 @@ struct Values {
   uint64_t size = uint64_t{20} << 30;
   std::string level = kLogLevelDefault;
   std::vector<std::string> tags;
+  std::string name;
   bool quiet = false;
 };
 
@@ -30,6 +31,7 @@ void AddAll(CLI::App& app, Values& values) {
     values.tags.push_back(word);
     return {};
   });
+  AddText(app, "-o,--output", "FILE", "Name", values.name);
   AddSwitch(app, "--quiet", "Quiet", values.quiet);
   AddLogLevel(app, values.level);
 }
@@ -43,12 +45,13 @@ Result<std::string> Parse(Values& values, std::vector<std::string> arguments) {
 TEST(Flags, SetTheirTargets) {
   Values values;
   const auto parsed = Parse(values, {"--threads", "3", "--old-name=1M", "--tag", "a", "--tag", "b", "--quiet",
-                                     "--log-level", "debug"});
+                                     "--log-level", "debug", "-o", "a.exr"});
   ASSERT_TRUE(parsed) << parsed.error().message;
   EXPECT_EQ(*parsed, "");
   EXPECT_EQ(values.threads, 3);
   EXPECT_EQ(values.size, uint64_t{1} << 20);
   EXPECT_EQ(values.tags, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(values.name, "a.exr");
   EXPECT_TRUE(values.quiet);
   EXPECT_EQ(values.level, "debug");
 }
@@ -64,6 +67,8 @@ TEST(Flags, BadUsageIsRefusedWithWhatWasExpected) {
       {{"--log-level", "inof"},
        "--log-level: \"inof\" is not one of debug, info, warning, error (did you mean"},
       {{"--threads"}, "--threads"},
+      {{"-o", ""}, "-o,--output: the value is empty"},
+      {{"--output="}, "--output"},
   };
   for (const auto& [arguments, message] : table) {
     Values values;
