@@ -81,7 +81,7 @@ Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(const LocalWorkers& workers,
   auto coordinator = ChildProcess::Start(
       *programs + "/tessera-coordinator",
       {"--listen", "unix:" + socket, "--data-dir", (kept.empty() ? folder->path() : kept) + "/coordinator",
-       "--keep-sums", "0", "--attempts-max", std::to_string(std::min(workers.count, kAttemptsMax))},
+       "--sums-size", "0", "--attempts-max", std::to_string(std::min(workers.count, kAttemptsMax))},
       folder->path() + "/coordinator.log");
   if (!coordinator) return coordinator.error();
   std::unique_ptr<LocalFarm> farm(

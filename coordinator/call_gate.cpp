@@ -90,7 +90,7 @@ grpc::Status CallGate::IdentifyOfOrganisation(const Subject& subject, std::strin
   caller.role = subject.role;
   if (certificate->NotAfter() <= now) {
     return {grpc::StatusCode::UNAUTHENTICATED,
-            fmt::format("the certificate of {} expired on {}; get a new one of the organisation",
+            fmt::format("the certificate of {} expired on {}; get a new one from the organisation",
                         caller.Text(), UnixTimeText(certificate->NotAfter()))};
   }
   const MemberStatus member{subject.id, *subject.role, subject.name, now, certificate->NotAfter(), {}, false};

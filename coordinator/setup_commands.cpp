@@ -62,7 +62,7 @@ struct TokenOptions {
 
 void AddTokenFlags(CLI::App& app, TokenOptions& options) {
   AddWord(
-      app, "--role", "ROLE", "What the token makes of its holder: worker, user, viewer or operator",
+      app, "--role", "ROLE", "Role of the member that joins with the token: worker, user, viewer or operator",
       [&options](const std::string& word) -> Result<void> {
         const auto role = FindRole(word);
         if (!role) return BadInput(fmt::format("--role {}: expected worker, user, viewer or operator", word));
@@ -78,7 +78,7 @@ void AddTokenFlags(CLI::App& app, TokenOptions& options) {
             options.lifetime = *lifetime;
             return {};
           });
-  AddInteger(app, "--uses", WithDefault("How many may join with the token", "1"), 1,
+  AddInteger(app, "--uses", WithDefault("Number of members that may join", "1"), 1,
              static_cast<int>(kTokenUsesMax), options.uses);
   AddText(app, "--address", "HOST:PORT",
           WithDefault("Address under which the holder reaches the coordinator", "chosen by the coordinator"),

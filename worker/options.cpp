@@ -86,7 +86,7 @@ void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
   AddWord(
       app, "--scene-memory", "SIZE",
       WithDefault("Memory that loading one scene may take; a scene that needs more fails",
-                  "half of that of the machine or its control group"),
+                  "half of the memory of the machine or its control group"),
       [&options](const std::string& word) { return SetSceneMemory(options.load_limits.memory_bytes, word); });
   AddWord(app, "--load-timeout", "SECONDS",
           WithDefault("Time that loading one scene may take; a scene that needs more fails",

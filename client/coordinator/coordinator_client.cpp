@@ -137,7 +137,7 @@ class WatchedJob {
 };
 
 std::string WhyNotConnected(const Reachability& found) {
-  return found.speaks_http2 ? "it accepts connections only now and then" : found.reason;
+  return found.speaks_http2 ? "it accepts connections intermittently" : found.reason;
 }
 
 Result<void> WaitForCoordinator(grpc::Channel& channel, const Endpoint& endpoint,

@@ -162,8 +162,7 @@ std::optional<Result<JobId>> Farm::FindOrRefuse(uint64_t submission, const JobOw
                                                 uint64_t bytes) const {
   if (const Job* const known = state_.jobs.FindSubmission(submission)) {
     if (known->owner.member == owner.member) return known->id;
-    return BadInput(
-        "the number of this submission is that of a job of another owner; submit the scene again");
+    return BadInput("another owner's job already has this submission number; submit the scene again");
   }
   if (state_.jobs.open().size() >= kOpenJobsMax)
     return Failed(fmt::format(
@@ -178,7 +177,7 @@ Result<JobId> Farm::Order(Instant now, std::shared_ptr<const JobOrder> order, co
     return *known;
   if (!preparations_.HasPlace(owner))
     return Failed(
-        fmt::format("{} jobs of yours wait to be prepared, which is the limit; wait for one of them",
+        fmt::format("you already have {} jobs waiting to be prepared (the limit); wait for one of them",
                     kOrdersPerOwnerMax));
   Job& job = state_.jobs.Add(state_.jobs.next_id(), order);
   job.owner = owner;

@@ -54,7 +54,7 @@ Result<void> JobExtension::Check(const Job& job, uint32_t samples_per_pixel) con
   for (const auto& [frame, file] : job.results.files) {
     if (state_.kept_sums.Has({job.id, frame})) continue;
     return refuse(fmt::format(
-        "the sums of frame {} are no longer kept (tessera-coordinator --keep-sums); submit the scene "
+        "the sums of frame {} are no longer kept (tessera-coordinator --sums-size); submit the scene "
         "again with --spp {}",
         frame, samples_per_pixel));
   }

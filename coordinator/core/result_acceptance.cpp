@@ -166,9 +166,9 @@ void ResultAcceptance::NoteSuspects() {
       state_.output.facts.emplace_back(CountsOf(state_.jobs.At(id)));
       state_.output.log.push_back(fmt::format("results_suspect job={} worker={:016x} units={}", Number(id),
                                               Number(worker), merged.mapped()));
-      state_.Tell(
-          MessageLevel::kWarning, id,
-          fmt::format("{} units in the picture are of a worker that was found wrong", merged.mapped()));
+      state_.Tell(MessageLevel::kWarning, id,
+                  fmt::format("{} units in the picture came from a worker whose results later proved wrong",
+                              merged.mapped()));
     }
   }
 }

@@ -29,7 +29,7 @@ std::string EncodeMessage(const StoredMessage& message) {
 Result<StoredMessage> DecodeMessage(std::string_view bytes) {
   ByteReader reader(bytes);
   auto record = reader.ReadRecord(kMessageVersion);
-  if (!record || !reader.at_end()) return Failed("a message has another form");
+  if (!record || !reader.at_end()) return Failed("a message record cannot be decoded");
   StoredMessage message;
   message.job = JobId{record->body.Read64()};
   message.submission = record->body.Read64();
@@ -38,7 +38,7 @@ Result<StoredMessage> DecodeMessage(std::string_view bytes) {
   const uint32_t level = record->body.Read32();
   message.entry.text = record->body.ReadText();
   if (!record->IsReadBy(kMessageVersion) || level > static_cast<uint32_t>(kMessageLevelLast))
-    return Failed("a message has another form");
+    return Failed("a message record cannot be decoded");
   message.entry.level = static_cast<MessageLevel>(level);
   return message;
 }
@@ -52,7 +52,7 @@ Result<MessageFile> MessageFile::Open(const std::string& path,
     visit(std::move(*message));
     return {};
   };
-  auto log = RecordLog::Open(path, kMessageFormat, read, "it is begun anew");
+  auto log = RecordLog::Open(path, kMessageFormat, read, "a new file is started");
   if (!log) return log.error();
   return MessageFile(std::move(*log));
 }

@@ -159,9 +159,9 @@ grpc::Status CheckFarm(const grpc::ServerContextBase& context, FarmId farm) {
   const auto meant = metadata.find(kFarmKey);
   if (meant == metadata.end() || std::string_view(meant->second.data(), meant->second.size()) == farm.Hex())
     return grpc::Status::OK;
-  return {
-      grpc::StatusCode::FAILED_PRECONDITION,
-      fmt::format("another farm ({}) answers at this address now, and its jobs are other jobs", farm.Hex())};
+  return {grpc::StatusCode::FAILED_PRECONDITION,
+          fmt::format("this address now belongs to another farm ({}), whose job numbers mean other jobs",
+                      farm.Hex())};
 }
 
 grpc::Status ToStatus(const Error& error) {

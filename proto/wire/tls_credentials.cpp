@@ -70,7 +70,7 @@ std::shared_ptr<grpc::ChannelCredentials> ClientCredentials(
 
 Result<void> AdmitIfGood(const ServerVerdict& verdict) {
   if (verdict.IsGood()) return {};
-  return Failed("the server is not the coordinator that is wanted");
+  return Failed("the server is not the expected coordinator");
 }
 
 Result<void> AdmitCoordinator(const std::vector<Certificate>& chain, std::string_view authority_pem) {

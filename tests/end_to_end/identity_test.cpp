@@ -109,7 +109,8 @@ TEST_F(Identity, CommandsThatFollowAJobEndWhenAnotherFarmAnswersAtItsAddress) {
   ASSERT_EQ(Submit(Green(), {"--spp", "64"}), "1");
   for (Process* const each : {&submitting, &watching}) {
     EXPECT_EQ(each->Wait(), 1);
-    EXPECT_THAT(each->Errors(), testing::HasSubstr("cannot watch job 1: another farm ("));
+    EXPECT_THAT(each->Errors(),
+                testing::HasSubstr("cannot watch job 1: this address now belongs to another farm ("));
   }
   EXPECT_EQ(watching.Output(), "") << "no status of the other farm's job";
   EXPECT_EQ(Ask({"watch", "1"}).code, 0) << "who connects now follows the other farm's job";

@@ -146,7 +146,7 @@ TEST(FarmExtend, TheOldestSumsAreDroppedBeyondTheLimitOfBytes) {
     process.Finish(jobs.back(), 8);
   }
   EXPECT_EQ(disk.base.size(), 1u);
-  EXPECT_THAT(process.farm.Extend(process.now, jobs[0], 16).error().message, HasSubstr("--keep-sums"));
+  EXPECT_THAT(process.farm.Extend(process.now, jobs[0], 16).error().message, HasSubstr("--sums-size"));
   EXPECT_TRUE(process.farm.Extend(process.now, jobs[1], 16));
   Disk copy = disk;
   Process after(copy, kOneFrame);
