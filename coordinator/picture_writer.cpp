@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "coordinator/core/preview_limit.h"
 #include "coordinator/guarded.h"
 #include "renderer/denoise/finished_picture.h"
 #include "renderer/film/picture_file.h"

@@ -23,11 +23,8 @@ struct WrittenPicture {
   std::string denoise_failed;  // why it is noisy although its frame is to be denoised; or empty
 };
 
-// The bytes of an EXR file of a frame that is not finished. More than kPreviewValuesMax values are reduced to
-// every second, third, ... pixel, so that a preview takes a bounded amount of memory.
+// The bytes of an EXR file of a frame that is not finished, of at most kPreviewValuesMax values.
 Result<std::string> EncodePreview(const FinishedPicture& picture);
-// 3840 x 2160 pixels in colour.
-constexpr int64_t kPreviewValuesMax = 25'000'000;
 
 // Of denoised pictures that could not be written, which are not denoised again: some of 1920 x 1080 pixels.
 constexpr uint64_t kRefusedBytesMax = uint64_t{256} << 20;

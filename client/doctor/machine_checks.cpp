@@ -5,6 +5,7 @@
 #include <sys/timex.h>
 
 #include "proto/probe.h"
+#include "proto/shell/program.h"
 #include "proto/terms.h"
 #include "renderer/scene/probe.h"
 #include "renderer/util/cores.h"
@@ -13,9 +14,8 @@
 namespace tessera {
 namespace {
 
-// What programs need for some connections and scene files, and what a coordinator of some hundred workers
-// needs.
-constexpr rlim_t kDescriptorsMin = 64, kDescriptorsForFarm = 1024;
+// What a coordinator of some hundred workers needs.
+constexpr rlim_t kDescriptorsForFarm = 1024;
 // Of a worker or coordinator besides one for each processor: gRPC's and their own.
 constexpr int kThreads = 40;
 

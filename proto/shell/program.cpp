@@ -27,9 +27,6 @@ namespace {
 // could not start one.
 constexpr int kThreadsMin = 28;
 
-// gRPC ends the process if it finds no descriptor when it starts.
-constexpr rlim_t kDescriptorsMin = 64;
-
 // What is printed of an error: two of the longest paths and their reasons.
 constexpr size_t kErrorBytesMax = 16 << 10;
 

@@ -2,6 +2,7 @@
 // 8).
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <stop_token>
 #include <string>
@@ -10,6 +11,9 @@
 #include "renderer/util/result.h"
 
 namespace tessera {
+
+// Open files that every program needs: gRPC ends the process if it finds no descriptor when it starts.
+constexpr uint64_t kDescriptorsMin = 64;
 
 // What a program does with its arguments (without the program's name). A stop of the token means that the
 // user or the system wants the program to end. Returns the exit code or the error that ended the program.

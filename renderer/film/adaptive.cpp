@@ -9,8 +9,7 @@
 namespace tessera {
 namespace {
 
-constexpr double kSquaredMeanFloor = 0.01;  // added to the square of a mean, as relMSE has it
-constexpr double kTileShare = 0.25;         // of the tile's mean in what a pixel is judged by
+constexpr double kTileShare = 0.25;  // of the tile's mean in what a pixel is judged by
 
 double Mean(double sum, double weight) {
   return weight != 0 ? sum / weight : 0;

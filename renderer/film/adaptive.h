@@ -38,6 +38,9 @@ namespace tessera {
 
 struct RadianceTile;
 
+// Added to the square of a mean, as relMSE has it.
+constexpr double kSquaredMeanFloor = 0.01;
+
 // The number of samples at which the limit is the threshold itself.
 constexpr uint32_t kThresholdSamples = 256;
 // The number of samples per pixel at the first decision. An earlier one saves nothing at useful thresholds

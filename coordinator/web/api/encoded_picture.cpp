@@ -1,13 +1,13 @@
 #include "coordinator/web/api/encoded_picture.h"
 
+#include "coordinator/core/preview_limit.h"
 #include "coordinator/web/api/color_picture.h"
 #include "renderer/film/picture_file.h"
 
 namespace tessera {
 namespace {
 
-constexpr int64_t kPngValuesMax = 50'000'000;      // of the file: 200 MB of floats
-constexpr int64_t kPreviewValuesMax = 25'000'000;  // of a frame that is not finished, as for `tessera fetch`
+constexpr int64_t kPngValuesMax = 50'000'000;  // of the file: 200 MB of floats
 
 WebResult<std::string> ExrOf(const WebFarm& farm, FrameId frame, const FrameState& state) {
   if (!state.snapshot) return farm.read(frame.job, frame.frame, state.file);

@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "renderer/film/adaptive.h"
 #include "renderer/film/merge_rules.h"
 
 namespace tessera {
 namespace {
 
-constexpr double kSquaredMeanFloor = 0.01;  // added to the square of a mean, as relMSE has it
-constexpr int kReach = 2;                   // a single difference says little: 25 of them are averaged
+constexpr int kReach = 2;  // a single difference says little: 25 of them are averaged
 
 // The nodes that are shown: those of a prefix if there is one, otherwise all.
 FrameSnapshot::TileNodes Shown(const FrameSnapshot::TileNodes& nodes) {
