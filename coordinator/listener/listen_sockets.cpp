@@ -8,6 +8,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstring>
 
 namespace tessera {
@@ -94,6 +95,16 @@ std::vector<int> ListenOnHost(const std::string& host, int& port) {
     if (!sockets.empty()) break;
   }
   return sockets;
+}
+
+bool IsLastingAcceptFailure(int error) {
+  switch (error) {
+    case EAGAIN:        // nobody waits
+    case EINTR:         // a signal
+    case ECONNABORTED:  // the peer has gone
+    case EPROTO: return false;
+    default: return true;
+  }
 }
 
 }  // namespace tessera

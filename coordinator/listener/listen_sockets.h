@@ -14,4 +14,8 @@ std::vector<int> ListenOnHost(const std::string& host, int& port);
 // possible.
 int ListenOnPath(const std::string& path);
 
+// Whether an attempt to accept a connection that failed with this errno fails again immediately, although a
+// connection waits: the caller must pause.
+bool IsLastingAcceptFailure(int error);
+
 }  // namespace tessera

@@ -129,7 +129,7 @@ void Listener::AcceptAll(const Socket& socket, const OnConnection& on_connection
       if (MayPass(connection, socket.kind, peer)) on_connection(connection, socket.kind);
     } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
       return;
-    } else if (errno != EINTR && errno != ECONNABORTED && errno != EPROTO) {
+    } else if (IsLastingAcceptFailure(errno)) {
       failed_.Warn("accept_failed", fmt::format("reason={}", LogText(std::strerror(errno))));
       pollfd stop{stop_event_, POLLIN, 0};
       ::poll(&stop, 1, kRetryInterval_ms);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <map>
 
@@ -32,7 +33,7 @@ constexpr ptrdiff_t kUploadsMax = 16;
 constexpr ptrdiff_t kUploadsOfOwnerMax = 4;
 constexpr milliseconds kPollInterval{500};
 constexpr milliseconds kStreamInterval{100};  // between looks at what streams have to send
-constexpr milliseconds kDescriptorPause{250};
+constexpr milliseconds kAcceptPause{250};     // while there is no descriptor or memory for a connection
 // A handshake costs some 0.3 ms. Those of members are given back.
 constexpr PeerBudget::Limits kHandshakeLimits{100, 50};
 constexpr std::string_view kHeadEnd = "\r\n\r\n";
@@ -142,9 +143,10 @@ void WebServer::Accept(int socket) {
   const int connection = ::accept4(socket, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (connection >= 0) {
     Admit(connection);
-  } else if (errno == EMFILE || errno == ENFILE) {
+  } else if (IsLastingAcceptFailure(errno)) {
+    failed_.Warn("web_accept_failed", fmt::format("reason={}", LogText(std::strerror(errno))));
     pollfd stop{stop_event_, POLLIN, 0};
-    ::poll(&stop, 1, static_cast<int>(kDescriptorPause.count()));
+    ::poll(&stop, 1, static_cast<int>(kAcceptPause.count()));
   }
 }
 

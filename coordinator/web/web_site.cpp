@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "coordinator/web/form.h"
 #include "coordinator/web/login_page.h"
 #include "proto/identity/join_token.h"
@@ -38,6 +40,16 @@ std::string Trimmed(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) return "";
   return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+// Whether a name or a value of the query is a token. One that is malformed may hold half of one.
+bool HasToken(const std::string& query) {
+  const auto parameters = ParseForm(query);
+  if (!parameters) return query.find(kTokenPrefix) != std::string::npos;
+  return std::ranges::any_of(*parameters, [](const auto& each) {
+    return JoinToken::Parse(Trimmed(each.first)).has_value() ||
+           JoinToken::Parse(Trimmed(each.second)).has_value();
+  });
 }
 
 // Whether the form was sent by a page of this server.
@@ -103,7 +115,7 @@ HttpResponse WebSite::Answer(const HttpRequest& request, const WebPeer& peer, Ti
   }
   if (request.has_long_body() && (request.path == "/login" || request.path == "/logout"))
     return HttpResponse::Plain(413, "The request is too long.\n");
-  if (request.query.find(kTokenPrefix) != std::string::npos) {
+  if (HasToken(request.query)) {
     return HttpResponse::Plain(400,
                                "A token does not belong into an address, which browsers remember and show. "
                                "Have it revoked, and paste another into the form.\n");

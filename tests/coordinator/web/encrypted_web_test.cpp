@@ -240,6 +240,13 @@ TEST_F(EncryptedWeb, ATokenInAnAddressIsRefusedAndNotUsed) {
   EXPECT_EQ(browser.LogIn(token).status(), 303);
 }
 
+TEST_F(EncryptedWeb, OtherWordsThatBeginAsTokensDoMayBeInAnAddress) {
+  WebClient browser = Browser();
+  ASSERT_EQ(browser.LogIn(MakeToken()).status(), 303);
+  for (const char* query : {"search=tessera-night-shift", "search=tessera-", "tessera-1=2"})
+    EXPECT_EQ(browser.Get(std::string("/?") + query).status(), 200) << query;
+}
+
 TEST_F(EncryptedWeb, LoginsThatFailAreLimitedForEachAddress) {
   WebClient browser = Browser();
   int refused = 0;
