@@ -84,13 +84,16 @@ Result<std::string> AccessService::Sign(const std::string& request, const Member
   return certificate->Pem();
 }
 
-// The certificate is made before the token is used, so that a bad request does not use it up.
+// The certificate is made before the token is used, so that a bad request does not use it up. No certificate
+// is signed for a token that cannot be used.
 grpc::ServerUnaryReactor* AccessService::Join(grpc::CallbackServerContext* context,
                                               const proto::JoinRequest* request, proto::JoinAnswer* answer) {
   return gate_.Unary(context, RuleFor("Access.Join"), [=, this](const UnaryCall& call) {
     const auto token = gate_.core().members().FindToken(call.caller().token_key);
     if (authority_ == nullptr || !token) return call.Finish(NoAuthority());
     const UnixTime now = UnixNow();
+    if (const std::string why = WhyUnusable(now, *token); !why.empty())
+      return call.Finish(ToStatus(UnusableToken(why)));
     MemberStatus member{MemberId{RandomId()}, token->role, token->name, now, MemberExpiry(now), token->key};
     if (member.name.empty()) member.name = CleanName(request->name());
     if (member.name.empty()) member.name = RoleName(member.role);

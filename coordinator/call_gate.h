@@ -71,23 +71,36 @@ class UnaryCall {
   template <typename Change>
   void Apply(Change change, uint64_t bytes = 0, CoreThread::Event undo = {}) const {
     path().threads.Post([call = *this, bytes, change = std::move(change), undo = std::move(undo)] {
-      if (const auto space = call.path().directory.CheckSpace(bytes); !space)
-        return call.Finish(DiskFails(space.error().message));
-      call.core().Post([call, change, undo](CoreContext& core) {
-        if (const auto& reason = core.farm.storage_reason(); !reason.empty())
-          return call.Finish(DiskFails(reason));
-        const grpc::Status status = GuardedStatus([&] { return change(core); });
-        if (!status.ok()) return call.Finish(status);
-        core.answers.AfterSync([call, undo](const Result<void>& synced) {
-          if (!synced && undo) call.core().Post(undo);
-          call.Finish(Stored(synced));
+      const grpc::Status posted = GuardedStatus([&] {
+        const auto space = call.path().directory.CheckSpace(bytes);
+        if (!space) return DiskFails(space.error().message);
+        call.core().Post([call, change, undo](CoreContext& core) {
+          const grpc::Status status = GuardedStatus([&] { return call.Make(change, undo, core); });
+          if (!status.ok()) call.Finish(status);
         });
+        return grpc::Status::OK;
       });
+      if (!posted.ok()) call.Finish(posted);
     });
   }
 
  private:
   const ChangePath& path() const;
+  // Makes the change, whose call then finishes when it is stored. Returns why it is not made.
+  template <typename Change>
+  grpc::Status Make(const Change& change, const CoreThread::Event& undo, CoreContext& core) const {
+    if (const auto& reason = core.farm.storage_reason(); !reason.empty()) return DiskFails(reason);
+    if (const grpc::Status status = change(core); !status.ok()) return status;
+    core.answers.AfterSync([call = *this, undo](const Result<void>& synced) {
+      if (synced || !undo) return call.Finish(Stored(synced));
+      // Everybody sees what is undone before the caller can try again.
+      call.core().Post([call, undo, stored = Stored(synced)](CoreContext& later) {
+        undo(later);
+        later.answers.AfterSync([call, stored](const Result<void>&) { call.Finish(stored); });
+      });
+    });
+    return grpc::Status::OK;
+  }
   static grpc::Status DiskFails(const std::string& reason);
   static grpc::Status Stored(const Result<void>& synced);
 

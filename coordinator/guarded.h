@@ -4,28 +4,9 @@
 
 #include <grpcpp/support/status.h>
 
-#include <exception>
-#include <new>
-#include <string>
-
-#include "renderer/util/result.h"
+#include "coordinator/core/guarded_result.h"
 
 namespace tessera {
-
-inline std::string ReasonOf(const std::exception& e) {
-  const bool is_memory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
-  return is_memory ? "the coordinator has not enough memory for it" : e.what();
-}
-
-// What `task` returns, which is a Result.
-template <typename Task>
-auto GuardedResult(Task task) -> decltype(task()) {
-  try {
-    return task();
-  } catch (const std::exception& e) {
-    return Failed(ReasonOf(e));
-  }
-}
 
 // What `task` returns, which is a grpc::Status.
 template <typename Task>

@@ -11,6 +11,17 @@ bool IsDead(const TokenStatus& token) {
 
 }  // namespace
 
+Error UnusableToken(const std::string& why) {
+  return Failed(why + "; ask an operator of the farm for another");
+}
+
+std::string WhyUnusable(UnixTime now, const TokenStatus& token) {
+  if (token.revoked) return "the token was revoked";
+  if (token.uses_left == 0) return "the token has been used up";
+  if (token.expires <= now) return "the token has expired";
+  return {};
+}
+
 void MembershipLedger::Restore(const TokenIssued& fact) {
   tokens_[fact.token.key] = fact.token;
 }
@@ -73,17 +84,12 @@ Result<void> MembershipLedger::IssueToken(const TokenStatus& token) {
 
 std::string MembershipLedger::WhyUnusable(UnixTime now, const Digest& key) const {
   const auto found = tokens_.find(key);
-  if (found == tokens_.end()) return "this farm does not know the token";
-  const TokenStatus& token = found->second;
-  if (token.revoked) return "the token was revoked";
-  if (token.uses_left == 0) return "the token has been used up";
-  if (token.expires <= now) return "the token has expired";
-  return {};
+  return found != tokens_.end() ? tessera::WhyUnusable(now, found->second)
+                                : "this farm does not know the token";
 }
 
 Result<void> MembershipLedger::Join(UnixTime now, const MemberStatus& member) {
-  if (const std::string why = WhyUnusable(now, member.token); !why.empty())
-    return Failed(why + "; ask an operator of the farm for another");
+  if (const std::string why = WhyUnusable(now, member.token); !why.empty()) return UnusableToken(why);
   Forget(now);
   if (members_.size() >= kMembersMax)
     return Failed(fmt::format("the farm has {} members, which is its limit; revoke some", kMembersMax));

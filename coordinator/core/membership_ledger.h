@@ -21,6 +21,10 @@ constexpr uint32_t kTokenUsesMax = 100'000;  // the workers of the largest farm
 // learns why.
 constexpr UnixTime kForgetAfter_s = 30 * 24 * 3600;
 
+// Why a token cannot be used, or empty; and the error for whoever tried.
+std::string WhyUnusable(UnixTime now, const TokenStatus& token);
+Error UnusableToken(const std::string& why);
+
 class MembershipLedger {
  public:
   // `facts` receives what happened; it must outlive the ledger.

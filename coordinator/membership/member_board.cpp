@@ -21,6 +21,8 @@ void MemberBoard::Note(const Fact& fact) {
   if (const auto* joined = std::get_if<MemberJoined>(&fact)) {
     const std::unique_lock lock(mutex_);
     members_[joined->member.id] = joined->member;
+    const auto token = tokens_.find(joined->member.token);
+    if (token != tokens_.end() && token->second.uses_left > 0) --token->second.uses_left;
   } else if (const auto* renewed = std::get_if<MemberRenewed>(&fact)) {
     change_member(renewed->id, [&](MemberStatus& member) { member.expires = renewed->expires; });
   } else if (const auto* revoked = std::get_if<MemberRevoked>(&fact)) {
@@ -29,6 +31,10 @@ void MemberBoard::Note(const Fact& fact) {
   } else if (const auto* issued = std::get_if<TokenIssued>(&fact)) {
     const std::unique_lock lock(mutex_);
     tokens_[issued->token.key] = issued->token;
+  } else if (const auto* ended = std::get_if<TokenRevoked>(&fact)) {
+    const std::unique_lock lock(mutex_);
+    const auto token = tokens_.find(ended->key);
+    if (token != tokens_.end()) token->second.revoked = true;
   } else if (const auto* chosen = std::get_if<AuthorityChosen>(&fact)) {
     const std::unique_lock lock(mutex_);
     authority_ = chosen->fingerprint;

@@ -35,6 +35,19 @@ class JoinFailures : public ServicesForMembers {
   fs::path Identity() const { return fs::path(folder / current_dir) / "identity"; }
 };
 
+// Signing costs the coordinator more than looking at the token does.
+TEST_F(JoinFailures, NothingIsSignedForATokenThatCannotBeUsed) {
+  const JoinToken token = IssueToken(Role::kUser, "ada", 1);
+  const auto ada = JoinFarm(token, "");
+  ASSERT_TRUE(ada) << ada.error().message;
+  proto::JoinRequest request;
+  request.set_signing_request("this is none");
+  proto::JoinAnswer answer;
+  const auto stub = proto::Access::NewStub(ChannelOf(token, *ada));
+  const grpc::Status refused = Call(*stub, &proto::Access::Stub::Join, request, answer);
+  EXPECT_THAT(refused.error_message(), HasSubstr("the token has been used up"));
+}
+
 // The first attempt finds out that the disk takes nothing; by the second the coordinator knows.
 TEST_F(JoinFailures, ACertificateThatCannotBeRecordedIsNotGivenAndItsTokenStaysUsable) {
   const JoinToken token = IssueToken(Role::kUser, "ada", 1);
