@@ -45,6 +45,7 @@ export class PictureStream {
     if (document.hidden) return;
     const abort = new AbortController();
     this.abort = abort;
+    this.problem = "";
     let reason = "";
     try {
       const response = await fetch(this.url, {signal: abort.signal});
@@ -97,8 +98,11 @@ export class PictureStream {
     } else if (kind === 2) {
       const values = this.isHalf ? halves(view, at + 16, size - 16) : floats(view, at + 16, size - 16);
       this.target.onRegion(number(0), number(1), number(2), number(3), values);
+    } else if (kind === 4) {
+      this.problem = new TextDecoder().decode(new Uint8Array(view.buffer, view.byteOffset + at, size));
+      this.onProblem(this.problem);
     } else if (kind === 3) {
-      this.onProblem("");
+      this.onProblem(this.problem);
       this.target.onState({done: Number(view.getBigUint64(at, true)), total: Number(view.getBigUint64(at + 8, true)),
         isFinished: view.getUint8(at + 16) === 1});
     }

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "renderer/text/unicode.h"
+
 namespace tessera {
 namespace {
 
@@ -34,12 +36,21 @@ FileStream::~FileStream() {
   ::close(file_);
 }
 
-// A file that cannot be read ends the download early, which the reader sees by its size.
+// A file that cannot be read ends the download early, which the reader sees by its size. The pieces were
+// written a moment ago, so the thread of the server seldom waits for the disk.
 FileStream::Next FileStream::Take(std::vector<Part>& parts) {
   if (sent_ == size_) return Next::kEnd;
   auto piece = std::make_shared<std::string>(std::min(kPieceBytes, size_ - sent_), '\0');
-  const ssize_t size = ::pread(file_, piece->data(), piece->size(), static_cast<off_t>(sent_));
-  if (size <= 0) return Next::kEnd;
+  ssize_t size = 0;
+  do {
+    size = ::pread(file_, piece->data(), piece->size(), static_cast<off_t>(sent_));
+  } while (size < 0 && errno == EINTR);
+  if (size <= 0) {
+    const std::string reason = size < 0 ? std::strerror(errno) : "it was cut";
+    failed_.Warn("web_download_cut",
+                 fmt::format("sent={} bytes={} reason={}", sent_, size_, LogText(reason)));
+    return Next::kEnd;
+  }
   piece->resize(static_cast<size_t>(size));
   sent_ += static_cast<uint64_t>(size);
   parts.push_back(std::move(piece));

@@ -1,10 +1,12 @@
 // Sends bytes from a temporary file without a name: they take no memory while a slow reader takes them.
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <string_view>
 
 #include "coordinator/web/http_response.h"
+#include "proto/shell/rare_log.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -24,6 +26,7 @@ class FileStream final : public BodyStream {
   const int file_;
   const uint64_t size_;
   uint64_t sent_ = 0;
+  RareLog failed_{std::chrono::seconds(10)};
 };
 
 }  // namespace tessera

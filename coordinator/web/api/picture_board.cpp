@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace tessera {
 // Regions that are being changed. Those that readers hold stay as they are.
@@ -42,19 +43,22 @@ class PictureBoard::Painting {
 };
 
 void PictureBoard::Begin(const PictureShape& shape) {
-  const std::lock_guard lock(mutex_);
-  shape_ = shape;
-  columns_ = (shape.width + kRegionSize - 1) / kRegionSize;
-  regions_.clear();
+  std::vector<Region> regions;
   for (int y = 0; y < shape.height; y += kRegionSize) {
     for (int x = 0; x < shape.width; x += kRegionSize) {
-      regions_.push_back(
+      regions.push_back(
           {{x, y, std::min(x + kRegionSize, shape.width), std::min(y + kRegionSize, shape.height)},
            nullptr,
            0});
     }
   }
-  frame_ = std::make_shared<const std::string>(FrameMessage(shape));
+  auto frame = std::make_shared<const std::string>(FrameMessage(shape));
+  // Nothing below fails, so the regions always fit the shape.
+  const std::lock_guard lock(mutex_);
+  shape_ = shape;
+  columns_ = (shape.width + kRegionSize - 1) / kRegionSize;
+  regions_ = std::move(regions);
+  frame_ = std::move(frame);
   ++pictures_;
 }
 
@@ -109,6 +113,15 @@ void PictureBoard::SetState(uint64_t samples_done, uint64_t samples_total, bool 
   ++states_;
 }
 
+void PictureBoard::SetProblem(std::string_view reason) {
+  const std::lock_guard lock(mutex_);
+  if (problem_ == nullptr && reason.empty()) return;
+  std::string message = ProblemMessage(reason);
+  if (problem_ != nullptr && *problem_ == message) return;
+  problem_ = std::make_shared<const std::string>(std::move(message));
+  ++problems_;
+}
+
 void PictureBoard::End() {
   const std::lock_guard lock(mutex_);
   has_ended_ = true;
@@ -116,14 +129,18 @@ void PictureBoard::End() {
 
 size_t PictureBoard::Collect(size_t bytes_max, Cursor& cursor, std::vector<BodyStream::Part>& parts) const {
   const std::lock_guard lock(mutex_);
-  if (frame_ == nullptr) return 0;
   size_t bytes = 0;
   const auto add = [&](const BodyStream::Part& part) {
     parts.push_back(part);
     bytes += part->size();
   };
+  if (cursor.problem != problems_) {
+    cursor.problem = problems_;
+    add(problem_);
+  }
+  if (frame_ == nullptr) return bytes;
   if (cursor.picture != pictures_) {
-    cursor = {pictures_, 0, std::vector<uint64_t>(regions_.size(), 0), 0};
+    cursor = {pictures_, 0, problems_, std::vector<uint64_t>(regions_.size(), 0), 0};
     add(frame_);
   }
   for (size_t visited = 0; visited < regions_.size(); ++visited, ++cursor.next) {

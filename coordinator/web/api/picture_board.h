@@ -4,6 +4,8 @@
 
 #include <memory>
 #include <mutex>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "coordinator/web/api/layer_painter.h"
@@ -24,6 +26,7 @@ class PictureBoard {
   struct Cursor {
     uint64_t picture = 0;  // 0: nothing
     uint64_t state = 0;
+    uint64_t problem = 0;
     std::vector<uint64_t> regions;
     size_t next = 0;
   };
@@ -37,6 +40,8 @@ class PictureBoard {
   // Shows a picture that was read from its file.
   void Show(const FrameSpec& spec, const LoadedPicture& picture);
   void SetState(uint64_t samples_done, uint64_t samples_total, bool is_finished);
+  // Why the picture cannot be shown, or is older than it could be; empty: it can.
+  void SetProblem(std::string_view reason);
   void End();
 
   // ---- Thread safe ----
@@ -64,8 +69,8 @@ class PictureBoard {
   // Guarded by mutex_.
   std::vector<Region> regions_;
   int columns_ = 0;
-  BodyStream::Part frame_, state_;
-  uint64_t pictures_ = 0, states_ = 0, version_ = 0;
+  BodyStream::Part frame_, state_, problem_;
+  uint64_t pictures_ = 0, states_ = 0, problems_ = 0, version_ = 0;
   bool has_ended_ = false;
 };
 

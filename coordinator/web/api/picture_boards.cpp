@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "coordinator/core/guarded_result.h"
 #include "coordinator/web/api/color_picture.h"
 #include "renderer/film/picture_file.h"
 
@@ -159,7 +160,13 @@ void PictureBoards::RefreshDue(std::unique_lock<std::mutex>& lock) {
     if (now >= watched.due && watched.board.use_count() > 1) {
       const size_t count = boards_.size();
       lock.unlock();
-      Refresh(each->first.first, count, watched);
+      watched.due = now + kRefreshInterval;
+      const auto refresh = [&]() -> Result<void> {
+        Refresh(each->first.first, count, watched);
+        return {};
+      };
+      // Without the memory to say why it fails, it is tried again.
+      static_cast<void>(GuardedResult(refresh));
       lock.lock();
     }
     ++each;
@@ -173,17 +180,8 @@ void PictureBoards::Refresh(FrameId frame, size_t count, Watched& watched) {
   Clock::duration cost{};
   if (state != nullptr) {
     const auto begun = Clock::now();
-    if (state->snapshot) {
-      watched.board->Show(*state->snapshot);
-      watched.file.reset();
-    } else if (state->file ? watched.file != state->file->digest
-                           : HasEnded(state->status.state) && !watched.has_partial) {
-      const auto loaded = Load(frame, *state);
-      if (const auto* const picture = std::get_if<LoadedPicture>(&loaded))
-        watched.board->Show(state->spec->frames[frame.frame].spec, *picture);
-      if (state->file) watched.file = state->file->digest;
-      watched.has_partial = !state->file;
-    }
+    const auto updated = GuardedResult([&] { return Update(frame, *state, watched); });
+    watched.board->SetProblem(updated ? "" : updated.error().message);
     const JobStatus& status = state->status;
     watched.board->SetState(status.samples_done, status.samples_total, state->file.has_value());
     cost = Clock::now() - begun + state->cost;
@@ -193,15 +191,31 @@ void PictureBoards::Refresh(FrameId frame, size_t count, Watched& watched) {
   watched.due = start + std::max<Clock::duration>(kRefreshInterval, kPauses * static_cast<int>(count) * cost);
 }
 
-WebResult<LoadedPicture> PictureBoards::Load(FrameId frame, const FrameState& state) const {
+// A picture that could not be shown is tried again: a damaged file that is made again has the same digest.
+Result<void> PictureBoards::Update(FrameId frame, const FrameState& state, Watched& watched) const {
+  if (state.snapshot) {
+    watched.board->Show(*state.snapshot);
+    watched.file.reset();
+    return {};
+  }
+  const bool is_shown =
+      state.file ? watched.file == state.file->digest : !HasEnded(state.status.state) || watched.has_partial;
+  if (is_shown) return {};
+  const auto picture = Load(frame, state);
+  if (!picture) return picture.error();
+  watched.board->Show(state.spec->frames[frame.frame].spec, *picture);
+  if (state.file) watched.file = state.file->digest;
+  watched.has_partial = !state.file;
+  return {};
+}
+
+Result<LoadedPicture> PictureBoards::Load(FrameId frame, const FrameState& state) const {
   const FrameSpec& spec = state.spec->frames[frame.frame].spec;
   if (spec.crop.area() * static_cast<int64_t>(spec.PictureChannels().size()) > kDecodedValuesMax)
-    return WebError{409, "the picture is too large to be shown here; download the EXR file"};
+    return Failed("the picture is too large to be shown here; download the EXR file");
   const auto bytes = farm_.read(frame.job, frame.frame, state.file);
-  if (const auto* const error = std::get_if<WebError>(&bytes)) return *error;
-  auto picture = DecodeExr(std::get<std::string>(bytes), "the picture");
-  if (!picture) return WebError{503, picture.error().message};
-  return std::move(*picture);
+  if (const auto* const error = std::get_if<WebError>(&bytes)) return Failed(error->reason);
+  return DecodeExr(std::get<std::string>(bytes), "the picture");
 }
 
 void PictureBoards::MakeSmall(std::unique_lock<std::mutex>& lock) {
@@ -209,12 +223,13 @@ void PictureBoards::MakeSmall(std::unique_lock<std::mutex>& lock) {
   SmallPicture small = small_[id];
   lock.unlock();
   const auto start = Clock::now();
-  auto png = SmallPng(id, small);
+  using Png = std::shared_ptr<const std::string>;
+  const auto png = GuardedResult([&]() -> Result<Png> { return SmallPng(id, small); });
   const auto cost = Clock::now() - start;
   lock.lock();
   small_wanted_.pop_front();
   SmallPicture& kept = small_[id];
-  if (png != nullptr) kept.png = std::move(png);
+  if (png && *png != nullptr) kept.png = *png;
   kept.samples_done = small.samples_done;
   kept.due = start + kSmallInterval;
   small_due_ = start + kPauses / 2 * cost;
@@ -234,9 +249,8 @@ std::shared_ptr<const std::string> PictureBoards::SmallPng(SmallId id, SmallPict
       picture.Paint(state->snapshot->TilePicture(tile, step));
   } else {
     if (!state->file && !HasEnded(state->status.state)) return nullptr;
-    const auto loaded = Load(frame, *state);
-    const auto* const file = std::get_if<LoadedPicture>(&loaded);
-    if (file == nullptr || file->bounds != spec.crop) return nullptr;
+    const auto file = Load(frame, *state);
+    if (!file || file->bounds != spec.crop) return nullptr;
     picture.Paint(*file, step);
   }
   small.samples_done = state->status.samples_done;

@@ -62,9 +62,11 @@ class PictureBoards {
   void RefreshDue(std::unique_lock<std::mutex>& lock);
   // `count`: boards that are being watched, which share the time.
   void Refresh(FrameId frame, size_t count, Watched& watched);
+  // Shows what has changed. An error if the picture cannot be shown now.
+  Result<void> Update(FrameId frame, const FrameState& state, Watched& watched) const;
   using SmallId = std::pair<FrameId, int>;  // and its size
   void MakeSmall(std::unique_lock<std::mutex>& lock);
-  WebResult<LoadedPicture> Load(FrameId frame, const FrameState& state) const;
+  Result<LoadedPicture> Load(FrameId frame, const FrameState& state) const;
   std::shared_ptr<const std::string> SmallPng(SmallId id, SmallPicture& small) const;
   void ForgetSmall();
 

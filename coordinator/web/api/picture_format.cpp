@@ -6,10 +6,12 @@
 #include <bit>
 #include <cstring>
 
+#include "renderer/text/unicode.h"
+
 namespace tessera {
 namespace {
 
-enum class Kind : uint8_t { kFrame = 1, kRegion = 2, kState = 3 };
+enum class Kind : uint8_t { kFrame = 1, kRegion = 2, kState = 3, kProblem = 4 };
 
 constexpr size_t kHeadBytes = 12;
 constexpr size_t kRegionHeadBytes = 16;
@@ -93,6 +95,11 @@ void SetPixel(const PictureShape& shape, const PixelBounds& bounds, int x, int y
     const uint16_t bits = half(std::clamp(values[c], -kHalfMax, kHalfMax)).bits();
     std::memcpy(place + c * sizeof bits, &bits, sizeof bits);
   }
+}
+
+std::string ProblemMessage(std::string_view reason) {
+  const std::string text = CleanText(reason, kProblemBytesMax);
+  return Head(Kind::kProblem, text.size()) + text;
 }
 
 std::string StateMessage(uint64_t samples_done, uint64_t samples_total, bool is_finished) {

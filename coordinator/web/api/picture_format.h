@@ -4,7 +4,7 @@
 //   offset  bytes  of each message
 //        0      4  "TPIX"
 //        4      1  version of the format, 1
-//        5      1  kind: 1 frame, 2 region, 3 state
+//        5      1  kind: 1 frame, 2 region, 3 state, 4 problem
 //        6      2  0
 //        8      4  size of the payload that follows
 //
@@ -22,6 +22,9 @@
 // A *state* ends an update: samples done and samples of the whole frame or job (8 + 8), then 1 if the picture
 // is finished, otherwise 0 (1), and 7 bytes that are 0. A reader that is slow gets fewer updates and never
 // more than one update late.
+//
+// A *problem* is the reason why the picture cannot be shown, or shown as it is by now, in UTF-8; without a
+// payload, there is none any more. It may come before the first frame.
 #pragma once
 
 #include <array>
@@ -29,6 +32,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "coordinator/web/api/picture_layers.h"
@@ -37,6 +41,7 @@
 namespace tessera {
 
 constexpr uint8_t kPictureFormatVersion = 1;
+constexpr size_t kProblemBytesMax = 1000;
 // The positions of red, green and blue among the channels of a picture. One without them is shown by its
 // first channel.
 using ColorPlaces = std::array<size_t, 3>;
@@ -63,6 +68,8 @@ std::string RegionMessage(const PictureShape& shape, const PixelBounds& bounds);
 // Sets a pixel of a region, whose bounds are `bounds`, to the values that the file has for these.
 void SetPixel(const PictureShape& shape, const PixelBounds& bounds, int x, int y,
               std::span<const float> values, std::string& region);
+// Of at most kProblemBytesMax bytes.
+std::string ProblemMessage(std::string_view reason);
 std::string StateMessage(uint64_t samples_done, uint64_t samples_total, bool is_finished);
 
 }  // namespace tessera

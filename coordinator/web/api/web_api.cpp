@@ -5,6 +5,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "coordinator/core/guarded_result.h"
 #include "coordinator/page/page_files.h"
 #include "coordinator/web/api/body_routes.h"
 #include "coordinator/web/api/encoded_picture.h"
@@ -59,6 +60,18 @@ std::string OwnerOf(const WebVisit& visit) {
 json ReachJson(WebReach reach) {
   return reach == WebReach::kEverything ? "all" : reach == WebReach::kOwn ? "own" : "none";
 }
+
+// One of a count while it exists.
+class CountedPlace {
+ public:
+  explicit CountedPlace(std::atomic<int>& count) : count_(count) { ++count_; }
+  ~CountedPlace() { --count_; }
+  CountedPlace(const CountedPlace&) = delete;
+  CountedPlace& operator=(const CountedPlace&) = delete;
+
+ private:
+  std::atomic<int>& count_;
+};
 
 }  // namespace
 
@@ -288,15 +301,15 @@ HttpResponse WebApi::ShowPicture(const Request& request) {
                                  ? HttpResponse::Bytes("image/png", png)
                                  : HttpResponse::JsonError(404, "the small picture is not made yet"));
         }
-        if (++waiting_ > kDownloadsWaitingMax) {
-          --waiting_;
+        if (waiting_ >= kDownloadsWaitingMax) {
           return later->Give(HttpResponse::JsonError(503, "too many pictures are waiting to be sent"));
         }
-        farm_.run_later([=, this] {
-          HttpResponse response = Download(frame, action == WebAction::kPng);
+        farm_.run_later([=, this, place = std::make_shared<const CountedPlace>(waiting_)] {
+          const auto made = GuardedResult(
+              [&]() -> Result<HttpResponse> { return Download(frame, action == WebAction::kPng); });
+          HttpResponse response = made ? *made : HttpResponse::JsonError(503, made.error().message);
           response.stream_owner = owner;
           later->Give(std::move(response));
-          --waiting_;
         });
       });
   return HttpResponse::Later(later);

@@ -17,6 +17,7 @@ struct ShownPicture {
   std::vector<float> values;
   uint64_t samples_done = 0;
   bool is_finished = false;
+  std::string problem;
   int frames = 0;
 
   // Everything that there is. Returns the number of bytes.
@@ -71,6 +72,8 @@ struct ShownPicture {
         for (int i = 0; i < channels * width; ++i, next += shape.ValueBytes())
           values[static_cast<size_t>(channels * (y * shape.width + x0) + i)] = Value(next);
       }
+    } else if (kind == 4) {
+      problem = payload;
     } else {
       ASSERT_EQ(kind, 3);
       ASSERT_EQ(payload.size(), 24u);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <future>
+#include <new>
 #include <nlohmann/json.hpp>
 
 #include "coordinator/web/api/png.h"
@@ -163,6 +164,23 @@ TEST_F(Interface, NamesThatAreNotUtf8AreShownWithReplacements) {
 TEST_F(Interface, WhatComesAfterTheEndIsRefused) {
   api_.Stop();
   EXPECT_EQ(Send("GET", "/metrics").status, 503);
+}
+
+TEST(Downloads, LackOfMemoryFailsTheDownloadAndTakesNoPlace) {
+  WebFarm farm = SyntheticFarm(1, 0);
+  farm.frame = [](JobId, uint32_t) -> WebResult<FrameState> { throw std::bad_alloc(); };
+  WebApi api(std::move(farm));
+  HttpRequest request;
+  request.method = "GET";
+  request.path = "/api/v1/jobs/1/picture.exr";
+  for (int i = 0; i < 40; ++i) {
+    const HttpResponse response = api.Answer(request, {});
+    ASSERT_NE(response.later, nullptr);
+    const auto made = response.later->Take();
+    ASSERT_TRUE(made);
+    EXPECT_EQ(made->status, 503);
+    EXPECT_THAT(*made->body, HasSubstr("the coordinator is out of memory")) << i;
+  }
 }
 
 TEST(FarmWatch, AFarmThatDoesNotAnswerIsReportedAsBusy) {

@@ -1,0 +1,35 @@
+// Downloads whose temporary file cannot be read.
+#include "coordinator/web/api/file_stream.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+TEST(FileStream, SendsWhatItWasGiven) {
+  const std::string bytes(700'000, 'x');
+  const auto stream = FileStream::Make("/tmp", bytes);
+  ASSERT_TRUE(stream) << stream.error().message;
+  std::vector<BodyStream::Part> parts;
+  while ((*stream)->Take(parts) == BodyStream::Next::kParts) {
+  }
+  std::string sent;
+  for (const auto& part : parts) sent += *part;
+  EXPECT_EQ(sent, bytes);
+}
+
+TEST(FileStream, AFileThatCannotBeReadEndsTheDownloadWithALine) {
+  FileStream stream(::open("/dev/null", O_WRONLY | O_CLOEXEC), 100);
+  std::vector<BodyStream::Part> parts;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(stream.Take(parts), BodyStream::Next::kEnd);
+  EXPECT_THAT(
+      testing::internal::GetCapturedStdout(),
+      testing::ContainsRegex("web_download_cut count=1 sent=0 bytes=100 reason=\"Bad file descriptor\""));
+  EXPECT_TRUE(parts.empty());
+}
+
+}  // namespace
+}  // namespace tessera
