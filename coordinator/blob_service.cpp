@@ -43,7 +43,9 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   void OnReadDone(bool ok) override {
     watched_->EndWait();
     const bool is_lengthy = !ok && upload_ != nullptr && upload_->received() > kBriefBytesMax;
-    (is_lengthy ? threads_.lengthy : threads_.brief).Post([this, ok] { ok ? Parse() : GoOn(End()); });
+    (is_lengthy ? threads_.lengthy : threads_.brief).Post([this, ok] {
+      ok ? Parse() : Run([this] { return End(); });
+    });
   }
   void OnDone() override {
     watched_->End();
@@ -51,18 +53,24 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   }
 
   void Parse() {
-    const auto parsed = ParseMessage(bytes_, RuleFor("Blobs.Upload").limits, chunk_);
-    if (!parsed.ok()) return GoOn(parsed);
+    const grpc::Status parsed =
+        GuardedStatus([this] { return ParseMessage(bytes_, RuleFor("Blobs.Upload").limits, chunk_); });
+    if (!parsed.ok()) return Answer(parsed);
+    const auto take = [this] { Run([this] { return Take(); }); };
     // What was sent earlier may have to be hashed.
     const bool is_resumed = upload_ == nullptr && chunk_.offset() > 0;
-    is_resumed ? threads_.lengthy.Post([this] { GoOn(Take()); }) : GoOn(Take());
+    is_resumed ? threads_.lengthy.Post(take) : take();
   }
-  void GoOn(const std::optional<grpc::Status>& answer) {
-    if (answer) {
-      Answer(*answer);
-    } else {
-      ReadNext();
-    }
+  // Gives the answer of a step, or reads the next chunk if it has none.
+  template <typename Step>
+  void Run(Step step) {
+    std::optional<grpc::Status> answer;
+    const grpc::Status guarded = GuardedStatus([&] {
+      answer = step();
+      return grpc::Status::OK;
+    });
+    if (!guarded.ok()) answer = guarded;
+    answer ? Answer(*answer) : ReadNext();
   }
   void Answer(const grpc::Status& status) {
     CallGate::Audit(call_.caller(), RuleFor("Blobs.Upload"), details_, status);
@@ -135,24 +143,27 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
       return;
     }
     threads_.brief.Post([this, request, admit = std::move(admit)] {
-      const auto digest = ReadDigest(request.digest(), "digest");
-      if (digest) {
-        const grpc::Status admitted = GuardedStatus([&] { return admit(call_.caller(), request, *digest); });
-        if (!admitted.ok()) return Refuse(Shortened(admitted));
-      }
-      if (digest && request.suspect()) blobs_.Suspect(*digest);
-      if (digest && blobs_.Look(*digest) == BlobStore::Presence::kUnknown) {
-        threads_.lengthy.Post([this, request] { Begin(request); });
-      } else {
-        Begin(request);
-      }
+      bool is_lengthy = false;
+      const grpc::Status admitted = GuardedStatus([&] { return Check(request, admit, is_lengthy); });
+      if (!admitted.ok()) return Refuse(Shortened(admitted));
+      is_lengthy ? threads_.lengthy.Post([this, request] { Begin(request); }) : Begin(request);
     });
   }
   ~DownloadCall() override { --load_.transfers; }
 
  private:
+  // `is_lengthy`: whether the blob has to be hashed.
+  grpc::Status Check(const proto::DownloadRequest& request, const Admit& admit, bool& is_lengthy) {
+    const auto digest = ReadDigest(request.digest(), "digest");
+    if (!digest) return ToStatus(digest.error());
+    if (const grpc::Status admitted = admit(call_.caller(), request, *digest); !admitted.ok())
+      return admitted;
+    if (request.suspect()) blobs_.Suspect(*digest);
+    is_lengthy = blobs_.Look(*digest) == BlobStore::Presence::kUnknown;
+    return grpc::Status::OK;
+  }
   void Begin(const proto::DownloadRequest& request) {
-    const grpc::Status status = Open(request);
+    const grpc::Status status = GuardedStatus([&] { return Open(request); });
     if (!status.ok()) return Refuse(status);
     chunk_.set_size(size_);
     SendNext();
@@ -177,16 +188,20 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
     return grpc::Status::OK;
   }
   void SendNext() {
-    if (const grpc::Status admitted = call_.Recheck(); !admitted.ok()) return Refuse(admitted);
-    std::string& data = *chunk_.mutable_data();
-    data.resize(std::min(left_, static_cast<uint64_t>(kChunkBytesMax)));
-    if (!file_.read(data.data(), static_cast<std::streamsize>(data.size()))) {
-      return Refuse({grpc::StatusCode::UNAVAILABLE, "the blob cannot be read"});
-    }
-    left_ -= data.size();
-    load_.bytes_out += data.size();
+    const grpc::Status read = GuardedStatus([this] { return ReadNext(); });
+    if (!read.ok()) return Refuse(read);
     watched_->BeginWait();
     StartWrite(&chunk_);
+  }
+  grpc::Status ReadNext() {
+    if (const grpc::Status admitted = call_.Recheck(); !admitted.ok()) return admitted;
+    std::string& data = *chunk_.mutable_data();
+    data.resize(std::min(left_, static_cast<uint64_t>(kChunkBytesMax)));
+    if (!file_.read(data.data(), static_cast<std::streamsize>(data.size())))
+      return {grpc::StatusCode::UNAVAILABLE, "the blob cannot be read"};
+    left_ -= data.size();
+    load_.bytes_out += data.size();
+    return grpc::Status::OK;
   }
   void Refuse(const grpc::Status& status) {
     watched_->BeginWait();
@@ -247,7 +262,9 @@ grpc::ServerUnaryReactor* BlobService::FindMissing(grpc::CallbackServerContext* 
       digests.push_back(*digest);
     }
     threads_.brief.Post([=, this] {
-      const auto list = [=, this] { call.Finish(ListMissing(digests, *answer)); };
+      const auto list = [=, this] {
+        call.Finish(GuardedStatus([&] { return ListMissing(digests, *answer); }));
+      };
       IsQuickToFind(blobs_, digests) ? list() : threads_.lengthy.Post(list);
     });
   });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 #include "renderer/text/unicode.h"
 
@@ -23,11 +24,15 @@ Instant Now() {
   return std::chrono::duration_cast<Instant>(std::chrono::steady_clock::now().time_since_epoch());
 }
 
-bool IsSame(const JobStatus& a, const JobStatus& b) {
-  return a.state == b.state && a.samples_done == b.samples_done && a.frames_finished == b.frames_finished &&
-         a.workers == b.workers && a.reason == b.reason && a.priority == b.priority &&
-         a.paused_by_user == b.paused_by_user && a.units_verified == b.units_verified &&
-         a.units_disputed == b.units_disputed && a.units_suspect == b.units_suspect;
+// What watchers are told when it changes. The rate and the times change always, so they are sent with the
+// rest alone. A member that is added to JobStatus does not compile until it is named here.
+auto NewsOf(const JobStatus& status) {
+  const auto& [job, name, owner, priority, state, reason, samples_done, samples_total, samples_per_second,
+               workers, elapsed, left, frames_total, frames_finished, noise, times, paused_by_user,
+               verify_share, units_verified, units_disputed, units_suspect, submission] = status;
+  return std::tie(job, name, owner, priority, state, reason, samples_done, samples_total, workers,
+                  frames_total, frames_finished, noise, paused_by_user, verify_share, units_verified,
+                  units_disputed, units_suspect, submission);
 }
 
 // The fewest nodes that hold the same sums.
@@ -261,7 +266,7 @@ void CoreThread::NotifyWatchers(Instant now) {
     const bool last = !status || HasEnded(status->state);
     // A crash could still undo the end.
     if (last && !unsynced_.empty()) return false;
-    if (!last && watcher.sent && IsSame(*watcher.sent, *status)) return false;
+    if (!last && watcher.sent && NewsOf(*watcher.sent) == NewsOf(*status)) return false;
     watcher.sent = status;
     return !watcher.offer(status ? &*status : nullptr, last) || last;
   });

@@ -46,8 +46,10 @@ class PendingAnswers {
   void Watch(JobId job, OnStatus watcher, IsWatched is_watched) {
     watchers_.push_back({job, std::move(watcher), std::move(is_watched), {}});
   }
-  // The waiting answer of a call that was cancelled; empty if it was given already.
+  // The waiting answer of a call that was cancelled or has failed; empty if it was given already.
   OnDirective TakeDirective(CallId call);
+  // Forgets the waiting answer of a call that has failed.
+  void DropResults(CallId call) { results_.erase(call); }
 
  private:
   friend class CoreThread;

@@ -6,8 +6,6 @@
 #include "coordinator/call_gate.h"
 #include "coordinator/guarded.h"
 #include "coordinator/job_log.h"
-#include "coordinator/picture_stream.h"
-#include "coordinator/picture_writer.h"
 #include "coordinator/submission.h"
 #include "coordinator/task_pool.h"
 #include "coordinator/watch_stream.h"
@@ -17,11 +15,6 @@
 
 namespace tessera {
 namespace {
-
-constexpr int kPictureStreamsMax = 64;  // with a file and a chunk each
-// That wait for the thread that makes previews and reads pictures. Each keeps sums that the frame has
-// replaced.
-constexpr int kPicturesWaitingMax = 16;
 
 grpc::Status NoJob(JobId job) {
   return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no job {}", Number(job))};
@@ -63,28 +56,26 @@ void ChangeWorkers(const UnaryCall& call, const std::string& which, proto::Worke
   });
 }
 
-grpc::Status BeingWritten() {
-  return TryAgain("a picture of the job is being written");
+// Why a job is not accepted, or not extended.
+grpc::Status Refusal(const Error& error) {
+  return error.kind == ErrorKind::kInterrupted ? TryAgain(error.message) : ToStatus(error);
 }
 
-// Of a job that has ended.
-Result<std::string> NothingRendered(JobId job, uint32_t frame) {
-  return BadInput(fmt::format("nothing was rendered of frame {} of job {}", frame, Number(job)));
-}
-
-grpc::Status NotFinished(const JobStatus& status, uint32_t frame) {
-  return {
-      grpc::StatusCode::FAILED_PRECONDITION,
-      fmt::format("frame {} of job {} is not finished: the job is {}, {} of {} samples are done", frame,
-                  Number(status.job), JobStateName(status.state), status.samples_done, status.samples_total)};
+Result<std::shared_ptr<const JobSpec>> ReadShared(const proto::JobSpec& request) {
+  auto spec = ReadJobSpec(request);
+  if (!spec) return spec.error();
+  return std::make_shared<const JobSpec>(std::move(*spec));
 }
 
 }  // namespace
 
 JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures,
                          const class JobLog& log, const std::string& data_dir, FileThreads& threads)
-    : gate_(gate), blobs_(blobs), pictures_(pictures), log_(log), threads_(threads) {
-  streams_.folder = data_dir;
+    : gate_(gate),
+      blobs_(blobs),
+      log_(log),
+      threads_(threads),
+      pictures_(gate, pictures, data_dir, threads.brief) {
   const auto serve = [this](auto method, const CallRule& rule) {
     MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
   };
@@ -110,20 +101,21 @@ grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* conte
                                               const proto::JobSpec* request, proto::SubmitAnswer* answer) {
   return gate_.Unary(context, RuleFor("Jobs.Submit"), [=, this](const UnaryCall& call) {
     threads_.brief.Post([=, this] {
-      auto spec = ReadJobSpec(*request);
-      if (!spec) return call.Finish(ToStatus(spec.error()));
-      if (const auto checked = CheckSubmission(*spec, blobs_); !checked)
-        return call.Finish(ToStatus(checked.error()));
-      const auto shared = std::make_shared<const JobSpec>(std::move(*spec));
-      const auto submit = [=](CoreContext& core) {
-        const auto job = core.farm.Submit(core.now, shared, call.caller().Owner());
-        if (!job && job.error().kind == ErrorKind::kBadInput) return ToStatus(job.error());
-        if (!job) return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, job.error().message);
-        answer->set_job(Number(*job));
-        call.Note(fmt::format("job={} name={}", Number(*job), LogText(shared->name)));
-        return grpc::Status::OK;
-      };
-      call.Apply(submit, request->ByteSizeLong());
+      const auto read = GuardedResult([&] { return ReadShared(*request); });
+      if (!read) return call.Finish(ToStatus(read.error()));
+      PostCheck(threads_, blobs_, (*read)->package, [=, this, spec = *read] {
+        const auto checked = GuardedResult([&] { return CheckSubmission(*spec, blobs_); });
+        if (!checked) return call.Finish(Refusal(checked.error()));
+        const auto submit = [=](CoreContext& core) {
+          const auto job = core.farm.Submit(core.now, spec, call.caller().Owner());
+          if (!job && job.error().kind == ErrorKind::kBadInput) return ToStatus(job.error());
+          if (!job) return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, job.error().message);
+          answer->set_job(Number(*job));
+          call.Note(fmt::format("job={} name={}", Number(*job), LogText(spec->name)));
+          return grpc::Status::OK;
+        };
+        call.Apply(submit, request->ByteSizeLong());
+      });
     });
   });
 }
@@ -158,14 +150,18 @@ grpc::ServerWriteReactor<proto::JobStatus>* JobsService::Watch(grpc::CallbackSer
     const auto link = stream->link();
     // The core thread asks whether the caller still may, so this call is not kept.
     gate_.core().Post([=, this, job = JobId{request->job()}, caller = call.caller()](CoreContext& core) {
-      if (!core.farm.Status(core.now, job)) return link->Finish(NoJob(job));
-      core.answers.Watch(
-          job, [link](const JobStatus* status, bool last) { return link->Offer(status, last); },
-          [=, this] {
-            const grpc::Status admitted = gate_.Recheck(caller);
-            if (!admitted.ok()) link->Finish(admitted);
-            return admitted.ok() && link->IsOpen();
-          });
+      const grpc::Status begun = GuardedStatus([&] {
+        if (!core.farm.Status(core.now, job)) return NoJob(job);
+        core.answers.Watch(
+            job, [link](const JobStatus* status, bool last) { return link->Offer(status, last); },
+            [=, this] {
+              const grpc::Status admitted = gate_.Recheck(caller);
+              if (!admitted.ok()) link->Finish(admitted);
+              return admitted.ok() && link->IsOpen();
+            });
+        return grpc::Status::OK;
+      });
+      if (!begun.ok()) link->Finish(begun);
     });
     return stream;
   });
@@ -218,19 +214,25 @@ grpc::ServerUnaryReactor* JobsService::Extend(grpc::CallbackServerContext* conte
       return call.Finish(ToStatus(BadInput("message refused: samples_per_pixel is out of range")));
     call.Note(fmt::format("job={} samples_per_pixel={}", Number(job), samples));
     const auto extend = [=](CoreContext& core) {
-      if (core.farm.IsMovingSums(job)) return BeingWritten();
+      if (core.farm.IsMovingSums(job)) return PictureFetches::BeingWritten();
       return Answer(core.farm.Extend(core.now, job, samples), *answer);
     };
+    // Blobs may have been evicted since the job ended. Checking takes too long for the core thread.
+    const auto check = [=, this](const JobSpec& spec) {
+      const auto checked = GuardedResult([&] { return CheckSubmission(spec, blobs_); });
+      if (checked) return call.Apply(extend);
+      const bool is_late = checked.error().kind == ErrorKind::kInterrupted;
+      call.Finish(
+          Refusal(is_late ? checked.error() : Failed(checked.error().message + "; submit the scene again")));
+    };
     call.core().Post([=, this](CoreContext& core) {
-      if (const grpc::Status admitted = call.AdmitToJob(core, job); !admitted.ok())
-        return call.Finish(admitted);
-      const auto spec = core.farm.Spec(job);
-      // Blobs may have been evicted since the job ended. Checking takes too long for the core thread.
-      threads_.brief.Post([=, this] {
-        const auto checked = CheckSubmission(*spec, blobs_);
-        if (checked) return call.Apply(extend);
-        call.Finish(ToStatus(Failed(checked.error().message + "; submit the scene again")));
+      const grpc::Status admitted = GuardedStatus([&] {
+        if (const grpc::Status may = call.AdmitToJob(core, job); !may.ok()) return may;
+        PostCheck(threads_, blobs_, core.farm.Spec(job)->package,
+                  [check, spec = core.farm.Spec(job)] { check(*spec); });
+        return grpc::Status::OK;
       });
+      if (!admitted.ok()) call.Finish(admitted);
     });
   });
 }
@@ -283,74 +285,7 @@ grpc::ServerUnaryReactor* JobsService::ReleaseWorkers(grpc::CallbackServerContex
 
 grpc::ServerWriteReactor<proto::PictureChunk>* JobsService::FetchPicture(grpc::CallbackServerContext* context,
                                                                          const proto::FetchRequest* request) {
-  using Reactor = grpc::ServerWriteReactor<proto::PictureChunk>;
-  return gate_.Serve<Reactor>(context, RuleFor("Jobs.FetchPicture"), [=, this](LastingCall call) {
-    const Principal caller = call.caller();
-    auto* const stream = new PictureStream(streams_, std::move(call));
-    if (streams_.count > kPictureStreamsMax) {
-      stream->Refuse(TryAgain("too many pictures are being fetched"));
-      return stream;
-    }
-    const JobId job{request->job()};
-    const uint32_t frame = request->frame();
-    gate_.core().Post([=, this, preview = request->preview()](CoreContext& core) {
-      const grpc::Status admitted = gate_.AdmitToJob(caller, RuleFor("Jobs.FetchPicture"), core, job);
-      if (!admitted.ok()) return stream->Refuse(admitted);
-      const auto status = core.farm.Status(core.now, job);
-      if (frame >= status->frames_total) {
-        return stream->Refuse(
-            {grpc::StatusCode::NOT_FOUND, fmt::format("job {} has no frame {}", Number(job), frame)});
-      }
-      if (const auto file = core.farm.FinishedFile(job, frame)) return SendFile(stream, {job, frame}, *file);
-      if (preview && HasEnded(status->state)) {
-        if (core.farm.IsMovingSums(job)) return stream->Refuse(BeingWritten());
-        return SendLater(stream, [=, this] {
-          auto bytes = pictures_.ReadPartial(job, frame);
-          return bytes ? bytes : NothingRendered(job, frame);
-        });
-      }
-      auto picture = preview ? core.farm.Preview(job, frame) : std::nullopt;
-      if (!picture) return stream->Refuse(NotFinished(*status, frame));
-      const auto shared = std::make_shared<const FinishedPicture>(std::move(*picture));
-      SendLater(stream, [=] { return EncodePreview(*shared); });
-    });
-    return stream;
-  });
-}
-
-void JobsService::SendLater(PictureStream* stream, std::function<Result<std::string>()> make,
-                            std::function<void(const std::string& reason)> refuse) {
-  if (++streams_.waiting > kPicturesWaitingMax) {
-    --streams_.waiting;
-    return stream->Refuse(TryAgain("too many pictures are waiting to be made"));
-  }
-  background_.Post([=, this, make = std::move(make), refuse = std::move(refuse)] {
-    const bool is_wanted = !stream->is_cancelled();
-    auto bytes = is_wanted ? GuardedResult(make) : Result<std::string>(Failed("nobody reads the picture"));
-    if (is_wanted && !bytes && refuse) {
-      refuse(bytes.error().message);
-    } else {
-      stream->Send(std::move(bytes));
-    }
-    --streams_.waiting;
-  });
-}
-
-// What was damaged since it was written is not sent. It is made again if that is possible.
-void JobsService::SendFile(PictureStream* stream, FrameId id, const PictureFile& file) {
-  const auto read = [=, this] {
-    auto bytes = pictures_.Read(id.job, id.frame, file);
-    if (bytes) gate_.core().Post([id](CoreContext& core) { core.farm.PictureIntact(id); });
-    return bytes;
-  };
-  const auto refuse = [=, this](const std::string& reason) {
-    gate_.core().Post([=](CoreContext& core) {
-      const auto lost = core.farm.PictureDamaged(id, reason);
-      stream->Refuse(lost ? grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, *lost)
-                          : TryAgain(reason + "; it is being made again"));
-    });
-  };
-  SendLater(stream, read, refuse);
+  return pictures_.Fetch(context, *request);
 }
 
 grpc::ServerUnaryReactor* JobsService::JobLog(grpc::CallbackServerContext* context,

@@ -1,14 +1,11 @@
 // Serves proto/jobs.proto: each call becomes an event of the core thread. Thread safe.
 #pragma once
 
-#include "coordinator/core/spool.h"
-#include "coordinator/picture_stream.h"
-#include "coordinator/store/picture_store.h"
+#include "coordinator/picture_fetches.h"
 #include "coordinator/task_pool.h"
 #include "proto/blobs/blob_store.h"
 #include "proto/jobs.grpc.pb.h"
 #include "proto/terms.h"
-#include "renderer/util/result.h"
 
 namespace tessera {
 
@@ -23,7 +20,7 @@ class JobsService final : public proto::Jobs::Service {
               const class JobLog& log, const std::string& data_dir, FileThreads& threads);
   // Finishes what runs in the background. Call it before the server is destroyed, so that every call is
   // answered.
-  void Stop() { background_.Stop(); }
+  void Stop() { pictures_.Stop(); }
 
   grpc::ServerUnaryReactor* Submit(grpc::CallbackServerContext* context, const proto::JobSpec* request,
                                    proto::SubmitAnswer* answer);
@@ -60,19 +57,11 @@ class JobsService final : public proto::Jobs::Service {
                                    proto::HealthAnswer* answer);
 
  private:
-  // Makes or reads the picture of a stream in the background and sends it. `refuse` is called with the reason
-  // if there is none; without it the stream gets the reason.
-  void SendLater(PictureStream* stream, std::function<Result<std::string>()> make,
-                 std::function<void(const std::string& reason)> refuse = nullptr);
-  void SendFile(PictureStream* stream, FrameId id, const PictureFile& file);
-
   const CallGate& gate_;
   const BlobStore& blobs_;
-  const PictureStore& pictures_;
   const class JobLog& log_;
-  PictureStreams streams_;
   FileThreads& threads_;
-  TaskPool background_{1};
+  PictureFetches pictures_;
 };
 
 }  // namespace tessera

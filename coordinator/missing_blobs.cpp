@@ -1,15 +1,8 @@
 #include "coordinator/missing_blobs.h"
 
 #include <algorithm>
-#include <chrono>
 
 namespace tessera {
-namespace {
-
-// How long one call may check files. Clients try again.
-constexpr std::chrono::seconds kFindMissingMax{10};
-
-}  // namespace
 
 bool IsQuickToFind(const BlobStore& blobs, const std::vector<Digest>& digests) {
   return std::ranges::all_of(
@@ -17,7 +10,7 @@ bool IsQuickToFind(const BlobStore& blobs, const std::vector<Digest>& digests) {
 }
 
 Result<std::map<Digest, uint64_t>> FindMissing(const BlobStore& blobs, const std::vector<Digest>& digests) {
-  const auto deadline = std::chrono::steady_clock::now() + kFindMissingMax;
+  const auto deadline = std::chrono::steady_clock::now() + kFileChecksMax;
   std::map<Digest, uint64_t> missing;
   for (const Digest& digest : digests) {
     if (std::chrono::steady_clock::now() > deadline)

@@ -94,18 +94,24 @@ Result<void> PictureStream::Keep(std::string bytes) {
 }
 
 void PictureStream::SendNext() {
-  if (const grpc::Status admitted = call_.Recheck(); !admitted.ok()) return Refuse(admitted);
+  const grpc::Status read = GuardedStatus([this] { return ReadNext(); });
+  if (!read.ok()) return Refuse(read);
+  watched_->BeginWait();
+  StartWrite(&chunk_);
+}
+
+grpc::Status PictureStream::ReadNext() {
+  if (const grpc::Status admitted = call_.Recheck(); !admitted.ok()) return admitted;
   std::string& data = *chunk_.mutable_data();
   if (file_ < 0) {
     data = std::move(bytes_);
   } else {
     data.resize(std::min(size_ - sent_, static_cast<uint64_t>(kChunkBytesMax)));
     if (!ReadAllAt(file_, sent_, data))
-      return Refuse({grpc::StatusCode::UNAVAILABLE, "the copy of the picture cannot be read"});
+      return {grpc::StatusCode::UNAVAILABLE, "the copy of the picture cannot be read"};
   }
   sent_ += data.size();
-  watched_->BeginWait();
-  StartWrite(&chunk_);
+  return grpc::Status::OK;
 }
 
 void PictureStream::OnWriteDone(bool ok) {
@@ -115,8 +121,11 @@ void PictureStream::OnWriteDone(bool ok) {
   } else if (sent_ == size_) {
     Finish(grpc::Status::OK);
   } else {
-    chunk_.Clear();
-    SendNext();
+    // gRPC's threads never wait for the disk.
+    streams_.threads.Post([this] {
+      chunk_.Clear();
+      SendNext();
+    });
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "coordinator/open_calls.h"
 #include "coordinator/stall_watch.h"
+#include "coordinator/task_pool.h"
 #include "proto/jobs.grpc.pb.h"
 #include "renderer/util/result.h"
 
@@ -15,7 +16,8 @@ namespace tessera {
 // What the streams of a coordinator share.
 struct PictureStreams {
   std::string folder;  // for temporary files
-  StallWatch stall_watch;
+  TaskPool& threads;   // for reading them
+  StallWatch stall_watch{};
   std::atomic<int> count{0};    // of streams
   std::atomic<int> waiting{0};  // of streams whose picture is being made or read, or will be
 };
@@ -36,6 +38,7 @@ class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk>
  private:
   Result<void> Keep(std::string bytes);
   void SendNext();
+  grpc::Status ReadNext();
   void OnWriteDone(bool ok) override;
   void OnCancel() override { is_cancelled_ = true; }
   void OnDone() override;

@@ -141,12 +141,21 @@ grpc::Status ResultsCall::Received(const proto::ResultsRequest& results) {
   intake_.Shrink(id_, decoded_bytes_);
   const auto shared = std::make_shared<std::vector<ReturnedUnit>>(std::move(*units));
   gate_.core().Post([this, shared](CoreContext& core) {
-    const grpc::Status admitted =
-        gate_.AdmitToWorker(call_.caller(), RuleFor("Work.ReturnResults"), core, worker_);
-    if (!admitted.ok()) return Finish(Shortened(admitted));
-    core.answers.AwaitResults(id_, [this](const FarmOutput::Results* answer) { Answer(answer); });
-    core.farm.ReturnResults(core.now, id_, worker_, std::move(*shared));
+    const grpc::Status passed_on = GuardedStatus([&] { return PassOn(core, std::move(*shared)); });
+    if (passed_on.ok()) return;
+    core.answers.DropResults(id_);
+    Finish(Shortened(passed_on));
   });
+  return grpc::Status::OK;
+}
+
+// The core answers the call unless an error is returned.
+grpc::Status ResultsCall::PassOn(CoreContext& core, std::vector<ReturnedUnit> units) {
+  const grpc::Status admitted =
+      gate_.AdmitToWorker(call_.caller(), RuleFor("Work.ReturnResults"), core, worker_);
+  if (!admitted.ok()) return admitted;
+  core.answers.AwaitResults(id_, [this](const FarmOutput::Results* answer) { Answer(answer); });
+  core.farm.ReturnResults(core.now, id_, worker_, std::move(units));
   return grpc::Status::OK;
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "coordinator/core/farm.h"
 #include "coordinator/open_calls.h"
@@ -17,6 +18,7 @@ namespace tessera {
 
 class CallGate;
 class ResultsIntake;
+struct CoreContext;
 
 // Reads the announcement, waits until the results are admitted, reads them, passes them to the core and sends
 // its answer. Deletes itself when the call is over.
@@ -40,6 +42,7 @@ class ResultsCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   grpc::Status Read();
   grpc::Status Announced(const proto::ResultsRequest& announcement);
   grpc::Status Received(const proto::ResultsRequest& results);
+  grpc::Status PassOn(CoreContext& core, std::vector<ReturnedUnit> units);
   void Answer(const FarmOutput::Results* results);
 
   const CallGate& gate_;

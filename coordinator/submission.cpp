@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
+#include "coordinator/core/guarded_result.h"
 #include "proto/frame_name.h"
 #include "proto/scene_package.h"
 #include "renderer/denoise/finished_picture.h"
@@ -10,11 +14,22 @@ namespace tessera {
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 Result<ScenePackage> ReadPackage(const Digest& digest, const BlobStore& blobs) {
   if (!blobs.UseVerified(digest)) return Failed("the manifest of the scene package was not uploaded");
   const auto manifest = blobs.Read(digest, kManifestBytesMax);
   if (!manifest) return manifest.error();
   return DecodeScenePackage(*manifest);
+}
+
+// Whether a check of the package reads no file but its manifest.
+bool IsQuickToCheck(const Digest& digest, const BlobStore& blobs) {
+  if (!IsQuickToFind(blobs, {digest})) return false;
+  const auto package = ReadPackage(digest, blobs);
+  return !package || std::ranges::all_of(package->files, [&](const auto& each) {
+    return IsQuickToFind(blobs, {each.second.digest});
+  });
 }
 
 Result<void> CheckSceneFile(const ScenePackage& package, const std::string& path) {
@@ -23,9 +38,11 @@ Result<void> CheckSceneFile(const ScenePackage& package, const std::string& path
 }
 
 // Checks every file, so that the client can send all that are damaged before it tries again.
-Result<void> CheckFiles(const ScenePackage& package, const BlobStore& blobs) {
+Result<void> CheckFiles(const ScenePackage& package, const BlobStore& blobs, Clock::time_point deadline) {
   Result<void> checked;
   for (const auto& [path, file] : package.files) {
+    if (Clock::now() > deadline)
+      return Error{ErrorKind::kInterrupted, "the coordinator is still checking the files of the scene"};
     const auto size = blobs.UseVerified(file.digest);
     if (!checked) continue;
     if (!size) {
@@ -48,17 +65,27 @@ Result<void> CheckFrames(const std::vector<FrameRequest>& frames) {
   return {};
 }
 
-Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs) {
+Result<void> CheckSubmission(const JobSpec& spec, const BlobStore& blobs, Clock::duration patience) {
+  const auto deadline = Clock::now() + patience;
   const auto package = ReadPackage(spec.package, blobs);
   if (!package) return package.error();
   for (const FrameRequest& frame : spec.frames) {
     if (auto known = CheckSceneFile(*package, frame.scene_file); !known) return known;
   }
   if (auto checked = CheckFrames(spec.frames); !checked) return checked;
-  return CheckFiles(*package, blobs);
+  return CheckFiles(*package, blobs, deadline);
 }
 
-Result<void> CheckOrder(const SceneOrder& order, const BlobStore& blobs) {
+void PostCheck(FileThreads& threads, const BlobStore& blobs, const Digest& package,
+               std::function<void()> check) {
+  threads.brief.Post([&threads, &blobs, package, check = std::move(check)] {
+    const auto is_quick = GuardedResult([&]() -> Result<bool> { return IsQuickToCheck(package, blobs); });
+    is_quick&&* is_quick ? check() : threads.lengthy.Post(check);
+  });
+}
+
+Result<void> CheckOrder(const SceneOrder& order, const BlobStore& blobs, Clock::duration patience) {
+  const auto deadline = Clock::now() + patience;
   const auto package = ReadPackage(order.package, blobs);
   if (!package) return package.error();
   const FrameName name(order.scene_file);
@@ -67,7 +94,7 @@ Result<void> CheckOrder(const SceneOrder& order, const BlobStore& blobs) {
     const std::string file = order.frames ? name.Of(number) : order.scene_file;
     if (auto known = CheckSceneFile(*package, file); !known) return known;
   }
-  return CheckFiles(*package, blobs);
+  return CheckFiles(*package, blobs, deadline);
 }
 
 }  // namespace tessera

@@ -12,6 +12,7 @@
 #include "coordinator/web/api/routes.h"
 #include "coordinator/web_upload.h"
 #include "proto/shell/system.h"
+#include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "renderer/text/unicode.h"
 
@@ -66,6 +67,9 @@ class WebCalls {
   }
 
  private:
+  // Gives what `query`, a WebResult<Value>(CoreContext&) that changes nothing, returns on the core thread.
+  template <typename Value, typename Query>
+  void Ask(Query query, WebDone<Value> done) const;
   // Applies a change, and answers when everything that it caused is on stable storage. The entry in the audit
   // log has these details.
   template <typename Value>
@@ -77,6 +81,17 @@ class WebCalls {
 
   const WebCallParts parts_;
 };
+
+template <typename Value, typename Query>
+void WebCalls::Ask(Query query, WebDone<Value> done) const {
+  core().Post([query = std::move(query), done = std::move(done)](CoreContext& context) {
+    const grpc::Status guarded = GuardedStatus([&] {
+      done(query(context));
+      return grpc::Status::OK;
+    });
+    if (!guarded.ok()) done(ErrorOf(guarded));
+  });
+}
 
 // Programs of other users of this machine have no role.
 Principal WebCalls::PrincipalOf(const WebCaller& caller) const {
@@ -118,17 +133,19 @@ WebReach WebCalls::Reach(const Visitor& visitor, std::string_view call) const {
 
 void WebCalls::AdmitToJob(const WebCaller& caller, std::string_view call, JobId job,
                           const WebDone<JobStatus>& done) const {
-  core().Post([=, this, principal = PrincipalOf(caller)](CoreContext& context) {
+  const auto admit = [=, this,
+                      principal = PrincipalOf(caller)](CoreContext& context) -> WebResult<JobStatus> {
     const grpc::Status admitted = parts_.gate.AdmitToJob(principal, *FindRule(call), context, job);
-    if (!admitted.ok()) return done(ErrorOf(admitted));
-    done(*context.farm.Status(context.now, job));
-  });
+    if (!admitted.ok()) return ErrorOf(admitted);
+    return *context.farm.Status(context.now, job);
+  };
+  Ask<JobStatus>(admit, done);
 }
 
 void WebCalls::Detail(JobId job, uint32_t frame, const WebDone<JobDetail>& done) const {
-  core().Post([=](CoreContext& context) {
+  const auto find = [=](CoreContext& context) -> WebResult<JobDetail> {
     const auto status = context.farm.Status(context.now, job);
-    if (!status) return done(WebError{404, fmt::format("there is no job {}", Number(job))});
+    if (!status) return WebError{404, fmt::format("there is no job {}", Number(job))};
     JobDetail detail{*status, context.farm.Spec(job), context.farm.Frames(job), {}};
     const LeaseTable& leases = context.farm.scheduler().leases();
     for (const LeaseId id : leases.OfJob(job)) {
@@ -138,8 +155,9 @@ void WebCalls::Detail(JobId job, uint32_t frame, const WebDone<JobDetail>& done)
       detail.units.push_back(
           {record.lease.bounds, record.lease.unit.range, record.worker, !record.IsWaiting(context.now)});
     }
-    done(std::move(detail));
-  });
+    return detail;
+  };
+  Ask<JobDetail>(find, done);
 }
 
 template <typename Value>
@@ -152,7 +170,8 @@ void WebCalls::Apply(const Principal& caller, const CallRule& rule, const std::s
   const auto fail = [finish](const grpc::Status& status) { finish(ErrorOf(status), status); };
   const ChangePath& path = parts_.gate.path();
   path.threads.Post([=, this, &path] {
-    if (const auto space = path.directory.CheckSpace(0); !space)
+    const auto space = GuardedResult([&] { return path.directory.CheckSpace(0); });
+    if (!space)
       return fail(
           {grpc::StatusCode::UNAVAILABLE, "the coordinator cannot write its data: " + space.error().message});
     core().Post([=](CoreContext& context) {
@@ -218,14 +237,22 @@ void WebCalls::ChangeJob(const WebCaller& caller, const JobChange& change,
   };
   if (!is_extend) return apply();
   // Blobs may have been evicted since the job ended. Checking takes too long for the core thread.
-  core().Post([=, this](CoreContext& context) {
-    const auto spec = context.farm.Spec(change.job);
-    if (spec == nullptr) return done(WebError{404, fmt::format("there is no job {}", Number(change.job))});
-    parts_.gate.path().threads.Post([=, this] {
-      const auto checked = CheckSubmission(*spec, parts_.blobs);
-      if (checked) return apply();
-      done(WebError{409, checked.error().message + "; submit the scene again"});
+  const auto check = [=, this](const JobSpec& spec) {
+    const auto checked = GuardedResult([&] { return CheckSubmission(spec, parts_.blobs); });
+    if (checked) return apply();
+    done(checked.error().kind == ErrorKind::kInterrupted
+             ? ErrorOf(TryAgain(checked.error().message))
+             : WebError{409, checked.error().message + "; submit the scene again"});
+  };
+  core().Post([=, this, &rule](CoreContext& context) {
+    const grpc::Status admitted = GuardedStatus([&] {
+      const grpc::Status may = parts_.gate.AdmitToJob(principal, rule, context, change.job);
+      if (!may.ok()) return may;
+      const auto spec = context.farm.Spec(change.job);
+      PostCheck(parts_.files, parts_.blobs, spec->package, [check, spec] { check(*spec); });
+      return grpc::Status::OK;
     });
+    if (!admitted.ok()) done(ErrorOf(admitted));
   });
 }
 
@@ -302,8 +329,9 @@ void WebCalls::OrderJob(const WebCaller& caller, JobOrder order, const WebDone<J
   parts_.files.lengthy.Post([=, this, &rule] {
     const auto checked = GuardedResult([&] { return CheckOrder(shared->scene, parts_.blobs); });
     if (!checked) {
-      const int status = checked.error().kind == ErrorKind::kBadInput ? 400 : 409;
-      return done(WebError{status, checked.error().message});
+      const auto& [kind, message] = checked.error();
+      if (kind == ErrorKind::kInterrupted) return done(ErrorOf(TryAgain(message)));
+      return done(WebError{kind == ErrorKind::kBadInput ? 400 : 409, message});
     }
     const auto submit = [=](CoreContext& context) -> WebResult<JobStatus> {
       const auto job = context.farm.Order(context.now, shared, principal.Owner());

@@ -1,6 +1,7 @@
 #include "coordinator/work_service.h"
 
 #include "coordinator/call_gate.h"
+#include "coordinator/guarded.h"
 #include "coordinator/results_call.h"
 #include "coordinator/submission.h"
 #include "proto/shell/pause.h"
@@ -76,16 +77,21 @@ grpc::ServerUnaryReactor* WorkService::Synchronize(grpc::CallbackServerContext* 
     state->member = caller.member;
     if (caller.member != MemberId{}) state->name = caller.name;
     thread.Post([=, this, state = std::move(*state)](CoreContext& core) {
-      const grpc::Status admitted =
-          gate_.AdmitJoin(call->caller(), RuleFor("Work.Synchronize"), core, state.worker);
-      if (!admitted.ok()) return call->Finish(Shortened(admitted));
-      if (const grpc::Status may_join = CheckJoin(core.farm, state); !may_join.ok())
-        return call->Finish(may_join);
-      core.answers.AwaitDirective(id, [call, answer](const WorkerDirective* directive) {
-        if (directive != nullptr) Write(*directive, *answer);
-        call->Finish(directive != nullptr ? grpc::Status::OK : CoordinatorEnds());
+      const grpc::Status passed_on = GuardedStatus([&] {
+        const grpc::Status admitted =
+            gate_.AdmitJoin(call->caller(), RuleFor("Work.Synchronize"), core, state.worker);
+        if (!admitted.ok()) return admitted;
+        if (const grpc::Status may_join = CheckJoin(core.farm, state); !may_join.ok()) return may_join;
+        core.answers.AwaitDirective(id, [call, answer](const WorkerDirective* directive) {
+          if (directive != nullptr) Write(*directive, *answer);
+          call->Finish(directive != nullptr ? grpc::Status::OK : CoordinatorEnds());
+        });
+        core.farm.Synchronize(core.now, id, state);
+        return grpc::Status::OK;
       });
-      core.farm.Synchronize(core.now, id, state);
+      if (passed_on.ok()) return;
+      core.answers.TakeDirective(id);
+      call->Finish(Shortened(passed_on));
     });
     return call;
   });

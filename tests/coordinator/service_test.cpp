@@ -86,6 +86,31 @@ TEST_F(Services, AJobGoesFromSubmissionToFile) {
   for (const float value : picture->values) EXPECT_EQ(value, 0.5f);
 }
 
+TEST_F(Services, AWatcherLearnsThatAJobWasExtendedBeforeItsNextSample) {
+  proto::JobSpec spec = PrepareJob();
+  spec.mutable_frames(0)->set_extendable(true);
+  proto::SubmitAnswer submitted;
+  ASSERT_TRUE(Call(*jobs, &proto::Jobs::Stub::Submit, spec, submitted).ok());
+  grpc::ClientContext context;
+  SetDeadline(context, kPatience);
+  proto::JobRequest watched;
+  watched.set_job(submitted.job());
+  const auto watch = jobs->Watch(&context, watched);
+  proto::JobStatus status;
+  ASSERT_TRUE(watch->Read(&status));
+  EXPECT_EQ(status.samples_total(), 512u);
+  proto::ExtendRequest extend;
+  extend.set_job(submitted.job());
+  extend.set_samples_per_pixel(8);
+  proto::JobStatus extended;
+  const grpc::Status changed = Call(*jobs, &proto::Jobs::Stub::Extend, extend, extended);
+  ASSERT_TRUE(changed.ok()) << changed.error_message();
+  ASSERT_TRUE(watch->Read(&status));
+  EXPECT_EQ(status.samples_total(), 1024u);
+  context.TryCancel();
+  watch->Finish();
+}
+
 TEST_F(Services, MalformedResultsAreRefused) {
   const uint64_t job = Submit();
   proto::ResultsAnswer answer;

@@ -2,6 +2,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "coordinator/access.h"
 #include "coordinator/web/api/routes.h"
 #include "tests/coordinator/members_fixture.h"
@@ -87,6 +90,18 @@ TEST_F(WebRoles, ASessionMaySeeWhatItsRoleMayAndIsToldWhy) {
   EXPECT_EQ(refused.status(), 403);
   EXPECT_THAT(refused.Body(), testing::HasSubstr("needs the role user or operator"));
   EXPECT_EQ(Status(job).state(), proto::JOB_STATE_WAITING);
+}
+
+TEST_F(WebRoles, TheFilesOfAJobAreLookedAtForItsOwnerOnly) {
+  const JoinedFarm ada = Join(Role::kUser, "ada"), bob = Join(Role::kUser, "bob");
+  CallAs(ada);
+  const uint64_t job = Submit();
+  coordinator->blobs().Remove(Sha256("a scene"));
+  const auto extend =
+      std::ranges::find_if(kWebRoutes, [](const WebRoute& route) { return route.call == "Jobs.Extend"; });
+  ASSERT_NE(extend, std::end(kWebRoutes));
+  EXPECT_EQ(Try(bob, ProofOf(bob), *extend, job), 403);
+  EXPECT_EQ(Try(ada, ProofOf(ada), *extend, job), 409);
 }
 
 TEST_F(WebRoles, AChangeIsEnteredInTheAuditLog) {
