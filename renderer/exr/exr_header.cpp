@@ -26,6 +26,7 @@ struct Part {
   int64_t block_lines = 1;                  // scan lines that are compressed together
   uint64_t chunks = 0;                      // entries of the table of offsets, if the header gives them
   bool has_known_types = true;              // of its channels; OpenImageIO aborts the process on others
+  std::string_view subsampled;              // the first channel that has fewer values than pixels
 };
 
 // The sizes of values, in bytes, that OpenEXR reads whatever size the file gives, by the names of their types
@@ -104,13 +105,13 @@ class HeaderCheck {
     for (int part = 0;; ++part) {
       if (is_multi_part && in_.Rest().starts_with('\0')) return {};  // the end of all headers
       if (part == kExrPartsMax) return Damaged("too many parts");
-      if (Result<void> checked = CheckPart(); !checked) return checked;
+      if (Result<void> checked = CheckPart(part == 0); !checked) return checked;
       if (!is_multi_part) return {};
     }
   }
 
  private:
-  Result<void> CheckPart() {
+  Result<void> CheckPart(bool is_first_part) {
     Part part;
     while (true) {
       const std::optional<std::string_view> attribute = in_.ZeroEnded();
@@ -133,6 +134,11 @@ class HeaderCheck {
       Read(*attribute, *value, part);
       if (!part.has_known_types) return Damaged("a channel has an unknown type");
       if (part.block_lines == 0) return Damaged("the compression is unknown");
+    }
+    // Only the first part is read.
+    if (is_first_part && !part.subsampled.empty()) {
+      return BadInput(fmt::format("{}: channel {} is subsampled, which is not supported", name_,
+                                  OneLine(part.subsampled.substr(0, kNameShown))));
     }
     return CheckSizes(part);
   }
@@ -158,7 +164,12 @@ class HeaderCheck {
         ++part.channels;
         const std::optional<std::string_view> channel = in.Take(kChannelSize);
         if (!channel) break;
-        part.has_known_types &= *HeaderReader(*channel).Little32() < kTypesEnd;
+        HeaderReader numbers(*channel);
+        part.has_known_types &= *numbers.Little32() < kTypesEnd;
+        numbers.SkipBytes(4);  // how it should be compressed
+        const auto x_sampling = static_cast<int32_t>(*numbers.Little32());
+        const auto y_sampling = static_cast<int32_t>(*numbers.Little32());
+        if (part.subsampled.empty() && (x_sampling > 1 || y_sampling > 1)) part.subsampled = *name;
       }
     }
   }

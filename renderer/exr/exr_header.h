@@ -21,7 +21,8 @@ constexpr int64_t kExrBlockBytesMax = int64_t{1} << 30;
 using ExrSizeCheck = std::function<Result<void>(int64_t width, int64_t height, int64_t channels)>;
 
 // Whether every attribute of every header lies within the file, `check_size` allows the picture and its
-// tiles, and the tables of offsets that its size calls for fit in the file. Deep pictures are refused.
+// tiles, and the tables of offsets that its size calls for fit in the file. Deep and subsampled pictures are
+// refused.
 Result<void> CheckExr(std::string_view bytes, const std::string& name, const ExrSizeCheck& check_size);
 
 }  // namespace tessera

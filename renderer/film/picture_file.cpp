@@ -170,12 +170,6 @@ Result<void> CheckLoadable(const Imf::Header& header, const std::string& path) {
     return BadInput(
         fmt::format("{}: its display window of {}x{} pixels is beyond the limits", path, width, height));
   }
-  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
-    if (it.channel().xSampling != 1 || it.channel().ySampling != 1) {
-      return BadInput(
-          fmt::format("{}: channel {} is subsampled, which is not supported", path, OneLine(it.name())));
-    }
-  }
   return {};
 }
 

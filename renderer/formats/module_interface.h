@@ -9,7 +9,7 @@
 namespace tessera::image_module {
 
 // Raised with every change of this header or of what the functions do.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 
 enum class ValueType : uint32_t { kUint8, kUint16, kHalf, kFloat };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 
 #include "renderer/description/number.h"
 #include "renderer/image/image_limits.h"
@@ -65,25 +66,48 @@ Size JpegSize(std::string_view file) {
   return std::nullopt;
 }
 
-// Of its first picture. Values of other types than 16- and 32-bit integers are left to the library.
+// An unsigned integer of at most 4 or of 8 bytes.
+std::optional<uint64_t> Unsigned(HeaderReader& in, int bytes, bool is_little) {
+  if (bytes != 8) return in.Integer(bytes, is_little);
+  const auto first = in.Integer(4, is_little), second = in.Integer(4, is_little);
+  if (!first || !second) return std::nullopt;
+  return is_little ? uint64_t{*second} << 32 | *first : uint64_t{*first} << 32 | *second;
+}
+
+// Bytes of a width or height of this type of TIFF, which has 32 bits unless it is one of two types.
+int TiffValueSize(uint32_t type) {
+  constexpr uint32_t kShort = 3, kLong8 = 16;
+  if (type == kShort) return 2;
+  return type == kLong8 ? 8 : 4;
+}
+
+// Of its first picture. The integers of a BigTIFF are wider.
 Size TiffSize(std::string_view file) {
-  constexpr uint32_t kWidthTag = 256, kHeightTag = 257, kShort = 3;
+  constexpr uint32_t kWidthTag = 256, kHeightTag = 257;
+  constexpr uint32_t kBigTiff = 43;
   const bool is_little = file.starts_with("II");
   HeaderReader in(file);
-  if (!in.SkipBytes(4)) return std::nullopt;
-  const auto directory = in.Integer(4, is_little);
+  const auto version = in.SkipBytes(2) ? in.Integer(2, is_little) : std::nullopt;
+  if (!version) return std::nullopt;
+  const bool is_big = *version == kBigTiff;
+  const int offset_size = is_big ? 8 : 4, count_size = is_big ? 8 : 2;
+  if (is_big && !in.SkipBytes(4)) return std::nullopt;  // the size of offsets
+  const auto directory = Unsigned(in, offset_size, is_little);
   HeaderReader entries(file);
   if (!directory || !entries.SkipBytes(*directory)) return std::nullopt;
-  const auto count = entries.Integer(2, is_little);
+  const auto count = Unsigned(entries, count_size, is_little);
   DeclaredSize size;
-  for (uint32_t i = 0; count && i < *count; ++i) {
+  for (uint64_t i = 0; count && i < *count; ++i) {
     const auto tag = entries.Integer(2, is_little), type = entries.Integer(2, is_little);
-    const auto values = entries.Integer(4, is_little);
-    const std::optional<std::string_view> value = entries.Take(4);
+    const auto values = Unsigned(entries, offset_size, is_little);
+    const std::optional<std::string_view> value = entries.Take(static_cast<uint64_t>(offset_size));
     if (!tag || !type || !values || !value) break;
-    const auto number = HeaderReader(*value).Integer(*type == kShort ? 2 : 4, is_little);
-    if (*tag == kWidthTag) size.width = *number;
-    if (*tag == kHeightTag) size.height = *number;
+    HeaderReader field(*value);
+    const auto number = Unsigned(field, TiffValueSize(*type), is_little);
+    if (!number) continue;  // too wide for the field: damaged, and left to the library
+    const auto side = static_cast<int64_t>(std::min<uint64_t>(*number, std::numeric_limits<int64_t>::max()));
+    if (*tag == kWidthTag) size.width = side;
+    if (*tag == kHeightTag) size.height = side;
   }
   return size.width > 0 && size.height > 0 ? Size(size) : std::nullopt;
 }

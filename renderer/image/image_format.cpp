@@ -26,7 +26,7 @@ constexpr std::array<std::pair<std::string_view, ImageFormat>, 14> kEndings{{
     {".qoi", ImageFormat::kQoi},
 }};
 
-constexpr std::array<std::pair<std::string_view, ImageFormat>, 12> kMagic{{
+constexpr std::array<std::pair<std::string_view, ImageFormat>, 13> kMagic{{
     {"\x76\x2f\x31\x01"sv, ImageFormat::kExr},
     {"\x89PNG\r\n\x1a\n"sv, ImageFormat::kPng},
     {"\xff\xd8\xff"sv, ImageFormat::kJpeg},
@@ -35,6 +35,7 @@ constexpr std::array<std::pair<std::string_view, ImageFormat>, 12> kMagic{{
     {"II*\0"sv, ImageFormat::kTiff},
     {"MM\0*"sv, ImageFormat::kTiff},
     {"II+\0"sv, ImageFormat::kTiff},
+    {"MM\0+"sv, ImageFormat::kTiff},
     {"BM"sv, ImageFormat::kBmp},
     {"PF"sv, ImageFormat::kPfm},
     {"Pf"sv, ImageFormat::kPfm},

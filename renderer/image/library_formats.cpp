@@ -8,10 +8,12 @@
 
 #include "renderer/exr/exr_header.h"
 #include "renderer/formats/loader/module_loader.h"
+#include "renderer/image/bmp_masks.h"
 #include "renderer/image/container_check.h"
 #include "renderer/image/declared_size.h"
 #include "renderer/image/image_limits.h"
 #include "renderer/image/orientation.h"
+#include "renderer/image/radiance_runs.h"
 #include "renderer/util/text.h"
 
 namespace tessera {
@@ -36,9 +38,9 @@ const char* PluginName(ImageFormat format) {
   return "";
 }
 
-Error Damaged(const std::string& name, ImageFormat format, std::string reason) {
-  while (!reason.empty() && (reason.back() == '\n' || reason.back() == ' ')) reason.pop_back();
-  const std::string why = OneLine(reason);
+Error Damaged(const std::string& name, ImageFormat format, std::string_view reason) {
+  // Libraries add further lines that say less.
+  const std::string why = OneLine(reason.substr(0, reason.find('\n')));
   return BadInput(
       fmt::format("{}: damaged {} picture{}{}", name, FormatName(format), why.empty() ? "" : ": ", why));
 }
@@ -168,6 +170,14 @@ Result<void> CheckTexture(const std::string& bytes, const std::string& name) {
   });
 }
 
+// What the library reads correctly instead of the file; nullopt if that is the file itself.
+Result<std::optional<std::string>> Substitute(ImageFormat format, const std::string& bytes,
+                                              const std::string& name) {
+  if (format == ImageFormat::kBmp) return WithStandardMasks(bytes, name);
+  if (format == ImageFormat::kHdr) return WithoutOldRuns(bytes, name);
+  return std::optional<std::string>();
+}
+
 }  // namespace
 
 Result<Image> DecodeWithLibrary(ImageFormat format, const std::string& bytes, const std::string& name,
@@ -179,8 +189,10 @@ Result<Image> DecodeWithLibrary(ImageFormat format, const std::string& bytes, co
   if (format == ImageFormat::kJpeg) checked = CheckJpeg(bytes, name);
   if (format == ImageFormat::kBmp) checked = CheckBmp(bytes, name);
   if (!checked) return checked.error();
+  const auto substitute = Substitute(format, bytes, name);
+  if (!substitute) return substitute.error();
   try {
-    return Decode(format, bytes, name, encoding);
+    return Decode(format, *substitute ? **substitute : bytes, name, encoding);
   } catch (const std::exception& exception) {
     return Damaged(name, format, exception.what());
   } catch (...) {

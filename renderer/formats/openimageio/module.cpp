@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "renderer/formats/module_interface.h"
+#include "renderer/formats/openimageio/webp_frame.h"
 
 namespace tessera::image_module {
 
@@ -35,9 +36,11 @@ class BoundedReader final : public OIIO::Filesystem::IOMemReader {
 };
 
 struct OpenPicture {
-  explicit OpenPicture(const PictureFile& file) : memory(file.bytes, file.size) {}
+  explicit OpenPicture(const PictureFile& file)
+      : memory(file.bytes, file.size), bytes(static_cast<const char*>(file.bytes), file.size) {}
 
   BoundedReader memory;
+  std::string_view bytes;
   std::unique_ptr<OIIO::ImageInput> input;  // reads from `memory`
   OIIO::TypeDesc type;
   std::vector<const char*> channel_names;
@@ -163,8 +166,19 @@ bool ReadRows(OIIO::ImageInput& input, const OIIO::TypeDesc& type, void* values)
   return true;
 }
 
+// Decodes with libwebp, because OpenImageIO multiplies alpha into the colours of this format, whatever the
+// configuration says, and leaves values undefined where the first frame of an animation does not reach.
+bool ReadWebp(OpenPicture& picture, void* values, Reason& reason) {
+  const OIIO::ImageSpec& spec = picture.input->spec();
+  const WebpCanvas canvas{spec.width, spec.height, spec.nchannels};
+  if (DecodeWebpFrame(picture.bytes, canvas, static_cast<uint8_t*>(values))) return true;
+  Explain("the pixels cannot be decoded", reason);
+  return false;
+}
+
 bool Read(OpenPicture* picture, void* values, Reason& reason) {
   return CatchAll(reason, [&] {
+    if (std::strcmp(picture->input->format_name(), "webp") == 0) return ReadWebp(*picture, values, reason);
     if (ReadRows(*picture->input, picture->type, values)) return true;
     Explain(picture->input->geterror(), reason);
     return false;
