@@ -16,7 +16,7 @@ Result<std::string> SceneFiles::Read(const std::string& name) {
     stored_size_ += text->size();
     builder_->CountFile(text->size());
   }
-  if (text && name.ends_with(".gz")) return Gunzip(*text, name, kSceneFileSizeMax);
+  if (text && (name.ends_with(".gz") || IsGzip(*text))) return Gunzip(*text, name, kSceneFileSizeMax);
   return text;
 }
 

@@ -34,7 +34,7 @@ class SceneFiles {
                               const std::string& name, Diagnostics& diagnostics);
 
  private:
-  // The text of a file, unpacked if its name ends in ".gz".
+  // The text of a file, unpacked if its name ends in ".gz" or it begins as gzip files do.
   Result<std::string> Read(const std::string& name);
   std::unique_ptr<Lexer> Lex(const SourceLocation& where, const std::string& name, std::string text,
                              Diagnostics& diagnostics);

@@ -11,10 +11,6 @@
 namespace tessera {
 namespace {
 
-bool IsGzip(std::string_view bytes) {
-  return bytes.starts_with("\x1f\x8b");
-}
-
 uint64_t BytesOf(const PlyMesh& mesh) {
   return sizeof mesh + mesh.P.size() * sizeof(Point3) + mesh.N.size() * sizeof(Normal3) +
          mesh.uv.size() * sizeof(Point2) + (mesh.triangles.size() + mesh.quads.size()) * sizeof(uint32_t);

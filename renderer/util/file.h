@@ -14,6 +14,11 @@ namespace tessera {
 // `size_max`.
 Result<std::string> ReadFile(const std::string& path, uint64_t size_max);
 
+// Whether these are the first bytes of a gzip file (RFC 1952).
+inline bool IsGzip(std::string_view bytes) {
+  return bytes.starts_with("\x1f\x8b");
+}
+
 // Bytes that a byte of gzip may unpack to, and bytes that any file may. Scenes and meshes reach some 20,
 // deflate 1032.
 constexpr uint64_t kGunzipRatioMax = 64;

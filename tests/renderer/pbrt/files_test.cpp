@@ -126,6 +126,16 @@ TEST(Files, PackedFilesAreUnpacked) {
       "a.pbrt:1:20: Include \"b.gz\": b.gz: the compressed data is damaged or cut short");
 }
 
+TEST(Files, PackedFilesAreRecognisedByTheirContentUnderAnyName) {
+  const std::string packed(reinterpret_cast<const char*>(kPackedShape), sizeof kPackedShape);
+  for (const std::string name : {"b.pbrt", "b.GZ", "b"}) {
+    const Result<SceneDescription> scene =
+        ParseFiles("WorldBegin Include \"" + name + "\"", {{name, packed}});
+    ASSERT_TRUE(scene.has_value()) << ErrorOf(scene);
+    EXPECT_THAT(scene->shapes[0].entity.parameters[0].floats, ElementsAre(7));
+  }
+}
+
 class DiskFiles : public testing::Test {
  protected:
   void SetUp() override {
