@@ -83,7 +83,7 @@ SpotLight SpotLight::Read(ParameterReader& reader, const LightContext& context) 
   const Transform from_spot =
       context.render_from_light * Translate(from) * FrameTransform(Frame::FromZ(direction));
   const float angle = reader.Float("coneangle", 30), delta = reader.Float("conedeltaangle", 5);
-  if (delta < 0) reader.FailAt("conedeltaangle", "must not be negative");
+  if (delta < 0) reader.FailAt("conedeltaangle", "\"conedeltaangle\" must not be negative");
   SpotLight light{LightPlace(from_spot), Normalize(from_spot.ToVector({0, 0, 1})),
                   ReadEmission(reader, "I", context.files), std::cos(Radians(angle - delta)),
                   std::cos(Radians(angle))};

@@ -156,7 +156,7 @@ ProjectionLight ProjectionLight::Read(ParameterReader& reader, const LightContex
   const Transform from_light = context.render_from_light * Scale(1, -1, 1);  // rows of pictures run downwards
   ProjectionLight light{LightPlace(from_light), Normalize(from_light.ToVector({0, 0, 1})), {}};
   const float fov = reader.Float("fov", 90);
-  if (!(fov > 0 && fov < 180)) reader.FailAt("fov", "must be between 0 and 180 degrees");
+  if (!(fov > 0 && fov < 180)) reader.FailAt("fov", "\"fov\" must be between 0 and 180 degrees");
   const std::optional<float> power = ReadTotal(reader, "power");
   if (!reader.Has("filename")) reader.Fail("a projection light requires \"filename\"");
   if (reader.failed()) return light;

@@ -205,6 +205,11 @@ FilmSettings ReadSpectralFilm(ParameterReader& reader, const RenderOptions& opti
   buckets.count = reader.Integer("nbuckets", 16);
   if (buckets.count < 1 || buckets.count > kSpectralBucketsMax) {
     reader.FailAt("nbuckets", fmt::format("nbuckets must lie between 1 and {}", kSpectralBucketsMax));
+  } else if (!buckets.HaveDifferentNames()) {
+    reader.FailAt("nbuckets",
+                  fmt::format("the {} buckets between lambdamin and lambdamax are too narrow: channels are "
+                              "named after their wavelengths in steps of 0.001 nm",
+                              buckets.count));
   }
   return film;
 }

@@ -45,8 +45,9 @@ void FrameAttributes::SetCamera(const Camera& camera, int width, int height) {
   const Matrix4 ndc = ndc_from_raster.matrix() * raster;
   if (AllFinite(ndc)) ndc_from_camera_ = ndc;
   const float aspect = std::abs(raster.m[1][1] / raster.m[0][0]);
-  constexpr float kSquare = 1e-3f;  // aspect ratios are often written with few digits
-  if (std::isnormal(aspect) && std::abs(aspect - 1) > kSquare) pixel_aspect_ = aspect;
+  constexpr float kSquare = 1e-3f;                        // aspect ratios are often written with few digits
+  constexpr float kAspectMin = 1e-6f, kAspectMax = 1e6f;  // OpenEXR writes no picture with another
+  if (aspect >= kAspectMin && aspect <= kAspectMax && std::abs(aspect - 1) > kSquare) pixel_aspect_ = aspect;
 }
 
 Matrix4 FrameAttributes::CameraFromWorld(const RenderOptions& options) const {

@@ -20,6 +20,13 @@ std::string NameOf(const SpectralBuckets& buckets, int bucket) {
 
 }  // namespace
 
+bool SpectralBuckets::HaveDifferentNames() const {
+  for (int i = 1; i < count; ++i) {
+    if (NameOf(*this, i - 1) == NameOf(*this, i)) return false;  // the centres rise
+  }
+  return true;
+}
+
 void SpectralBuckets::AddChannels(std::vector<Channel>& channels) const {
   for (int i = 0; i < count; ++i) AddChannel(channels, {NameOf(*this, i)});
 }

@@ -23,6 +23,8 @@ struct SpectralBuckets {
   // Bounds the largest of a sample's four radiances.
   float radiance_max = std::numeric_limits<float>::infinity();
 
+  // Whether the names of their channels differ: those of ranges narrower than 0.001 nm may not.
+  bool HaveDifferentNames() const;
   // Adds "S0.CENTREnm" for every bucket, the centre with three decimals after a comma.
   void AddChannels(std::vector<Channel>& channels) const;
   void AddAttributes(std::map<std::string, std::string>& attributes) const;

@@ -38,6 +38,10 @@ INSTANTIATE_TEST_SUITE_P(
     Table, LightErrors,
     testing::Values(
         BadLight{"LightSource \"pont\"", "lights.pbrt:3:1: unknown light \"pont\" (did you mean \"point\"?)"},
+        BadLight{"LightSource \"spot\" \"float conedeltaangle\" -1",
+                 "lights.pbrt:3:20: \"conedeltaangle\" must not be negative"},
+        BadLight{"LightSource \"projection\" \"string filename\" \"wide.pfm\" \"float fov\" 180",
+                 "lights.pbrt:3:55: \"fov\" must be between 0 and 180 degrees"},
         BadLight{"LightSource \"infinite\" \"point3 portal\" [ 0 0 0 1 0 0 1 1 0 ]",
                  "lights.pbrt:3:24: a portal has 4 corners, found 3"},
         BadLight{"LightSource \"infinite\" \"point3 portal\" [ 0 0 0 1 0 0 1 0 0 0 0 0 ]",

@@ -194,6 +194,14 @@ TEST(CameraScenes, UnknownSensorsAndSettingsAreRefusedWithTheirPlace) {
   MemoryFiles files;
   files.files["a.pbrt"] = "Film \"spectral\" \"float lambdamin\" 200\nWorldBegin\n";
   EXPECT_FALSE(Scene::Load(files, "a.pbrt", {}, Scene::Depth::kCheck));
+  const std::string narrow = "\"float lambdamin\" 550 \"float lambdamax\" 550.005";
+  for (const std::string count : {"", " \"integer nbuckets\" 11"}) {
+    files.files["a.pbrt"] = "Film \"spectral\" " + narrow + count + "\nWorldBegin\n";
+    const auto scene = Scene::Load(files, "a.pbrt", {}, Scene::Depth::kCheck);
+    ASSERT_FALSE(scene);
+    EXPECT_THAT(scene.error().message, testing::StartsWith(count.empty() ? "a.pbrt:1:1: the 16 buckets"
+                                                                         : "a.pbrt:1:65: the 11 buckets"));
+  }
   EXPECT_THAT(error("", kCameras[0], "\"halton\" \"string randomization\" \"fastowen\""),
               testing::HasSubstr("fastowen"));
 }

@@ -85,6 +85,14 @@ TEST(FrameAttributes, PixelsThatAreNotSquareSaySo) {
   EXPECT_EQ(AttributesOf(wide).at("pixelAspectRatio"), "2");
 }
 
+TEST(FrameAttributes, PixelsOfAnAspectThatOpenExrRefusesSayNothing) {
+  for (const char* aspect : {"1e7", "1e-7", "1e30"}) {
+    const std::string film = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n";
+    const std::string camera = std::string("Camera \"perspective\" \"float frameaspectratio\" ") + aspect;
+    EXPECT_FALSE(AttributesOf(film + camera).contains("pixelAspectRatio")) << aspect;
+  }
+}
+
 TEST(FrameAttributes, AFrameOfASequenceHasItsNumberAndTimeCode) {
   EXPECT_FALSE(AttributesOf(kStill).contains("frame"));
   RenderOptions options;
