@@ -18,11 +18,30 @@ namespace {
 
 constexpr const char* kStandardInput = "-";            // as users write it
 constexpr const char* kStandardInputName = "<stdin>";  // in messages and packages
-constexpr std::string_view kGzipMagic = "\x1f\x8b";
 constexpr int kStopProbe_ms = 100;
 
+// Finds the end of what the parser looks at: a zero byte outside of comments, which it refuses, whatever
+// follows.
+class RefusedByte {
+ public:
+  // The position of the byte in the next piece of text, or that of its end if there is none.
+  size_t FindIn(std::string_view piece) {
+    for (size_t i = 0; i < piece.size(); ++i) {
+      if (piece[i] == '\0' && !has_comment_) return i;
+      if (piece[i] == '#') has_comment_ = true;  // or a string holds it: then the rest is read, and refused
+      if (piece[i] == '\n') has_comment_ = false;
+    }
+    return piece.size();
+  }
+
+ private:
+  bool has_comment_ = false;  // the current line
+};
+
+// Reads a scene to its end, or to the first byte that makes it none: a device has no end.
 Result<std::string> ReadAll(int descriptor, std::stop_token stop) {
   std::string bytes;
+  RefusedByte refused;
   char piece[1 << 16];
   while (true) {
     if (stop.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
@@ -32,7 +51,15 @@ Result<std::string> ReadAll(int descriptor, std::stop_token stop) {
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return BadInput(fmt::format("standard input cannot be read: {}", std::strerror(errno)));
     if (got == 0) return bytes;
-    bytes.append(piece, static_cast<size_t>(got));
+    const std::string_view read(piece, static_cast<size_t>(got));
+    bytes += read;
+    if (!IsGzip(bytes)) {
+      const size_t end = refused.FindIn(read);
+      if (end < read.size()) {
+        bytes.resize(bytes.size() - read.size() + end + 1);
+        return bytes;
+      }
+    }
     if (bytes.size() > kSceneFileSizeMax)
       return BadInput(fmt::format("standard input holds more than the limit of {} bytes", kSceneFileSizeMax));
   }
@@ -40,8 +67,8 @@ Result<std::string> ReadAll(int descriptor, std::stop_token stop) {
 
 // Loads a scene that is not in a file. A worker reads its bytes under its name.
 Result<LoadedFrame> LoadText(const SceneFrame& frame, Scene::Depth depth, DiskFileSource& files) {
-  auto text = frame.text->starts_with(kGzipMagic) ? Gunzip(*frame.text, frame.name(), kSceneFileSizeMax)
-                                                  : Result<std::string>(*frame.text);
+  auto text = IsGzip(*frame.text) ? Gunzip(*frame.text, frame.name(), kSceneFileSizeMax)
+                                  : Result<std::string>(*frame.text);
   if (!text) return text.error();
   auto description = ParseSceneText(files, frame.name(), std::move(*text));
   if (!description) return description.error();
@@ -73,18 +100,16 @@ bool IsStandardInput(const SceneOptions& options) {
 std::string SceneName(const SceneOptions& options) {
   if (IsStandardInput(options)) return "stdin";
   std::filesystem::path name = std::filesystem::path(options.path).filename();
-  if (name.extension() == ".gz") name.replace_extension();
+  if (name.extension() == ".gz" || name.extension() == ".GZ") name.replace_extension();
   return name.replace_extension().string();
 }
 
 Result<void> ReadStandardInput(std::vector<SceneFrame>& frames, std::stop_token stop) {
   auto bytes = ReadAll(STDIN_FILENO, stop);
   if (!bytes) return bytes.error();
-  // A worker unpacks files whose names end like this.
-  const char* const ending = bytes->starts_with(kGzipMagic) ? ".gz" : "";
   const auto text = std::make_shared<const std::string>(std::move(*bytes));
   for (SceneFrame& frame : frames) {
-    frame.path = std::string(kStandardInputName) + ending;
+    frame.path = kStandardInputName;
     frame.text = text;
   }
   return {};

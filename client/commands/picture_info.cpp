@@ -1,8 +1,9 @@
 #include "client/commands/picture_info.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -101,9 +102,13 @@ void PrintJson(const PictureHeader& header) {
 }  // namespace
 
 bool IsPictureFile(const std::string& path) {
-  char start[4] = {};
-  std::ifstream file(path, std::ios::binary);
-  return file.read(start, sizeof start) && IsExr({start, sizeof start});
+  // Not blocking: a pipe is no picture and must not be waited for.
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (file < 0) return false;
+  char start[4];
+  const ssize_t got = ::pread(file, start, sizeof start, 0);  // takes nothing from a pipe
+  ::close(file);
+  return got == sizeof start && IsExr({start, sizeof start});
 }
 
 Result<void> PrintPictureInfo(const std::string& path, bool json) {

@@ -31,7 +31,8 @@ class SourceReader {
   SourceReader(const Source& source, uint64_t offset)
       : source_(source),
         offset_(offset),
-        fd_(source.path.empty() ? -1 : ::open(source.path.c_str(), O_RDONLY | O_CLOEXEC)) {}
+        // Not blocking: a pipe may have taken the file's place.
+        fd_(source.path.empty() ? -1 : ::open(source.path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
   ~SourceReader() {
     if (fd_ >= 0) ::close(fd_);
   }

@@ -98,6 +98,7 @@ TEST(SceneName, IsThatOfTheFileWithoutExtensions) {
   };
   EXPECT_EQ(name("shots/box.pbrt"), "box");
   EXPECT_EQ(name("box.pbrt.gz"), "box");
+  EXPECT_EQ(name("BOX.pbrt.GZ"), "BOX");
   EXPECT_EQ(name("box"), "box");
   EXPECT_EQ(name("-"), "stdin");
 }

@@ -76,6 +76,32 @@ TEST_F(Errors, AMissingSceneIsNamed) {
   ExpectBadInput({Path("gone.pbrt")}, "gone.pbrt");
 }
 
+TEST_F(Errors, APipeInPlaceOfASceneIsRefusedAtOnce) {
+  const Outcome outcome = RunShell(folder(), "mkfifo pipe; timeout 60 $tessera info pipe");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.errors, "tessera: pipe: is not a regular file\n");
+  ExpectBadInput({"pipe"}, "pipe: is not a regular file");
+}
+
+TEST_F(Errors, OfStandardInputThatIsNoSceneTheRestIsNotRead) {
+  const std::string endless = "cat /dev/zero) | timeout 60 ";
+  const std::vector<std::pair<std::string, std::string>> starts = {
+      {"(", "<stdin>:1:1: zero byte, expected text"},
+      {"(printf 'WorldBegin # 0\\nShape'; ", "<stdin>:2:1: zero byte, expected text"},
+      {"(printf 'Camera \"'; ", "<stdin>:1:8: zero byte in a string"},
+      {"(printf '\\xff\\xfe'; ", "<stdin>:1:1: the file is UTF-16, expected UTF-8"}};
+  for (const auto& [start, message] : starts) {
+    for (const std::string command : {"$tessera info -", "$tessera render - --in-process"}) {
+      const Outcome outcome = RunShell(folder(), start + endless + command);
+      EXPECT_EQ(outcome.code, 2) << start;
+      EXPECT_THAT(outcome.errors, HasSubstr(message)) << start;
+    }
+  }
+  const Outcome comment =
+      RunShell(folder(), "(echo WorldBegin; printf '# \\0\\nNonsense') | $tessera info -");
+  EXPECT_THAT(comment.errors, HasSubstr("<stdin>:3:1: ")) << "a comment may hold any byte";
+}
+
 TEST_F(Errors, SubmitRefusesABadSceneBeforeItConnects) {
   const Outcome outcome = Tessera({"submit", Scene("Material \"chrome\"\n"), "--coordinator", "127.0.0.1:1"});
   EXPECT_EQ(outcome.code, 2);
