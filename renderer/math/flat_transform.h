@@ -22,4 +22,12 @@ inline Transform MapOf(const Matrix4& matrix) {
   return {matrix, inverse ? *inverse : ZeroMatrix()};
 }
 
+// The map with the inverse of its very matrix, unless it is flat. The matrix and the inverse of a product are
+// rounded apart: where large translations cancel, the one no longer undoes the other.
+inline Transform WithExactInverse(const Transform& transform) {
+  if (IsFlat(transform)) return transform;
+  const std::optional<Matrix4> inverse = Inverse(transform.matrix());
+  return inverse ? Transform(transform.matrix(), *inverse) : transform;
+}
+
 }  // namespace tessera

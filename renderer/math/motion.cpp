@@ -171,7 +171,10 @@ Matrix4 TransformPath::MatrixAt(float s) const {
 std::optional<Transform> TransformPath::At(float s) const {
   if (s <= 0) return start_;
   if (s >= 1) return end_;
-  return Transform::FromMatrix(MatrixAt(s));
+  const Matrix4 matrix = MatrixAt(s);
+  const std::optional<Matrix4> inverse = AffineInverse(matrix);
+  if (!inverse) return std::nullopt;
+  return Transform(matrix, *inverse);
 }
 
 // A point is R(s) S(s) p + T(s), with S and T linear and a rotation at speed w: |R'| <= w and |R''| <= w^2,

@@ -51,9 +51,17 @@ Bounds3 MovingTransform::Factor::BoundsOf(const Bounds3& box, double from_s, dou
 
 Transform MovingTransform::At(float time_s) const {
   if (factors_.empty()) return {};
-  Transform map = factors_[0].At(time_s);
-  for (size_t i = 1; i < factors_.size(); ++i) map = map * factors_[i].At(time_s);
-  return map;
+  const Transform first = factors_[0].At(time_s);
+  Matrix4 matrix = first.matrix();
+  bool is_flat = IsFlat(first);
+  for (size_t i = 1; i < factors_.size(); ++i) {
+    const Transform map = factors_[i].At(time_s);
+    matrix = matrix * map.matrix();
+    is_flat |= IsFlat(map);
+  }
+  // Not the product of the inverses: see WithExactInverse.
+  const std::optional<Matrix4> inverse = is_flat ? std::nullopt : AffineInverse(matrix);
+  return {matrix, inverse ? *inverse : ZeroMatrix()};
 }
 
 Bounds3 MovingTransform::BoundsOf(const Bounds3& box, float from_s, float to_s) const {

@@ -15,7 +15,7 @@ class MovingTransform {
   // The last of `factors` is applied first. All must be affine at all keys.
   explicit MovingTransform(std::span<const AnimatedTransform> factors);
 
-  // Flat (flat_transform.h) if it is singular at that time.
+  // Flat (flat_transform.h) if it is singular at that time; otherwise with the inverse of its very matrix.
   Transform At(float time_s) const;
   // A box around all that the map makes of the points of `box` in the times from `from_s` to `to_s`.
   Bounds3 BoundsOf(const Bounds3& box, float from_s, float to_s) const;

@@ -60,6 +60,39 @@ std::optional<Matrix4> Inverse(const Matrix4& a) {
   return r;
 }
 
+// The transposed cofactors of the linear part over its determinant, in double.
+std::optional<Matrix4> AffineInverse(const Matrix4& a) {
+  double w[3][3], cofactors[3][3];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) w[i][j] = a.m[i][j];
+  }
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (int j = 0; j < 3; ++j) {
+      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      cofactors[i][j] = w[i1][j1] * w[i2][j2] - w[i1][j2] * w[i2][j1];
+    }
+  }
+  const double determinant =
+      w[0][0] * cofactors[0][0] + w[0][1] * cofactors[0][1] + w[0][2] * cofactors[0][2];
+  if (determinant == 0) return std::nullopt;
+  const double scale = 1 / determinant;
+  Matrix4 r;
+  for (int i = 0; i < 3; ++i) {
+    double translation = 0;
+    for (int j = 0; j < 3; ++j) {
+      const double element = cofactors[j][i] * scale;
+      r.m[i][j] = static_cast<float>(element);
+      translation -= element * a.m[j][3];
+    }
+    r.m[i][3] = static_cast<float>(translation);
+    for (const float v : r.m[i]) {
+      if (!std::isfinite(v)) return std::nullopt;
+    }
+  }
+  return r;
+}
+
 float Determinant(const Matrix4& a) {
   double w[4][4];
   for (int i = 0; i < 4; ++i) {
@@ -100,6 +133,19 @@ bool Transform::SwapsHandedness() const {
                              m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
                              m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
   return determinant < 0;
+}
+
+bool Transform::KeepsAngles() const {
+  constexpr double kTolerance = 1e-5;  // relative, of the squared scale and of orthogonality
+  const auto product = [this](int a, int b) {
+    double sum = 0;
+    for (int row = 0; row < 3; ++row) sum += static_cast<double>(m_.m[row][a]) * m_.m[row][b];
+    return sum;
+  };
+  const double scale = product(0, 0);
+  const auto is_small = [&](double error) { return std::abs(error) <= kTolerance * scale; };
+  return is_small(product(1, 1) - scale) && is_small(product(2, 2) - scale) && is_small(product(0, 1)) &&
+         is_small(product(1, 2)) && is_small(product(2, 0));
 }
 
 Point3 Transform::ToPoint(Point3 p) const {

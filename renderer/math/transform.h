@@ -19,6 +19,8 @@ Matrix4 operator*(const Matrix4& a, const Matrix4& b);
 Matrix4 Transpose(const Matrix4& a);
 // Returns nullopt if the matrix is singular.
 std::optional<Matrix4> Inverse(const Matrix4& a);
+// The same of an affine matrix, in a fraction of the time; not always with the same bits.
+std::optional<Matrix4> AffineInverse(const Matrix4& a);
 float Determinant(const Matrix4& a);
 
 // A matrix with its inverse.
@@ -37,6 +39,8 @@ class Transform {
   // Whether the map turns right-handed frames into left-handed ones.
   bool SwapsHandedness() const;
   bool IsIdentity() const { return m_ == Matrix4{}; }
+  // Whether the map keeps angles, up to rounding: rotations and mirror images with one scale for all axes.
+  bool KeepsAngles() const;
 
   // A point; divides by w if the last row is not (0 0 0 1).
   Point3 ToPoint(Point3 p) const;

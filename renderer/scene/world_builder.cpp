@@ -236,7 +236,7 @@ Result<void> WorldBuilder::AddInstance(const Part& part, const AnimatedTransform
   }
   if (world_from_object.IsAnimated() || part.object_from_part.IsAnimated())
     return AddMovingInstance(part, world_from_object, place);
-  const Transform render_from_object = render_from_world_ * world_from_object.Fixed();
+  const Transform render_from_object = WithExactInverse(render_from_world_ * world_from_object.Fixed());
   if (!IsReachable(render_from_object)) {
     diagnostics_.Warn(place, "the object is not shown: it is too small, too large or too far away");
     return {};

@@ -47,8 +47,9 @@ Result<std::vector<Shape>> BuildShape(const ShapeDescription& description, Surfa
     return ErrorAt(entity.location, fmt::format("shape \"{}\" does not take a mesh", kind->name));
   ParameterReader reader(entity);
   const AnimatedTransform& world_from_object = description.world_from_object;
-  const Transform render_from_object =
-      world_from_object.IsAnimated() ? Transform() : render_from_world * world_from_object.Fixed();
+  const Transform render_from_object = world_from_object.IsAnimated()
+                                           ? Transform()
+                                           : WithExactInverse(render_from_world * world_from_object.Fixed());
   surface.alpha = textures.Float(reader, "alpha", 1);
   const uint8_t hidden_from = ReadHiddenFrom(reader);
   surface.hidden_from = surface.is_interface ? 0 : hidden_from;

@@ -18,11 +18,16 @@ AnimatedTransform TurnAndBack() {
                             {4, Rotate(-70, {1, 1, 0})}});
 }
 
-TEST(MovingTransform, HasTheBitsOfTheAnimatedOneAtAnyTime) {
+void ExpectMap(const Transform& map, const Matrix4& matrix) {
+  EXPECT_EQ(map.matrix(), matrix);
+  EXPECT_EQ(map.inverse_matrix(), *AffineInverse(matrix));
+}
+
+TEST(MovingTransform, HasTheMatrixOfTheAnimatedOneAtAnyTimeAndItsInverse) {
   const AnimatedTransform animated = TurnAndBack();
   const MovingTransform moving = Moving(animated);
   for (const float time : {-3.f, 1.f, 1.25f, 2.f, 2.01f, 3.75f, 4.f, 9.f})
-    EXPECT_EQ(moving.At(time), *animated.At(time)) << time;
+    ExpectMap(moving.At(time), animated.At(time)->matrix());
 }
 
 TEST(MovingTransform, OfSeveralFactorsIsTheirProduct) {
@@ -30,8 +35,10 @@ TEST(MovingTransform, OfSeveralFactorsIsTheirProduct) {
                                        TurnAndBack(),
                                        AnimatedTransform({{0, Transform()}, {8, Scale(3, 1, 1)}})};
   const MovingTransform moving(factors);
-  for (const float time : {0.f, 1.5f, 3.f})
-    EXPECT_EQ(moving.At(time), factors[0].First() * *factors[2].At(time) * *factors[3].At(time)) << time;
+  for (const float time : {0.f, 1.5f, 3.f}) {
+    const Transform product = factors[0].First() * *factors[2].At(time) * *factors[3].At(time);
+    ExpectMap(moving.At(time), product.matrix());
+  }
 }
 
 TEST(MovingTransform, BoundsHoldAllTimesBetweenTwoAndNoOthers) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "renderer/math/flat_transform.h"
 #include "tests/chi_square.h"
 
 namespace tessera {
@@ -45,6 +46,45 @@ TEST(Transform, TheInverseUndoesTheMatrix) {
     ExpectNear(from_matrix->Inverse().ToPoint(t.ToPoint(p)), p, 1e-5f);
     ExpectNear(t.Inverse().ToVector(t.ToVector(p)), p, 1e-5f);
   }
+}
+
+// As for a shape and a camera that are both far from the origin.
+TEST(Transform, TheExactInverseUndoesAProductWhoseTranslationsCancel) {
+  const Vec3 far{1000, 700, -900};
+  const Transform product = Translate(-far) * (Translate(far) * Rotate(20, {1, 2, 3}));
+  const Transform exact = WithExactInverse(product);
+  EXPECT_EQ(exact.matrix(), product.matrix());
+  EXPECT_GT(Length(product.Inverse().ToPoint(product.ToPoint({}))), 1e-6f);
+  ExpectNear(exact.Inverse().ToPoint(exact.ToPoint({})), {}, 1e-9f);
+  const Transform flat(product.matrix(), ZeroMatrix());
+  EXPECT_EQ(WithExactInverse(flat), flat);
+}
+
+TEST(Transform, RotationsMirrorImagesAndEvenScalesKeepAngles) {
+  const Transform turn = Translate({5, 6, 7}) * Rotate(33, {1, 2, 3});
+  EXPECT_TRUE(Transform().KeepsAngles());
+  EXPECT_TRUE((turn * Scale(-1e-3f, 1e-3f, 1e-3f) * turn).KeepsAngles());
+  EXPECT_FALSE((turn * Scale(1, 1.001f, 1) * turn).KeepsAngles());
+  Matrix4 shear;
+  shear.m[0][1] = 1e-3f;
+  EXPECT_FALSE(Transform::FromMatrix(shear)->KeepsAngles());
+}
+
+TEST(Transform, TheAffineInverseIsTheInverse) {
+  TestRandom random(4);
+  for (int i = 0; i < 200; ++i) {
+    const Matrix4 matrix = RandomTransform(random).matrix();
+    const std::optional<Matrix4> affine = AffineInverse(matrix), inverse = Inverse(matrix);
+    ASSERT_TRUE(affine && inverse);
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column)
+        EXPECT_FLOAT_EQ(affine->m[row][column], inverse->m[row][column]);
+    }
+  }
+  EXPECT_FALSE(AffineInverse(ZeroMatrix()));
+  Matrix4 tiny;
+  for (int i = 0; i < 3; ++i) tiny.m[i][i] = 1e-39f;
+  EXPECT_FALSE(AffineInverse(tiny));
 }
 
 TEST(Transform, ProductsApplyTheRightFactorFirst) {
