@@ -66,11 +66,9 @@ float LightDirections::EmitterPdf(const Emitter& emitter, const ReferencePoint& 
   if (place.is_flat()) return 0;
   const Transform* const moved = place.render_from_group();
   Hit hits[kCrossingsMax];
-  int count = RayCrossings(
+  const int count = RayCrossings(
       shape, {ray, moved},
       {.shape = emitter.shape, .primitive = emitter.primitive, .instance = emitter.instance}, hits);
-  const ReferencePoint there = moved == nullptr ? reference : MoveReference(*moved, reference);
-  if (count > 1 && SamplesNearestOnly(shape, there)) count = 1;
   float pdf = 0;
   for (int i = 0; i < count; ++i) {
     const SurfaceInteraction on_light = MakeInteraction(world_.geometry, hits[i], ray);

@@ -72,7 +72,6 @@ struct CurveSet {
     return std::nullopt;
   }
   float Pdf(uint32_t, const ReferencePoint&, Vec3, const SurfaceInteraction&) const { return 0; }
-  bool SamplesNearestOnly(const ReferencePoint&) const { return false; }
   // Of the piece laid flat, in the space of P; its length is that of its control polygon.
   float Area(uint32_t primitive) const;
   NormalCone Normals(uint32_t) const { return {}; }

@@ -50,7 +50,6 @@ concept ShapeForm = requires(const T& form, uint32_t primitive, const DoubleRay&
   // These serve emitters, which are never instanced: see shape_sampling.h.
   { form.Sample(primitive, reference, u, needs_uv) } -> std::same_as<std::optional<ShapeSample>>;
   { form.Pdf(primitive, reference, wi, on_light) } -> std::same_as<float>;
-  { form.SamplesNearestOnly(reference) } -> std::same_as<bool>;
   { form.Area(primitive) } -> std::same_as<float>;
   { form.Normals(primitive) } -> std::same_as<NormalCone>;
 };

@@ -37,14 +37,13 @@ struct Quadric {
   void FillInteraction(const Hit& hit, const HitRay& ray, SurfaceInteraction* interaction) const;
   void FillHitPoint(const Hit& hit, const HitRay& ray, HitPoint* point) const;
 
-  // Whole spheres that are not stretched, from outside: uniform over the cone that they fill. Everything
-  // else: uniform over the area in object space, with the density that this gives in rendering space.
+  // Whole spheres that are not stretched, from outside: uniform over the cone that they fill, the nearer of
+  // two points in a direction. Everything else: uniform over the area in object space, with the density that
+  // this gives in rendering space.
   std::optional<ShapeSample> Sample(uint32_t primitive, const ReferencePoint& reference, Point2 u,
                                     bool needs_uv) const;
   float Pdf(uint32_t primitive, const ReferencePoint& reference, Vec3 wi,
             const SurfaceInteraction& on_light) const;
-  // True for spheres that are sampled by their cone.
-  bool SamplesNearestOnly(const ReferencePoint& reference) const;
   // In rendering space; of stretched spheres and cylinders by quadrature.
   float Area(uint32_t primitive) const;
   NormalCone Normals(uint32_t primitive) const;

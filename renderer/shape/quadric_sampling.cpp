@@ -150,20 +150,17 @@ std::optional<ShapeSample> Quadric::Sample(uint32_t, const ReferencePoint& refer
   return SampleByArea(*this, reference, u, needs_uv);
 }
 
-float Quadric::Pdf(uint32_t, const ReferencePoint& reference, Vec3,
+float Quadric::Pdf(uint32_t, const ReferencePoint& reference, Vec3 wi,
                    const SurfaceInteraction& on_light) const {
   const std::optional<RenderSphere> sphere = AsRenderSphere(*this);
   if (sphere && IsOutside(*sphere, reference)) {
+    const Normal3 outward = flip_normals ? -on_light.n : on_light.n;
+    if (Dot(outward, wi) > 0) return 0;  // the far side, which a ray reaches that passes the near one
     const float pdf = SphereCone(*sphere, reference.p).Pdf();
     return std::isfinite(pdf) ? pdf : 0;
   }
   const float pdf = 1 / (ObjectArea(*this) * AreaScale(*this, on_light.n));
   return PerSolidAngle(pdf, reference.p, on_light.p, on_light.n);
-}
-
-bool Quadric::SamplesNearestOnly(const ReferencePoint& reference) const {
-  const std::optional<RenderSphere> sphere = AsRenderSphere(*this);
-  return sphere && IsOutside(*sphere, reference);
 }
 
 float Quadric::Area(uint32_t) const {

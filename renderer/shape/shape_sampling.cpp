@@ -13,10 +13,6 @@ float ShapePdf(const Shape& shape, uint32_t primitive, const ReferencePoint& ref
   return Dispatch(shape.form, [&](const auto& form) { return form.Pdf(primitive, reference, wi, on_light); });
 }
 
-bool SamplesNearestOnly(const Shape& shape, const ReferencePoint& reference) {
-  return Dispatch(shape.form, [&](const auto& form) { return form.SamplesNearestOnly(reference); });
-}
-
 float ShapeArea(const Shape& shape, uint32_t primitive) {
   return Dispatch(shape.form, [&](const auto& form) { return form.Area(primitive); });
 }

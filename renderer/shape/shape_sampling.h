@@ -14,12 +14,9 @@ std::optional<ShapeSample> SampleShape(const Shape& shape, uint32_t primitive,
                                        const ReferencePoint& reference, Point2 u, bool needs_uv = true);
 
 // The density per solid angle with which SampleShape would have found the point `on_light`, seen along unit
-// `wi`.
+// `wi`: 0 for points that it never returns, such as those on the far side of a sphere.
 float ShapePdf(const Shape& shape, uint32_t primitive, const ReferencePoint& reference, Vec3 wi,
                const SurfaceInteraction& on_light);
-
-// Whether SampleShape never returns the farther of two points of a primitive in one direction.
-bool SamplesNearestOnly(const Shape& shape, const ReferencePoint& reference);
 
 float ShapeArea(const Shape& shape, uint32_t primitive);
 Bounds3 ShapeBounds(const Shape& shape, uint32_t primitive);

@@ -52,7 +52,6 @@ struct TriangleMesh {
                                     bool needs_uv) const;
   float Pdf(uint32_t primitive, const ReferencePoint& reference, Vec3 wi,
             const SurfaceInteraction& on_light) const;
-  bool SamplesNearestOnly(const ReferencePoint&) const { return false; }
   float Area(uint32_t primitive) const { return TriangleArea(At(primitive)); }
   NormalCone Normals(uint32_t primitive) const;
 

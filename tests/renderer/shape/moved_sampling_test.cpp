@@ -74,6 +74,27 @@ TEST(MovedSampling, TheDensityOfASampleIsThatOfItsPoint) {
   }
 }
 
+TEST(MovedSampling, TheFarSideOfASphereHasNoDensity) {
+  for (const float mirror : {1.f, -1.f}) {
+    const Transform even = Translate({1, 0, 6}) * Rotate(70, {1, 1, 0}) * Scale(2 * mirror, 2, 2);
+    for (const bool is_flipped : {false, true}) {
+      Shape sphere = SphereShape({0, 0, 0}, 0.8f);
+      std::get<Quadric>(sphere.form).flip_normals = is_flipped;
+      const Vec3 to_center = even.ToPoint({0, 0, 0}) - kReference.p, wi = Normalize(to_center);
+      const float distance = Length(to_center), radius = 1.6f;
+      const auto density_at = [&](float along, Normal3 outward) {
+        SurfaceInteraction on_light;
+        on_light.p = kReference.p + wi * along;
+        on_light.n = is_flipped ? -outward : outward;
+        return MovedShapePdf(sphere, 0, even, kReference, wi, on_light);
+      };
+      const float cone = 2 * kPi * (1 - std::sqrt(1 - Sqr(radius / distance)));
+      EXPECT_NEAR(density_at(distance - radius, -wi) * cone, 1, 1e-3f);
+      EXPECT_EQ(density_at(distance + radius, wi), 0);
+    }
+  }
+}
+
 TEST(MovedSampling, AreasAreThoseInRenderingSpace) {
   for (const MovedCase& moved : MovedCases()) {
     const auto area = MovedShapeArea(moved.shape, 0, moved.transform);
