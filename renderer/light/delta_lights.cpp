@@ -71,8 +71,7 @@ LightProfile PointLight::Profile(float) const {
   const float strength = Strength(I);
   LightBounds bounds;
   bounds.box = BoxOf(p);
-  bounds.cos_theta_o = -1;
-  bounds.cos_theta_e = 0;
+  bounds.AddAllDirections();
   bounds.strength = strength;
   return {true, 4 * kPi * strength, bounds, 0};
 }
@@ -122,6 +121,9 @@ LightProfile SpotLight::Profile(float) const {
   bounds.axis = axis;
   bounds.cos_theta_o = cos_falloff_start;
   bounds.cos_theta_e = std::cos(fade) - kRimSlack;
+  // The falloff of a delta above the cone angle may leave out the axis and light everything else.
+  const bool is_cone = place.keeps_angles && cos_falloff_start >= cos_falloff_end;
+  if (!is_cone || bounds.cos_theta_e < 0) bounds.AddAllDirections();
   bounds.strength = Strength(I);
   return {true, bounds.strength * UnitPower(), bounds, 0};
 }

@@ -12,9 +12,12 @@ namespace tessera {
 struct LightPlace {
   Point3 p;
   Transform light_from_render;
+  bool keeps_angles;  // if not, cones of the light's space are no cones in rendering space
 
   explicit LightPlace(const Transform& render_from_light)
-      : p(render_from_light.ToPoint({})), light_from_render(render_from_light.Inverse()) {}
+      : p(render_from_light.ToPoint({})),
+        light_from_render(render_from_light.Inverse()),
+        keeps_angles(render_from_light.KeepsAngles()) {}
   // The unit direction, in the light's space, in which light leaves towards wi's origin.
   Vec3 Outgoing(Vec3 wi) const { return Normalize(light_from_render.ToVector(-wi)); }
 };

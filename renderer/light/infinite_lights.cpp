@@ -3,6 +3,7 @@
 #include "renderer/light/emission.h"
 #include "renderer/light/environment_map.h"
 #include "renderer/math/equal_area.h"
+#include "renderer/shape/moved_sampling.h"
 
 namespace tessera {
 namespace {
@@ -52,6 +53,7 @@ ImageInfiniteLight ImageInfiniteLight::Read(ParameterReader& reader, const Light
   ImageInfiniteLight light;
   light.render_from_light = context.render_from_light;
   light.light_from_render = context.render_from_light.Inverse();
+  light.keeps_angles = context.render_from_light.KeepsAngles();
   const RgbImage image = ReadEnvironmentMap(reader, context.images, context.diagnostics);
   float scale = ReadImageScale(reader, image.color_space());
   if (image.empty()) return light;
@@ -74,6 +76,11 @@ Point2 ImageInfiniteLight::PlaceInMap(Vec3 d) const {
   return EqualAreaSphereToSquare(Normalize(light_from_render.ToVector(d)));
 }
 
+// The map has the area of the unit sphere, of which a transform that stretches makes other solid angles.
+float ImageInfiniteLight::DensityRatio(Vec3 wi) const {
+  return keeps_angles ? kInv4Pi : kInv4Pi * SolidAngleRatio(render_from_light, wi);
+}
+
 SampledSpectrum ImageInfiniteLight::Radiance(Point3, Vec3 d, const SampledWavelengths& wavelengths) const {
   return map.SampleNearest(PlaceInMap(d), wavelengths);
 }
@@ -86,13 +93,13 @@ std::optional<LightSample> ImageInfiniteLight::Sample(const LightQuery& query) c
   sample.texel_x = drawn.x;
   sample.texel_y = drawn.y;
   sample.wi = Normalize(render_from_light.ToVector(EqualAreaSquareToSphere(drawn.p)));
-  sample.pdf = drawn.pdf * kInv4Pi;
+  sample.pdf = drawn.pdf * DensityRatio(sample.wi);
   sample.p = query.reference.p + sample.wi * (2 * query.scene_radius);
   return sample;
 }
 
 float ImageInfiniteLight::Pdf(Point3, Vec3 wi) const {
-  return brighter.Pdf(PlaceInMap(wi)) * kInv4Pi;
+  return brighter.Pdf(PlaceInMap(wi)) * DensityRatio(wi);
 }
 
 LightProfile ImageInfiniteLight::Profile(float scene_radius) const {

@@ -27,6 +27,7 @@ struct ConstantInfiniteLight {
 // Radiance from a square equal-area octahedral picture (math/equal_area.h), z up; each texel is constant.
 struct ImageInfiniteLight {
   Transform render_from_light, light_from_render;
+  bool keeps_angles = true;  // render_from_light
   EmissionMap map;
   // Of what exceeds the mean. What is below it is found by rays that leave the scene (Karlik et al. 2019).
   // With LightContext::samples_all, of everything.
@@ -43,6 +44,8 @@ struct ImageInfiniteLight {
 
  private:
   Point2 PlaceInMap(Vec3 d) const;
+  // The density of unit direction wi in rendering space per that of its place in the map.
+  float DensityRatio(Vec3 wi) const;
 };
 
 }  // namespace tessera

@@ -16,6 +16,12 @@ Vec3 TurnOrthogonal(Vec3 v, Vec3 axis, float angle) {
 
 }  // namespace
 
+void LightBounds::AddAllDirections() {
+  cos_theta_o = -1;
+  cos_theta_e = 0;
+  plane_min = -std::numeric_limits<float>::infinity();
+}
+
 NormalCone Union(const NormalCone& a, const NormalCone& b) {
   if (a.axis == b.axis) return {a.axis, std::min(a.cos_angle, b.cos_angle)};
   const float angle_a = SafeAcos(a.cos_angle), angle_b = SafeAcos(b.cos_angle);

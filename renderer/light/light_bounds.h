@@ -10,7 +10,8 @@
 
 namespace tessera {
 
-// Normals of the emitters lie within theta_o of the axis; each emits within theta_e of its normal.
+// Normals of the emitters lie within theta_o of the axis; each emits within theta_e, at most 90 degrees, of
+// its normal, and the less the farther from it.
 struct LightBounds {
   Bounds3 box;
   Vec3 axis{0, 0, 1};
@@ -21,6 +22,9 @@ struct LightBounds {
   // If all emitters face the same way (theta_o = 0, one-sided): no light reaches points p with Dot(axis, p)
   // below this.
   float plane_min = -std::numeric_limits<float>::infinity();
+
+  // Makes them those of lights that may emit in any direction.
+  void AddAllDirections();
 };
 
 // A narrow cone that contains both.

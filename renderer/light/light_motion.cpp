@@ -22,9 +22,7 @@ LightProfile LightMotion::AtAllTimes(LightProfile at_base, TimeRange times) cons
   if (!at_base.bounds) return at_base;
   LightBounds& bounds = *at_base.bounds;
   bounds.box = render_from_base_.BoundsOf(bounds.box, times.start, times.end);
-  bounds.cos_theta_o = -1;  // it may turn
-  bounds.cos_theta_e = 0;
-  bounds.plane_min = -std::numeric_limits<float>::infinity();
+  bounds.AddAllDirections();  // it may turn
   return at_base;
 }
 

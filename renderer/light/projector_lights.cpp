@@ -132,8 +132,7 @@ std::optional<LightSample> GoniometricLight::Sample(const LightQuery& query) con
 LightProfile GoniometricLight::Profile(float) const {
   LightBounds bounds;
   bounds.box = {place.p, place.p};
-  bounds.cos_theta_o = -1;
-  bounds.cos_theta_e = 0;
+  bounds.AddAllDirections();
   bounds.strength = Strength(I) * std::abs(mean);
   return {true, 4 * kPi * bounds.strength, bounds, 0};
 }
@@ -202,6 +201,7 @@ LightProfile ProjectionLight::Profile(float) const {
   bounds.box = {place.p, place.p};
   bounds.axis = axis;
   bounds.cos_theta_e = 1 / std::sqrt(1 + Sqr(tan_half_fov) * (width * width + height * height)) - kRimSlack;
+  if (!place.keeps_angles || bounds.cos_theta_e < 0) bounds.AddAllDirections();
   bounds.strength = strength;
   return {true, power, bounds, 0};
 }

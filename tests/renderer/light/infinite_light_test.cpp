@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "renderer/math/equal_area.h"
 #include "tests/renderer/light/light_scene.h"
 
@@ -17,9 +19,10 @@ std::vector<Vec3> RandomSky(uint64_t seed) {
   return pixels;
 }
 
-void BuildSky(LightScene& lights, const std::string& parameters = "") {
+void BuildSky(LightScene& lights, const std::string& parameters = "", const std::string& transform = "") {
   lights.files.files["sky.pfm"] = Pfm(RandomSky(1), kSize);
-  lights.Build("Rotate 40 1 2 3\nLightSource \"infinite\" \"string filename\" [ \"sky.pfm\" ] " + parameters +
+  lights.Build("Rotate 40 1 2 3\n" + transform +
+                   "\nLightSource \"infinite\" \"string filename\" [ \"sky.pfm\" ] " + parameters +
                    "\nShape \"sphere\"",
                {SphereShape({0, 0, 0}, 2)});
   ASSERT_EQ(lights.error, "");
@@ -107,9 +110,8 @@ TEST(ImageInfiniteLight, SamplesCarryTheRadianceAndDensityOfTheirDirection) {
   EXPECT_LE(different, 5);
 }
 
-TEST(ImageInfiniteLight, LightAndDirectionSamplingTogetherFindTheWholeRadiance) {
-  LightScene lights;
-  BuildSky(lights, "\"float scale\" [ 3 ]");
+// By light and direction sampling together, relative to the truth.
+double EstimateRadiance(const LightScene& lights) {
   const SampledWavelengths wavelengths = FourWavelengths(200);
   double truth = 0, estimate = 0;
   constexpr int kSide = 400;
@@ -118,14 +120,51 @@ TEST(ImageInfiniteLight, LightAndDirectionSamplingTogetherFindTheWholeRadiance) 
                    (static_cast<float>(i / kSide) + 0.5f) / kSide};
     const Vec3 w = SampleUniformSphere(u);
     const float radiance = lights.table.InfiniteRadiance(0, {}, w, 0, wavelengths)[0];
+    const float pdf = lights.table.InfiniteLightPdf(0, {}, w, 0);
     truth += static_cast<double>(radiance) / UniformSpherePdf();
-    estimate +=
-        static_cast<double>(radiance) / (UniformSpherePdf() + lights.table.InfiniteLightPdf(0, {}, w, 0));
+    estimate += static_cast<double>(radiance) / (UniformSpherePdf() + pdf);
     const auto s = lights.table.Sample(0, At({0, 0, 0}), u, wavelengths);
-    ASSERT_TRUE(s);
-    estimate += static_cast<double>(s->Radiance(wavelengths)[0]) / (s->pdf + UniformSpherePdf());
+    if (s) estimate += static_cast<double>(s->Radiance(wavelengths)[0]) / (s->pdf + UniformSpherePdf());
   }
-  EXPECT_NEAR(estimate / truth, 1, 2e-3);
+  return estimate / truth;
+}
+
+TEST(ImageInfiniteLight, LightAndDirectionSamplingTogetherFindTheWholeRadiance) {
+  for (const char* transform : {"", "Scale -2 2 2", "Scale 4 1 0.5"}) {
+    LightScene lights;
+    BuildSky(lights, "\"float scale\" [ 3 ]", transform);
+    EXPECT_NEAR(EstimateRadiance(lights), 1, 2e-3) << transform;
+  }
+}
+
+double IntegrateDensity(const LightScene& lights) {
+  constexpr int kSide = 1500;
+  double sum = 0;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const Point2 u{(static_cast<float>(i % kSide) + 0.5f) / kSide,
+                   (static_cast<float>(i / kSide) + 0.5f) / kSide};
+    sum += static_cast<double>(lights.table.InfiniteLightPdf(0, {}, SampleUniformSphere(u), 0));
+  }
+  return sum / (kSide * kSide) * 4 * std::numbers::pi;
+}
+
+TEST(ImageInfiniteLight, DensitiesArePerSolidAngleAlsoUnderATransformThatStretches) {
+  for (const char* transform : {"Scale 3 1 0.6", "Transform [ 1 0 0 0  1 1 0 0  0 0 1 0  0 0 0 1 ]"}) {
+    LightScene lights;
+    BuildSky(lights, "", transform);
+    EXPECT_NEAR(IntegrateDensity(lights), 1, 2e-3) << transform;
+    TestRandom random(5);
+    const SampledWavelengths wavelengths = FourWavelengths(200);
+    int different = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const auto s = lights.table.Sample(0, At({1, 0, 0}), random.Next2<Point2>(), wavelengths);
+      ASSERT_TRUE(s);
+      // Rounding moves a few directions across the edge of a texel.
+      const float pdf = lights.table.InfiniteLightPdf(0, {}, s->wi, 0);
+      if (std::abs(pdf / s->pdf - 1) > 1e-3f) ++different;
+    }
+    EXPECT_LE(different, 5) << transform;
+  }
 }
 
 TEST(ImageInfiniteLight, TexelsHaveTheLuminanceOfTheirRgb) {

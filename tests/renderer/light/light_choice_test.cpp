@@ -57,6 +57,35 @@ TEST_P(LightChoice, FrequenciesMatchTheProbabilitiesWhichSumToOne) {
   EXPECT_GT(chi_square::PooledPValue(cells, text), 1e-4) << text;
 }
 
+// Sampling alone finds a light without extent: what the choice leaves out is lost.
+TEST_P(LightChoice, EveryLightThatArrivesCanBeChosen) {
+  const std::string spot = "LightSource \"spot\" \"point3 to\" [ 0.2 -1 0.3 ] ";
+  const std::string slide = "LightSource \"projection\" \"string filename\" \"slide.pfm\" ";
+  const std::string stretched = "Rotate 20 1 2 3 Scale 4 1 0.5 ";
+  for (const std::string& light :
+       {spot + "\"float coneangle\" 30", spot + "\"float coneangle\" 3 \"float conedeltaangle\" 20",
+        spot + "\"float coneangle\" 100 \"float conedeltaangle\" 100",
+        spot + "\"float coneangle\" 180 \"float conedeltaangle\" 180",
+        stretched + spot + "\"float coneangle\" 30", slide + "\"float fov\" 100",
+        slide + "\"float fov\" 179.9", stretched + slide + "\"float fov\" 50",
+        stretched + "LightSource \"goniometric\" \"string filename\" \"slide.pfm\""}) {
+    LightScene lights;
+    lights.files.files["slide.pfm"] = Pfm({{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}}, 2);
+    lights.Build("LightSource \"point\" \"point3 from\" [ 1 1 -1 ]\n" + light, {}, Sampler());
+    ASSERT_EQ(lights.error, "");
+    TestRandom random(3);
+    int lit = 0, lost = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const ReferencePoint reference = At(SampleUniformSphere(random.Next2<Point2>()) * 3);
+      if (!lights.table.Sample(1, reference, {}, FourWavelengths(200))) continue;
+      ++lit;
+      if (!(lights.table.ChoosePmf(reference, 1) > 0)) ++lost;
+    }
+    EXPECT_EQ(lost, 0) << light;
+    EXPECT_GT(lit, 100) << light;
+  }
+}
+
 TEST_P(LightChoice, SingleLightIsChosenWithCertainty) {
   LightScene lights;
   lights.Build("LightSource \"infinite\" AreaLightSource \"diffuse\" Shape \"disk\"", {DiskShape(0, 1)},
