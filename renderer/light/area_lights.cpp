@@ -58,6 +58,7 @@ AreaEmitter ReadEmitter(ParameterReader& reader, const Shape& shape, FileSource&
   emitter.shape = &shape;
   emitter.two_sided = reader.Bool("twosided", false);
   emitter.is_hidden = shape.surface.alpha.IsConstant() && shape.surface.alpha.constant <= 0;
+  emitter.is_passed = (shape.surface.hidden_from & kHiddenFromIndirect) != 0;
   emitter.has_alpha = shape.surface.HasAlpha() && !emitter.is_hidden;
   if (reader.String("filename", "").empty()) {
     emitter.L = ReadEmission(reader, "L", files);
@@ -190,7 +191,7 @@ std::optional<LightSample> AreaLights::Sample(size_t light, const ReferencePoint
   sample.p = on_shape->p;
   sample.p_error = on_shape->p_error;
   sample.n = on_shape->n;
-  sample.is_delta = emitter.is_hidden;
+  sample.is_delta = !emitter.IsHitByScatteredRays();
   return sample;
 }
 

@@ -25,7 +25,10 @@ struct AreaEmitter {
   bool has_alpha = false;  // alpha lets only a part of the light out
   // Alpha is 0 everywhere: rays pass, but the surface emits fully, so only light sampling finds it.
   bool is_hidden = false;
+  // Scattered rays pass the surface: only light sampling finds it from where they were scattered.
+  bool is_passed = false;
 
+  bool IsHitByScatteredRays() const { return !is_hidden && !is_passed; }
   // Whether what it emits depends on texture coordinates.
   bool NeedsUv() const { return !image.empty() || has_alpha; }
 };
@@ -67,7 +70,9 @@ class AreaLights {
     if (!emitter.two_sided && Dot(on_light.n, wo) < 0) return SampledSpectrum();
     return Emission(emitter, area, on_light.uv, wavelengths);
   }
-  bool IsHitByRays(size_t light) const { return !emitters_[lights_[light].emitter].is_hidden; }
+  bool IsHitByScatteredRays(size_t light) const {
+    return emitters_[lights_[light].emitter].IsHitByScatteredRays();
+  }
   // Appends the profile of each light, in order.
   void AddProfiles(std::vector<LightProfile>* profiles) const;
 

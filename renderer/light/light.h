@@ -39,7 +39,7 @@ struct LightSample {
   Point3 p;  // on the light; for lights at infinity a point outside the scene's sphere
   Vec3 p_error;
   Normal3 n;  // of an area light's surface; otherwise zero
-  // No ray can hit it (also a surface of alpha 0): light sampling has the weight 1.
+  // No scattered ray can hit it (also a surface that they pass): light sampling has the weight 1.
   bool is_delta = false;
 };
 
@@ -120,8 +120,8 @@ class LightTable {
   // infinity.
   SampledSpectrum InfiniteRadiance(int light, Point3 from, Vec3 d, float time_s,
                                    const SampledWavelengths& wavelengths) const;
-  // Whether rays can find the light; if not, only light sampling can.
-  bool IsHitByRays(int light) const;
+  // Whether scattered rays can find the light; if not, only light sampling can.
+  bool IsHitByScatteredRays(int light) const;
   // The indices of all lights at infinity that rays can hit.
   std::span<const int> infinite_lights() const;
   size_t size() const;

@@ -117,8 +117,8 @@ SampledSpectrum LightTable::InfiniteRadiance(int light, Point3 from, Vec3 d, flo
   });
 }
 
-bool LightTable::IsHitByRays(int light) const {
-  if (!data_->IsSource(light)) return data_->areas.IsHitByRays(data_->AreaIndex(light));
+bool LightTable::IsHitByScatteredRays(int light) const {
+  if (!data_->IsSource(light)) return data_->areas.IsHitByScatteredRays(data_->AreaIndex(light));
   return Dispatch(data_->Source(light), []<typename Light>(const Light&) { return HitByRays<Light>; });
 }
 

@@ -48,6 +48,20 @@ TEST(AreaLight, TriangleGivesTheIrradianceOfLambertsFormula) {
   }
 }
 
+TEST(AreaLight, IsFoundBySamplingAloneIfScatteredRaysPassIt) {
+  for (const HiddenFrom hidden_from : {kHiddenFromCamera, kHiddenFromShadowRays, kHiddenFromIndirect}) {
+    Shape disk = DiskShape(0, 1);
+    disk.surface.hidden_from = hidden_from;
+    LightScene lights;
+    lights.Build(std::string(kEmitter) + "Shape \"disk\"", {disk});
+    ASSERT_EQ(lights.error, "");
+    const auto sample = lights.table.Sample(0, At({0, 0, 2}), {0.3f, 0.4f}, FourWavelengths(100));
+    ASSERT_TRUE(sample);
+    EXPECT_EQ(sample->is_delta, hidden_from == kHiddenFromIndirect);
+    EXPECT_EQ(lights.table.IsHitByScatteredRays(0), hidden_from != kHiddenFromIndirect);
+  }
+}
+
 TEST(AreaLight, EmitsToOneSideUnlessTwoSided) {
   for (const bool two_sided : {false, true}) {
     LightScene lights;

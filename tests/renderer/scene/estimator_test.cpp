@@ -1,5 +1,6 @@
 // All estimators must converge to the same picture: a t-test on differences between independent batches of
 // samples, per tile and channel.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -229,6 +230,32 @@ TEST(Estimators, MixtureRefusesLightsThatNoRayCanHit) {
   EXPECT_EQ(hidden.error().message,
             "scene.pbrt:2:1: no ray can hit the area light of a shape of alpha 0, and this integrator traces "
             "no shadow rays; use \"path\"");
+  const std::string passed =
+      "WorldBegin\nAreaLightSource \"diffuse\"\nShape \"disk\" \"bool visible_indirect\" false\n";
+  const Result<std::unique_ptr<Scene>> refused = Load(passed, With("mixture"));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(
+      refused.error().message,
+      "scene.pbrt:2:1: no scattered ray can hit the area light of a shape with \"visible_indirect\" false, "
+      "and this integrator traces no shadow rays; use \"path\"");
+  EXPECT_TRUE(Load(passed, With("path")));
+}
+
+TEST(Estimators, SkiesAroundAMediumWithoutABorderGiveAWarning) {
+  const std::string medium =
+      "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"\" \"fog\"\nCamera "
+      "\"perspective\"\nWorldBegin\nLightSource \"infinite\"\nMediumInterface \"fog\" ";
+  const auto warnings = [&](const std::string& outside, const char* integrator) {
+    const auto scene = Load(medium + outside + "\nShape \"sphere\"\n", With(integrator));
+    EXPECT_TRUE(scene) << scene.error().message;
+    return (*scene)->summary().warnings;
+  };
+  EXPECT_THAT(
+      warnings("\"fog\"", "volpath"),
+      testing::ElementsAre(testing::StartsWith("scene.pbrt:3:1: the medium of the camera has no border")));
+  EXPECT_THAT(warnings("\"\"", "volpath"), testing::IsEmpty());
+  for (const std::string& warning : warnings("\"fog\"", "path"))
+    EXPECT_THAT(warning, testing::Not(testing::HasSubstr("border")));
 }
 
 TEST(Estimators, LightsThatStayDarkGiveAWarning) {

@@ -120,6 +120,28 @@ TEST(Visibility, ALightThatCastsNoShadowsIlluminatesWhatIsBehindSomething) {
   ExpectBrightness(behind + kLinkLamp + "\"bool cast_shadows\" false " + kLinkLamp, kLit);
 }
 
+// A disk of radius r and radiance L at distance h over a wall that faces it gives an irradiance of
+// pi L r^2 / (r^2 + h^2).
+TEST(Visibility, AnEmitterThatScatteredRaysPassLightsAllTheSame) {
+  const std::string lamp =
+      "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ] \"bool twosided\" true Shape \"disk\" "
+      "\"float height\" 2 \"float radius\" 2 \"bool visible_camera\" false ";
+  ExpectBrightness(kLinkWall + lamp, 0.5f * 0.5f);
+  ExpectBrightness(kLinkWall + lamp + "\"bool visible_indirect\" false", 0.5f * 0.5f);
+}
+
+// A sphere of radius r that glows inside alone, at distance d: rays pass its near side with probability
+// 1 - alpha and end on its far side with probability alpha. The irradiance of a radiance L would be
+// pi L r^2 / d^2.
+TEST(Visibility, APartlyTransparentSphereLightsFromItsFarSide) {
+  const std::string lamp =
+      "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [ 4 4 4 ] ReverseOrientation Translate 0 0 3 "
+      "Shape \"sphere\" \"float radius\" 0.7 \"float alpha\" 0.4 \"bool visible_camera\" false AttributeEnd ";
+  for (const char* integrator : {"path", "volpath", "simplevolpath", "mixture"})
+    EXPECT_NEAR(BrightnessOf(kLinkWall + lamp, integrator), 0.5f * 4 * 0.49f * 0.4f * 0.6f, 0.02f)
+        << integrator;
+}
+
 // On a glossy wall most of the light is found by scattered rays, which end at the card.
 TEST(Visibility, GlossySurfacesHaveAllTheLightThatShadowRaysFind) {
   const std::string lit =
