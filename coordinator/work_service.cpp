@@ -13,6 +13,12 @@ namespace {
 
 constexpr std::chrono::milliseconds kExpiryInterval{250};
 
+// Older workers do not say, and what newer ones may say is not known.
+FailureCause CauseOf(const proto::FailureRequest& request) {
+  return request.cause() == proto::FailureRequest::WORKER_LIMIT ? FailureCause::kWorkerLimit
+                                                                : FailureCause::kScene;
+}
+
 // A call that waits for news. If it is cancelled, the worker is gone.
 class SynchronizeCall final : public grpc::ServerUnaryReactor {
  public:
@@ -124,13 +130,14 @@ grpc::ServerUnaryReactor* WorkService::ReturnFailure(grpc::CallbackServerContext
       const auto unit = ReadWorkUnit(request->unit());
       if (!unit) return call.Finish(ToStatus(unit.error()));
       return call.Apply([=, unit = *unit, lease = ReadLeaseId(request->lease())](CoreContext& core) {
-        return apply(core, [&] { core.farm.FailUnit(core.now, worker, lease, unit, reason); });
+        return apply(core, [&] { core.farm.FailUnit(worker, lease, unit, reason); });
       });
     }
     const auto scene = ReadDigest(request->scene(), "scene");
     if (!scene) return call.Finish(ToStatus(scene.error()));
+    const FailureCause cause = CauseOf(*request);
     call.Apply([=, scene = *scene](CoreContext& core) {
-      return apply(core, [&] { core.farm.FailScene(core.now, worker, scene, reason); });
+      return apply(core, [&] { core.farm.FailScene(worker, scene, reason, cause); });
     });
   });
 }

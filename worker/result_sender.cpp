@@ -102,6 +102,7 @@ class Calls {
     }
     request.set_scene(WriteDigest(failure.scene));
     request.set_reason(CleanReason(failure.reason));
+    if (failure.cause == FailureCause::kWorkerLimit) request.set_cause(proto::FailureRequest::WORKER_LIMIT);
     proto::FailureAnswer answer;
     const grpc::Status status =
         Call([&](grpc::ClientContext* context) { return stub_->ReturnFailure(context, request, &answer); });

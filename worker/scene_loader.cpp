@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
+#include <exception>
+#include <new>
+
 #include "proto/package_names.h"
 #include "renderer/scene/version.h"
 
@@ -72,6 +76,31 @@ Result<std::shared_ptr<const Scene>> LoadOrderedScene(const SceneRequest& order,
         "{}: the frame that this worker reads from the scene differs from the one submitted", name));
   }
   return std::shared_ptr<const Scene>(std::move(*scene));
+}
+
+LoadOutcome LoadOrderedScene(const SceneRequest& order, const LoadLimits& limits, const FetchBlob& fetch,
+                             std::shared_ptr<SharedCache> cache) {
+  std::atomic<bool> is_out_of_reach = false;
+  const FetchBlob watched_fetch = [&](const Digest& digest, uint64_t size_max) {
+    auto bytes = fetch(digest, size_max);
+    // Bad input: the coordinator has no such file, whoever asks.
+    if (!bytes && bytes.error().kind != ErrorKind::kBadInput) is_out_of_reach = true;
+    return bytes;
+  };
+  std::optional<Result<std::shared_ptr<const Scene>>> loaded;
+  const auto within = RunWithinLimits(order.scene_file, limits, [&] {
+    try {
+      loaded.emplace(LoadOrderedScene(order, watched_fetch, std::move(cache)));
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& e) {
+      loaded.emplace(Failed(fmt::format("{}: {}", order.scene_file, e.what())));
+    }
+  });
+  if (!within) return {nullptr, within.error().message, FailureCause::kWorkerLimit};
+  if (*loaded) return {std::move(**loaded), "", FailureCause::kScene};
+  return {nullptr, loaded->error().message,
+          is_out_of_reach ? FailureCause::kWorkerLimit : FailureCause::kScene};
 }
 
 }  // namespace tessera

@@ -7,8 +7,10 @@
 #include <optional>
 #include <string>
 
+#include "proto/failure_cause.h"
 #include "proto/scene_package.h"
 #include "proto/terms.h"
+#include "renderer/load/limited_load.h"
 #include "renderer/scene/scene.h"
 #include "renderer/util/result.h"
 
@@ -52,5 +54,18 @@ class PackageFileSource : public FileSource {
 // same files.
 Result<std::shared_ptr<const Scene>> LoadOrderedScene(const SceneRequest& order, const FetchBlob& fetch,
                                                       std::shared_ptr<SharedCache> cache = nullptr);
+
+// A scene that is ready to render, or why there is none.
+struct LoadOutcome {
+  std::shared_ptr<const Scene> scene;  // null: it could not be loaded
+  std::string reason;                  // one line, for the user to read
+  FailureCause cause = FailureCause::kScene;
+};
+
+// The same within limits. A limit that is exceeded and a file that could not be fetched are the worker's
+// limits; a file that does not exist, or anything else that throws while the scene is loaded, is the scene's
+// fault.
+LoadOutcome LoadOrderedScene(const SceneRequest& order, const LoadLimits& limits, const FetchBlob& fetch,
+                             std::shared_ptr<SharedCache> cache = nullptr);
 
 }  // namespace tessera

@@ -238,15 +238,14 @@ void Worker::LoadScene(const SceneRequest& order) {
   const FetchBlob fetch = [&](const Digest& digest, uint64_t size_max) {
     return fetcher_.Get(order.package, digest, size_max);
   };
-  auto scene = LoadWithinLimits(order.scene_file, load_limits_,
-                                [&] { return LoadOrderedScene(order, fetch, assets_); });
+  LoadOutcome loaded = LoadOrderedScene(order, load_limits_, fetch, assets_);
   meter_.LoaderDoes(ActivityMeter::Loader::kIdle, Clock::now());
   if (closing_.stop_requested()) return;
-  if (!scene) {
-    spdlog::warn("scene_failed scene={} reason={}", order.key.Hex(), LogText(scene.error().message));
-    return workload_.Change(kNews)->SceneFailed(order.key, scene.error().message, Clock::now());
+  if (loaded.scene == nullptr) {
+    spdlog::warn("scene_failed scene={} reason={}", order.key.Hex(), LogText(loaded.reason));
+    return workload_.Change(kNews)->SceneFailed(order.key, loaded.reason, loaded.cause, Clock::now());
   }
-  workload_.Change(kNews)->SceneLoaded(order.key, std::move(*scene));
+  workload_.Change(kNews)->SceneLoaded(order.key, std::move(loaded.scene));
   spdlog::info("scene_loaded scene={} load_s={:.3f}", order.key.Hex(),
                std::chrono::duration<double>(Clock::now() - start).count());
 }
@@ -281,7 +280,7 @@ void Worker::LoadScenes() {
     } catch (const std::exception& e) {  // such as std::bad_alloc
       if (scene != nullptr) {
         workload_.Change(kNews)->SceneFailed(scene->key, fmt::format("{}: {}", scene->scene_file, e.what()),
-                                             Clock::now());
+                                             FailureCause::kWorkerLimit, Clock::now());
       } else {
         workload_.Change(kNews)->PreparationFinished(
             NotPrepared(preparation->key, fmt::format("{}: {}", preparation->scene.scene_file, e.what())));

@@ -107,13 +107,12 @@ void Farm::ReturnResults(Instant now, CallId call, WorkerId worker, std::vector<
   pending_results_.push_back(std::move(pending));
 }
 
-void Farm::FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
-                    const std::string& reason) {
-  state_.scheduler.FailUnit(now, worker, lease, unit, reason);
+void Farm::FailUnit(WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason) {
+  state_.scheduler.FailUnit(worker, lease, unit, reason);
 }
 
-void Farm::FailScene(Instant now, WorkerId worker, const Digest& scene, const std::string& reason) {
-  state_.scheduler.FailScene(now, worker, scene, reason);
+void Farm::FailScene(WorkerId worker, const Digest& scene, const std::string& reason, FailureCause cause) {
+  state_.scheduler.FailScene(worker, scene, reason, cause);
 }
 
 void Farm::AnswerResults(Instant now) {

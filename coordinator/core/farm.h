@@ -61,8 +61,9 @@ class Farm {
   // Answered in the next output.
   void ReturnResults(Instant now, CallId call, WorkerId worker, std::vector<ReturnedUnit> units);
   // The worker could not render a unit or load a scene of this farm, for the reason it gives.
-  void FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason);
-  void FailScene(Instant now, WorkerId worker, const Digest& scene, const std::string& reason);
+  void FailUnit(WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason);
+  void FailScene(WorkerId worker, const Digest& scene, const std::string& reason,
+                 FailureCause cause = FailureCause::kScene);
 
   // The worker has prepared a scene of this farm, or could not.
   void ReturnPreparation(Instant now, WorkerId worker, const PreparationReport& report) {

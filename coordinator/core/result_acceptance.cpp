@@ -62,7 +62,7 @@ Verdict ResultAcceptance::Decide(Instant now, WorkerId worker, Job& job, Returne
   }
   if (!reason.empty()) {
     reason = fmt::format("result of {} refused: {}", unit.Text(), reason);
-    scheduler.RefuseResult(now, worker, returned.lease, unit, reason);
+    scheduler.RefuseResult(worker, returned.lease, unit, reason);
     return Verdict::kRefused;
   }
   const bool is_verified = scheduler.NeedsVote(unit);

@@ -37,6 +37,18 @@ TEST_F(LoadLimits, ASceneThatNeedsTooMuchMemoryFailsAndTheWorkerGoesOn) {
   EXPECT_EQ(Ask({"watch", other}).code, 0);
 }
 
+TEST_F(LoadLimits, WorkersThatAreTooSmallLeaveASceneToALargerOne) {
+  StartCoordinator();
+  std::vector<Process*> small;
+  for (const char* name : {"small-1", "small-2", "small-3"})
+    small.push_back(&StartWorker(name, 1, {"--scene-memory", "16M"}));
+  const std::string job = Submit(WriteLargeScene(), {"--spp", "1", "--resolution", "16x16"});
+  for (Process* const each : small) ASSERT_TRUE(each->AwaitErrors("scene_failed"));
+  StartWorker("large", 1);
+  const Outcome watched = Ask({"watch", job});
+  EXPECT_EQ(watched.code, 0) << watched.errors;
+}
+
 TEST_F(LoadLimits, ASceneThatNeedsTooMuchMemoryIsNotSubmittedOrDescribed) {
   StartCoordinator();
   const std::string large = WriteLargeScene(400'000);

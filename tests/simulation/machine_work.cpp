@@ -219,8 +219,7 @@ void Machines::SendFailure(size_t m, uint64_t batch, const FailureReport& failur
     Farm* const farm = coordinator_.farm();
     if (farm == nullptr || !farm->HasJoined(worker)) return;
     world_.Trace(fmt::format("failure worker={} {}", Number(worker), failure.unit.Text()));
-    if (failure.farm == farm->id())
-      farm->FailUnit(coordinator_.now(), worker, failure.lease, failure.unit, failure.reason);
+    if (failure.farm == farm->id()) farm->FailUnit(worker, failure.lease, failure.unit, failure.reason);
     coordinator_.AfterSync([=, this] {
       BatchAnswered(m, batch, [failure](Machine& at) { at.worker->load().FailureAnswered(failure); });
     });

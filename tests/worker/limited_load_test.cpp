@@ -73,6 +73,28 @@ TEST(LimitedLoad, ASceneThatTakesTooLongFailsWithTheLimit) {
   EXPECT_THAT(scene.error().message, HasSubstr("longer than 1 s (--load-timeout)"));
 }
 
+TEST(LimitedLoad, AFailureNamesTheScenesFaultOrTheLimitOfTheWorker) {
+  BlobMap blobs;
+  const LoadLimits ample{500 * kMegabyte, 60s};
+  const auto load = [&](const std::string& text, const LoadLimits& limits, const FetchBlob& fetch) {
+    const SceneRequest order = MakeOrder(blobs, text);
+    LoadOutcome outcome = LoadOrderedScene(order, limits, fetch);
+    EXPECT_NE(outcome.scene == nullptr, outcome.reason.empty());
+    return outcome;
+  };
+  const FetchBlob fetch = blobs.Fetcher();
+  const auto fail_with = [](const Error& error) {
+    return [=](const Digest&, uint64_t) -> Result<std::string> { return error; };
+  };
+  EXPECT_NE(load(kTinyScene, ample, fetch).scene, nullptr);
+  EXPECT_EQ(load("nonsense", ample, fetch).cause, FailureCause::kScene);
+  EXPECT_EQ(load(SceneWithMesh(100'000), {16 * kMegabyte, 60s}, fetch).cause, FailureCause::kWorkerLimit);
+  EXPECT_EQ(load(kTinyScene, ample, fail_with(Failed("the download was given up"))).cause,
+            FailureCause::kWorkerLimit);
+  EXPECT_EQ(load(kTinyScene, ample, fail_with(BadInput("there is no such file"))).cause,
+            FailureCause::kScene);
+}
+
 TEST(LimitedLoad, WhatLoadingThrowsIsAnError) {
   const auto scene = LoadWithinLimits("scene.pbrt", {500 * kMegabyte, 60s},
                                       []() -> LoadedScene { throw std::runtime_error("a library failed"); });

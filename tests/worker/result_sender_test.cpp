@@ -84,7 +84,8 @@ TEST(ResultSender, WhatIsRefusedDoesNotDelayWhatComesAfterIt) {
     const auto task = workload.AwaitUnit({});
     workload.Change()->UnitFinished({task->lease.id, task->lease.unit, tile, 0.1}, Clock::now());
   }
-  workload.Change()->SceneFailed(Sha256("another"), "it cannot be delivered", Clock::now());
+  workload.Change()->SceneFailed(Sha256("another"), "it cannot be delivered", FailureCause::kScene,
+                                 Clock::now());
   ResultSender sender(OpenChannel(address), WorkerId{1}, workload);
   std::jthread thread([&](std::stop_token stop) { sender.Run(std::move(stop)); });
   EXPECT_TRUE(coordinator.Await({"first", "second"}));

@@ -141,7 +141,7 @@ TEST_F(SharedWorkloadTest, ASceneThatFailsReturnsItsLeasesAndIsReported) {
   lease.unit.scene = bad.key;
   workload_.Change()->AddLeases({}, {lease}, {}, Clock::now());
   EXPECT_EQ(std::get<SceneRequest>(*workload_.AwaitLoaderTask({})).key, bad.key);
-  workload_.Change(kNews)->SceneFailed(bad.key, "nonsense in it", Clock::now());
+  workload_.Change(kNews)->SceneFailed(bad.key, "nonsense in it", FailureCause::kScene, Clock::now());
   EXPECT_THAT(State().returned_leases, ElementsAre(LeaseId{1}));
   const auto report = std::get<FailureReport>(workload_.AwaitBatch(0, {}));
   EXPECT_EQ(report.lease, LeaseId{});

@@ -117,10 +117,10 @@ void Workload::SceneLoaded(const Digest& key, SceneTable::ScenePointer scene) {
   scenes_.Loaded(key, std::move(scene));
 }
 
-void Workload::SceneFailed(const Digest& key, std::string reason, TimePoint now) {
+void Workload::SceneFailed(const Digest& key, std::string reason, FailureCause cause, TimePoint now) {
   scenes_.Failed(key, now);
   Append(returned_, leases_.TakeScene(key));
-  AddFailure({LeaseId{}, {}, key, std::move(reason)});
+  AddFailure({LeaseId{}, {}, key, std::move(reason), cause});
 }
 
 std::optional<PreparationRequest> Workload::StartPreparation() {

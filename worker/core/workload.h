@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "proto/failure_cause.h"
 #include "proto/terms.h"
 #include "worker/core/held_leases.h"
 #include "worker/core/preparation_queue.h"
@@ -31,6 +32,7 @@ struct FailureReport {
   WorkUnit unit;
   Digest scene;
   std::string reason;
+  FailureCause cause = FailureCause::kScene;  // if there is no lease
   FarmId farm{};
   uint64_t number = 0;  // counts the reports of this process
 };
@@ -76,7 +78,7 @@ class Workload {
   // When StartScene may return a scene that failed before, if nothing else changes.
   std::optional<TimePoint> NextRetry() const { return draining_ ? std::nullopt : scenes_.NextRetry(); }
   void SceneLoaded(const Digest& key, SceneTable::ScenePointer scene);
-  void SceneFailed(const Digest& key, std::string reason, TimePoint now);
+  void SceneFailed(const Digest& key, std::string reason, FailureCause cause, TimePoint now);
 
   // ---- Preparations
   // The next scene to prepare; nullopt while draining.

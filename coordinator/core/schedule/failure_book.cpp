@@ -1,5 +1,7 @@
 #include "coordinator/core/schedule/failure_book.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "coordinator/core/schedule/policy.h"
@@ -7,10 +9,16 @@
 namespace tessera {
 namespace {
 
+// Of a large farm all that are needed to understand the problem.
+constexpr size_t kReasonsShownMax = 8;
+
 std::string ReasonsOf(const std::map<WorkerId, const FailureBook::Entry*>& failures) {
   std::string reasons;
+  size_t shown = 0;
   for (const auto& [worker, entry] : failures) {
     if (!reasons.empty()) reasons += "; ";
+    if (shown++ == kReasonsShownMax)
+      return reasons + fmt::format("and {} more", failures.size() - kReasonsShownMax);
     reasons += entry->reason;
   }
   return reasons;
@@ -18,9 +26,10 @@ std::string ReasonsOf(const std::map<WorkerId, const FailureBook::Entry*>& failu
 
 }  // namespace
 
-void FailureBook::Record(Entry entry) {
+void FailureBook::Record(Entry entry, FailureCause cause) {
   if (!entry.samples) {
-    scene_->failures.try_emplace(entry.worker, std::move(entry));
+    auto& known = cause == FailureCause::kScene ? scene_->failures : scene_->limits;
+    if (known.size() < kSceneFailuresKeptMax) known.try_emplace(entry.worker, std::move(entry));
     return;
   }
   const bool known = std::any_of(entries_.begin(), entries_.end(), [&](const Entry& each) {
@@ -30,7 +39,7 @@ void FailureBook::Record(Entry entry) {
 }
 
 bool FailureBook::HasFailed(WorkerId worker, uint32_t tile) const {
-  if (scene_->failures.contains(worker)) return true;
+  if (scene_->failures.contains(worker) || scene_->limits.contains(worker)) return true;
   return std::any_of(entries_.begin(), entries_.end(),
                      [&](const Entry& each) { return each.worker == worker && each.samples->tile == tile; });
 }
@@ -57,11 +66,13 @@ std::vector<WorkerId> FailureBook::Disprove(uint32_t tile, WorkerId by,
 
 FailureBook::Failures FailureBook::Against(std::optional<uint32_t> tile) const {
   Failures failures;
-  // Whoever failed the scene failed all its tiles. What was failed of its tiles may have other causes.
-  for (const auto& [worker, entry] : scene_->failures) failures.emplace(worker, &entry);
-  if (!tile) return failures;
+  // What was failed of the scene's tiles may have other causes than the scene.
   for (const Entry& each : entries_) {
-    if (each.samples->tile == *tile) failures.emplace(each.worker, &each);
+    if (each.samples->tile == tile) failures.emplace(each.worker, &each);
+  }
+  // Whoever failed the scene failed all its tiles.
+  for (const auto* const each : {&scene_->failures, &scene_->limits}) {
+    for (const auto& [worker, entry] : *each) failures.emplace(worker, &entry);
   }
   return failures;
 }
@@ -72,25 +83,53 @@ std::set<std::optional<uint32_t>> FailureBook::Failed() const {
   return failed;
 }
 
-std::optional<std::string> FailureBook::FatalReason(int attempts_max) const {
+std::optional<FailureBook::Reason> FailureBook::FatalReason(
+    int attempts_max, const std::function<std::set<Party>()>& find_parties) const {
+  const auto needed = static_cast<size_t>(attempts_max);
   for (const auto& tile : Failed()) {
-    const Failures failures = Against(tile);
-    if (failures.size() >= static_cast<size_t>(attempts_max)) return ReasonsOf(failures);
+    Failures failures = Against(tile);
+    std::erase_if(failures, [&](const auto& each) {
+      const bool is_of_scene = !each.second->samples;
+      return is_of_scene && (scene_->is_rendered || scene_->limits.contains(each.first));
+    });
+    if (failures.size() < needed) continue;
+    std::set<Party> failed;
+    for (const auto& [worker, entry] : failures) failed.insert(PartyOf(entry->member, worker));
+    std::set<Party> all = failed;
+    if (failed.size() < needed) all.merge(find_parties());
+    if (failed.size() >= std::min(needed, all.size())) return Reason{!tile, ReasonsOf(failures)};
   }
   return std::nullopt;
 }
 
-std::optional<std::string> FailureBook::FatalReasonOfAll(const std::set<WorkerId>& workers,
-                                                         Instant before) const {
+std::optional<FailureBook::Reason> FailureBook::ReasonOfAll(const std::set<WorkerId>& workers,
+                                                            bool is_fatal) const {
   for (const auto& tile : Failed()) {
-    const Failures failures = Against(tile);
-    const bool all = std::all_of(workers.begin(), workers.end(),
-                                 [&](WorkerId worker) { return failures.contains(worker); });
-    const bool settled = std::all_of(failures.begin(), failures.end(),
-                                     [&](const auto& each) { return each.second->at <= before; });
-    if (all && settled) return ReasonsOf(failures);
+    Failures failures = Against(tile);
+    std::erase_if(failures, [&](const auto& each) { return !workers.contains(each.first); });
+    if (failures.size() < workers.size()) continue;
+    const bool is_tried =
+        std::ranges::any_of(failures, [](const auto& each) { return each.second->samples.has_value(); });
+    if (is_fatal && scene_->is_rendered && !is_tried) continue;
+    return Reason{!tile, ReasonsOf(failures)};
   }
   return std::nullopt;
+}
+
+std::optional<FailureBook::Reason> FailureBook::ReasonOfAll(const std::set<WorkerId>& workers) const {
+  return ReasonOfAll(workers, false);
+}
+
+std::optional<FailureBook::Reason> FailureBook::FatalReasonOfAll(Instant now,
+                                                                 const std::set<WorkerId>& workers,
+                                                                 Instant grace) {
+  auto reason = workers.empty() ? std::nullopt : ReasonOfAll(workers, true);
+  if (!reason) {
+    none_may_since_.reset();
+  } else if (!none_may_since_) {
+    none_may_since_ = now;
+  }
+  return reason && now - *none_may_since_ >= grace ? reason : std::nullopt;
 }
 
 }  // namespace tessera

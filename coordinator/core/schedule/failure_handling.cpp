@@ -8,20 +8,26 @@
 #include "renderer/text/unicode.h"
 
 namespace tessera {
+namespace {
+
+std::string TextOf(const FailureBook::Reason& fatal) {
+  return (fatal.is_scene ? "the scene cannot be loaded: " : "a unit cannot be rendered: ") + fatal.text;
+}
+
+}  // namespace
 
 bool FailureHandling::Hold(WorkerId worker, LeaseId lease, const WorkUnit& unit) const {
   return state_.leases.IsHeldBy(lease, worker) && state_.leases.At(lease).lease.unit == unit;
 }
 
-void FailureHandling::FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
+void FailureHandling::FailUnit(WorkerId worker, LeaseId lease, const WorkUnit& unit,
                                const std::string& reason) {
   if (!Hold(worker, lease, unit)) return;
   leases_.Return(lease);
-  RecordFailure(now, worker, unit, reason);
+  RecordFailure(worker, unit, reason);
 }
 
-void FailureHandling::RecordFailure(Instant now, WorkerId worker_id, const WorkUnit& unit,
-                                    const std::string& reason) {
+void FailureHandling::RecordFailure(WorkerId worker_id, const WorkUnit& unit, const std::string& reason) {
   WorkerRecord& worker = state_.workers.At(worker_id);
   ActiveFrame& frame = *state_.jobs.FindFrame(unit);
   const TileSamples samples{unit.tile, unit.range};
@@ -31,53 +37,69 @@ void FailureHandling::RecordFailure(Instant now, WorkerId worker_id, const WorkU
   ++state_.counters.units_failed;
   state_.log.push_back(fmt::format("unit_failed worker={:016x} name={} unit={} reason={}", Number(worker_id),
                                    LogText(worker.name), LogText(unit.Text()), LogText(reason)));
-  state_.Warn(unit.job, fmt::format("worker {} did not render {}: {}", worker.name,
-                                    UnitText(*state_.jobs.At(unit.job).spec, unit), reason));
-  frame.failures.Record({samples, worker_id, worker.name + ": " + reason, now});
-  if (const auto fatal = frame.failures.FatalReason(attempts_max_))
-    FailJob(unit.job, "a unit cannot be rendered: " + *fatal);
+  const Job& job = state_.jobs.At(unit.job);
+  state_.Warn(unit.job,
+              fmt::format("worker {} did not render {}: {}", worker.name, UnitText(*job.spec, unit), reason));
+  frame.failures.Record({samples, worker_id, worker.member, worker.name + ": " + reason});
+  Judge(job, frame);
 }
 
-void FailureHandling::FailScene(Instant now, WorkerId worker_id, const Digest& scene,
-                                const std::string& reason) {
-  WorkerRecord* const worker = state_.workers.Find(worker_id);
-  if (worker == nullptr || !worker->Expects(scene)) return;
-  worker->scenes.erase(scene);
-  std::erase_if(worker->wanted, [&](const SceneRequest& order) { return order.key == scene; });
-  worker->loading_since.erase(scene);
-  state_.idle.Remove(worker_id);
-  state_.log.push_back(fmt::format("scene_failed worker={:016x} name={} scene={} reason={}",
-                                   Number(worker_id), LogText(worker->name), scene.Hex(), LogText(reason)));
-  const std::vector<LeaseId> leases = state_.leases.OfWorker(worker_id);
+void FailureHandling::Judge(const Job& job, const ActiveFrame& frame) {
+  const auto fatal = frame.failures.FatalReason(
+      attempts_max_, [&] { return state_.workers.PartiesFor(job.spec->required_tags); });
+  if (fatal) FailJob(job.id, TextOf(*fatal));
+}
+
+void FailureHandling::Withdraw(WorkerRecord& worker, const Digest& scene) {
+  worker.scenes.erase(scene);
+  std::erase_if(worker.wanted, [&](const SceneRequest& order) { return order.key == scene; });
+  worker.loading_since.erase(scene);
+  state_.idle.Remove(worker.id);
+  const std::vector<LeaseId> leases = state_.leases.OfWorker(worker.id);
   for (const LeaseId lease : leases) {
     if (state_.leases.At(lease).lease.unit.scene == scene) leases_.Return(lease);
   }
+}
+
+void FailureHandling::FailScene(WorkerId worker_id, const Digest& scene, const std::string& reason,
+                                FailureCause cause) {
+  WorkerRecord* const worker = state_.workers.Find(worker_id);
+  if (worker == nullptr || !worker->Expects(scene)) return;
+  state_.log.push_back(fmt::format("scene_failed worker={:016x} name={} scene={} reason={}",
+                                   Number(worker_id), LogText(worker->name), scene.Hex(), LogText(reason)));
+  Withdraw(*worker, scene);
   ++worker->units_failed;
   worker->last_failure = reason;
+  bool is_at_fault = false;
   for (const auto& [id, job] : state_.jobs.open()) {
     bool is_told = false;
     for (auto& [index, frame] : job->schedule.active) {
       if (frame.scene.key != scene) continue;
       if (!std::exchange(is_told, true))
         state_.Warn(id, fmt::format("worker {} did not load the scene: {}", worker->name, reason));
-      frame.failures.Record({std::nullopt, worker_id, worker->name + ": " + reason, now});
-      if (const auto fatal = frame.failures.FatalReason(attempts_max_))
-        FailJob(id, "the scene cannot be loaded: " + *fatal);
+      if (cause == FailureCause::kScene && frame.failures.IsSceneRendered()) {
+        is_at_fault = true;
+        continue;
+      }
+      frame.failures.Record({std::nullopt, worker_id, worker->member, worker->name + ": " + reason}, cause);
+      Judge(*job, frame);
     }
   }
   leases_.UpdateRoom(*worker);
+  if (is_at_fault) Strike(worker_id, "could not load a scene that was rendered: " + reason);
 }
 
 // Without the lease anybody may have sent the result in the worker's name, so it does not count against it.
-void FailureHandling::RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
+void FailureHandling::RefuseResult(WorkerId worker, LeaseId lease, const WorkUnit& unit,
                                    const std::string& reason) {
   if (!Hold(worker, lease, unit)) return;
-  FailUnit(now, worker, lease, unit, reason);
+  FailUnit(worker, lease, unit, reason);
   Strike(worker, "returned wrong results: " + reason);
 }
 
 void FailureHandling::Disprove(WorkerId by, const WorkUnit& unit, ActiveFrame& frame) {
-  if (frame.failures.empty()) return;
+  frame.failures.NoteRendered();
+  if (!frame.failures.CanDisprove()) return;
   const auto is_done = [&](TileSamples samples) { return frame.work.IsDone(samples); };
   for (const WorkerId at_fault : frame.failures.Disprove(unit.tile, by, is_done))
     Strike(at_fault, "failed units that others finished");
@@ -111,15 +133,16 @@ void FailureHandling::FailJob(JobId job, const std::string& reason) {
 }
 
 void FailureHandling::FailWhatAllFailed(Instant now) {
-  if (now < kPoisonGrace) return;
   for (const auto& [id, job] : state_.jobs.open()) {
-    std::set<WorkerId> able;  // filled for the few jobs that have failures
-    for (const auto& [index, frame] : job->schedule.active) {
+    std::optional<std::set<WorkerId>> able;  // for the few jobs that have failures
+    for (auto& [index, frame] : job->schedule.active) {
       if (frame.failures.empty()) continue;
-      if (able.empty()) able = state_.workers.AbleFor(job->spec->required_tags);
-      if (able.empty()) break;  // a worker that joins may be able to render it
-      if (const auto fatal = frame.failures.FatalReasonOfAll(able, now - kPoisonGrace))
-        FailJob(id, "a unit cannot be rendered: " + *fatal);
+      if (!able) able = state_.workers.AbleFor(job->spec->required_tags);
+      const bool are_all_here =
+          attempts_max_ < kAttemptsMaxDefault && able->size() >= static_cast<size_t>(attempts_max_);
+      // If none is able, a worker that joins may be able to render it.
+      const Instant grace = are_all_here ? Instant{} : kPoisonGrace;
+      if (const auto fatal = frame.failures.FatalReasonOfAll(now, *able, grace)) FailJob(id, TextOf(*fatal));
     }
   }
 }
@@ -127,8 +150,10 @@ void FailureHandling::FailWhatAllFailed(Instant now) {
 std::string FailureHandling::WhyNoneMay(const Job& job, const std::set<WorkerId>& able) {
   for (const auto& [index, frame] : job.schedule.active) {
     if (frame.failures.empty()) continue;
-    if (const auto why = frame.failures.FatalReasonOfAll(able, Instant::max()))
-      return "every worker that is connected failed a unit of it, so another one is needed: " + *why;
+    if (const auto why = frame.failures.ReasonOfAll(able)) {
+      return fmt::format("every worker that is connected failed {}, so another one is needed: {}",
+                         why->is_scene ? "to load the scene" : "a unit of it", why->text);
+    }
   }
   return {};
 }

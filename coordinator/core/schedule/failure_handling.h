@@ -22,18 +22,20 @@ class FailureHandling {
       : state_(state), leases_(leases), attempts_max_(attempts_max) {}
 
   // The worker could not render the unit. Does nothing unless it holds the lease of that unit.
-  void FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason);
-  // The worker could not load the scene: as if it had failed all of its units, in every job. Does nothing
-  // unless it was told to load it.
-  void FailScene(Instant now, WorkerId worker, const Digest& scene, const std::string& reason);
+  void FailUnit(WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason);
+  // The worker could not load the scene: as if it had failed all of its units, in every job. A limit of the
+  // worker rules out the worker and counts for no more; a scene that others have rendered is the worker's
+  // fault. Does nothing unless it was told to load it.
+  void FailScene(WorkerId worker, const Digest& scene, const std::string& reason, FailureCause cause);
   // The worker returned a wrong result: a failure that also counts against the worker.
-  void RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
-                    const std::string& reason);
+  void RefuseResult(WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason);
   // The worker has rendered the unit, so those that failed it are at fault.
   void Disprove(WorkerId by, const WorkUnit& unit, ActiveFrame& frame);
   void Quarantine(WorkerRecord& worker, const std::string& reason);
   void FailJob(JobId job, const std::string& reason);
-  // Fails jobs that every able worker has failed, even if those are fewer than attempts_max.
+  // Fails jobs that every able worker has failed for kPoisonGrace, even if those are fewer than attempts_max,
+  // and whatever the cause. A farm with a smaller number than the default has no more workers than that, so
+  // it does not wait for another one.
   void FailWhatAllFailed(Instant now);
   // What of the job none of the able workers (not empty) may render, because all of them failed it, and why;
   // empty if there is nothing.
@@ -43,7 +45,11 @@ class FailureHandling {
 
  private:
   bool Hold(WorkerId worker, LeaseId lease, const WorkUnit& unit) const;
-  void RecordFailure(Instant now, WorkerId worker, const WorkUnit& unit, const std::string& reason);
+  void RecordFailure(WorkerId worker, const WorkUnit& unit, const std::string& reason);
+  // Forgets that the worker has the scene or was told to load it, and returns its leases of it.
+  void Withdraw(WorkerRecord& worker, const Digest& scene);
+  // Fails the job if what was recorded for the frame is fatal.
+  void Judge(const Job& job, const ActiveFrame& frame);
   void Strike(WorkerId worker, const std::string& reason);
 
   ScheduleState& state_;

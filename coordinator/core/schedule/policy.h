@@ -136,6 +136,8 @@ constexpr size_t kLossesKeptMax = 100, kVanishedKeptMax = 10'000;
 
 // Failures kept per frame: far more than are needed to decide.
 constexpr size_t kFailuresKeptMax = 1000;
+// The same of a scene, for each cause: all workers of a large farm may be too small for it.
+constexpr size_t kSceneFailuresKeptMax = kWorkersMax;
 
 // ---- Pictures ----
 // A full disk empties slowly.

@@ -121,16 +121,15 @@ class Scheduler {
   std::vector<WorkerId> TakeDistrusted() { return votes_.TakeDistrusted(); }
   // A result of the worker brought this many pixel samples that are new.
   void CountAccepted(WorkerId worker, uint64_t pixel_samples, double render_seconds);
-  void FailUnit(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
-                const std::string& reason) {
-    failures_.FailUnit(now, worker, lease, unit, reason);
+  void FailUnit(WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason) {
+    failures_.FailUnit(worker, lease, unit, reason);
   }
-  void FailScene(Instant now, WorkerId worker, const Digest& scene, const std::string& reason) {
-    failures_.FailScene(now, worker, scene, reason);
+  void FailScene(WorkerId worker, const Digest& scene, const std::string& reason,
+                 FailureCause cause = FailureCause::kScene) {
+    failures_.FailScene(worker, scene, reason, cause);
   }
-  void RefuseResult(Instant now, WorkerId worker, LeaseId lease, const WorkUnit& unit,
-                    const std::string& reason) {
-    failures_.RefuseResult(now, worker, lease, unit, reason);
+  void RefuseResult(WorkerId worker, LeaseId lease, const WorkUnit& unit, const std::string& reason) {
+    failures_.RefuseResult(worker, lease, unit, reason);
   }
 
   // ---- Time and decisions ----

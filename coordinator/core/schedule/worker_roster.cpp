@@ -215,6 +215,14 @@ std::set<WorkerId> WorkerRoster::AbleFor(const std::set<std::string>& tags) cons
   return able;
 }
 
+std::set<Party> WorkerRoster::PartiesFor(const std::set<std::string>& tags) const {
+  std::set<Party> parties;
+  for (const auto& [id, worker] : workers_) {
+    if (worker.may_work() && worker.has_tags(tags)) parties.insert(PartyOf(worker.member, id));
+  }
+  return parties;
+}
+
 // Why the connected workers that have the tags take no work, counted; empty if there are no such workers.
 std::string WorkerRoster::WhyIdle(const std::set<std::string>& tags) const {
   size_t drained = 0, quarantined = 0, leaving = 0;

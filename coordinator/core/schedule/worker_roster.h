@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "coordinator/core/schedule/failure_book.h"
 #include "coordinator/core/schedule/instant.h"
 #include "coordinator/core/schedule/lease_table.h"
 #include "coordinator/core/schedule/occupancy.h"
@@ -168,6 +169,8 @@ class WorkerRoster {
   std::vector<WorkerBlock> TakeBlocks() { return std::exchange(changed_blocks_, {}); }
   // Workers that may work on a job that requires these tags.
   std::set<WorkerId> AbleFor(const std::set<std::string>& tags) const;
+  // Whose workers those are.
+  std::set<Party> PartiesFor(const std::set<std::string>& tags) const;
   // Why none may, for people; call it only if that is so.
   std::string WhyNoneFor(const std::set<std::string>& tags) const;
 

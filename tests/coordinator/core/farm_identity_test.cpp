@@ -104,7 +104,7 @@ TEST(FarmIdentity, ResultsOfAnotherHistoryAreNoFaultOfTheWorker) {
   for (int i = 0; i < 20; ++i) {
     EXPECT_EQ(stage.Return(beyond), Verdict::kObsolete);
     EXPECT_EQ(stage.Return(unknown), Verdict::kObsolete);
-    stage.farm.FailUnit(stage.now, WorkerId{1}, LeaseId{9, 9}, unknown, "it cannot be rendered");
+    stage.farm.FailUnit(WorkerId{1}, LeaseId{9, 9}, unknown, "it cannot be rendered");
   }
   EXPECT_FALSE(stage.IsQuarantined());
   EXPECT_EQ(stage.farm.Status(stage.now, job)->state, JobState::kWaiting);

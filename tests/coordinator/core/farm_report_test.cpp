@@ -162,13 +162,12 @@ TEST_F(ReportStage, WorkersShowTheirMemoryTheirScenesAndTheirLastFailure) {
   worker.memory_bytes = 123'456'789;
   SetScene(true, false);
   Step(seconds(1));
-  farm.FailScene(now, WorkerId{1}, Digest{}, "of a scene that it was not asked for");
+  farm.FailScene(WorkerId{1}, Digest{}, "of a scene that it was not asked for");
   ASSERT_EQ(farm.Workers(now).size(), 1u);
   EXPECT_EQ(farm.Workers(now)[0].memory_bytes, 123'456'789u);
   EXPECT_EQ(farm.Workers(now)[0].scenes, std::vector<JobId>{job});
   EXPECT_EQ(farm.Workers(now)[0].last_failure, "");
-  farm.FailScene(now, WorkerId{1}, SceneKey(spec->package, "scene", "", spec->frames[0].spec),
-                 "out of memory");
+  farm.FailScene(WorkerId{1}, SceneKey(spec->package, "scene", "", spec->frames[0].spec), "out of memory");
   EXPECT_EQ(farm.Workers(now)[0].last_failure, "out of memory");
   EXPECT_TRUE(farm.Workers(now)[0].scenes.empty());
 }

@@ -60,7 +60,7 @@ TEST(JobMessages, NameTheWorkerTheUnitAndTheReasonOfAFailure) {
   const WorkUnit unit = stage.Unit(job, 0, 0, {0, 4});
   for (uint64_t worker = 1; worker <= 3; ++worker) {
     JoinWithFormerLease(stage.farm, stage.now, CallId{++stage.calls}, WorkerId{worker}, unit);
-    stage.farm.FailUnit(stage.now, WorkerId{worker}, FormerLease(), unit, "out of memory");
+    stage.farm.FailUnit(WorkerId{worker}, FormerLease(), unit, "out of memory");
     const Told told = Step(stage);
     ASSERT_FALSE(told.texts.empty());
     EXPECT_THAT(told.texts[0], HasSubstr("did not render tile 0 of frame 0, samples [0,4): out of memory"));

@@ -274,7 +274,7 @@ TEST(SchedulerControl, AReleasedWorkerHasAllItsStrikesForgiven) {
   const auto strike = [&] {
     const Lease lease = stage.Held(1)[0];
     stage.held[1].erase(lease.id);
-    stage.scheduler.RefuseResult(stage.now, WorkerId{1}, lease.id, lease.unit, "not finite");
+    stage.scheduler.RefuseResult(WorkerId{1}, lease.id, lease.unit, "not finite");
     stage.Advance();
   };
   stage.Advance();

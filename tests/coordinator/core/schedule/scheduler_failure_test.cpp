@@ -109,7 +109,7 @@ TEST(SchedulerFailure, ASceneThatThreeWorkersCannotLoadFailsItsJob) {
     stage.Send(w);
     stage.Advance();
     EXPECT_TRUE(stage.scheduler.TakeFailedJobs().empty());
-    stage.scheduler.FailScene(stage.now, WorkerId{w}, stage.SceneOf(job), "a.pbrt:3:1: no such file");
+    stage.scheduler.FailScene(WorkerId{w}, stage.SceneOf(job), "a.pbrt:3:1: no such file");
     stage.Send(w);
     stage.Advance();
     EXPECT_FALSE(stage.scheduler.HasNews(WorkerId{w})) << "it is not asked for the scene again";
@@ -127,7 +127,7 @@ TEST(SchedulerFailure, WorkersThatFailedASceneOnceRenderItWhenTheOnlyOtherWorker
     stage.Worker(w);
     stage.Send(w);
     stage.Advance();
-    stage.scheduler.FailScene(stage.now, WorkerId{w}, stage.SceneOf(job), "the download timed out");
+    stage.scheduler.FailScene(WorkerId{w}, stage.SceneOf(job), "the download timed out");
   }
   stage.Advance();
   ASSERT_FALSE(stage.Held(3).empty());
@@ -154,7 +154,7 @@ TEST(SchedulerFailure, OneFailureOfASceneCountsOnceHoweverManyJobsAreOfIt) {
   stage.Worker(1);
   stage.Send(1);
   stage.Advance();
-  stage.scheduler.FailScene(stage.now, WorkerId{1}, stage.SceneOf(job), "the download timed out");
+  stage.scheduler.FailScene(WorkerId{1}, stage.SceneOf(job), "the download timed out");
   for (int round = 0; round < 3; ++round) {
     stage.FinishAll(2, 0.01);
     stage.Advance();
@@ -183,9 +183,9 @@ TEST(SchedulerFailure, FailuresByWorkersThatNeverHeldTheUnitAreIgnored) {
   for (uint64_t w = 2; w <= 5; ++w) {
     stage.Worker(w);
     stage.Send(w);
-    stage.scheduler.FailUnit(stage.now, WorkerId{w}, lease.id, lease.unit, "made up");
-    stage.scheduler.FailScene(stage.now, WorkerId{w}, stage.SceneOf(job), "made up");
-    stage.scheduler.RefuseResult(stage.now, WorkerId{1}, LeaseId{}, lease.unit, "made up");
+    stage.scheduler.FailUnit(WorkerId{w}, lease.id, lease.unit, "made up");
+    stage.scheduler.FailScene(WorkerId{w}, stage.SceneOf(job), "made up");
+    stage.scheduler.RefuseResult(WorkerId{1}, LeaseId{}, lease.unit, "made up");
   }
   EXPECT_TRUE(stage.scheduler.TakeFailedJobs().empty());
   EXPECT_EQ(stage.Status(1), "fine") << "nobody can make it look bad";
@@ -222,7 +222,7 @@ TEST(SchedulerFailure, AWorkerThatReturnsWrongResultsIsQuarantined) {
     stage.Advance();
     const Lease lease = stage.Held(1)[0];
     stage.held[1].erase(lease.id);
-    stage.scheduler.RefuseResult(stage.now, WorkerId{1}, lease.id, lease.unit, "not finite");
+    stage.scheduler.RefuseResult(WorkerId{1}, lease.id, lease.unit, "not finite");
     EXPECT_TRUE(stage.scheduler.IsKnown(lease.unit)) << "the unit is open again";
   }
   EXPECT_THAT(stage.Status(1), HasSubstr("not finite"));

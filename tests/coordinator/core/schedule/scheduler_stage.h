@@ -122,7 +122,7 @@ class SchedulerStage {
   }
   void Fail(uint64_t id, const Lease& lease, const std::string& reason) {
     held[id].erase(lease.id);
-    scheduler.FailUnit(now, WorkerId{id}, lease.id, lease.unit, reason);
+    scheduler.FailUnit(WorkerId{id}, lease.id, lease.unit, reason);
   }
   void FinishAll(uint64_t id, double seconds_per_sample) {
     for (const Lease& lease : Held(id)) Finish(id, lease, seconds_per_sample * lease.unit.range.size);

@@ -79,7 +79,7 @@ TEST(TailRelief, NothingIsMovedThatWouldNotEndSooner) {
 TEST(TailRelief, AWorkerThatFailedTheTileGetsNoPartOfIt) {
   TailStage stage;
   stage.Grant(*stage.slow, 0);
-  stage.frame.failures.Record({TileSamples{0, {0, 64}}, stage.fast->id, "fast: no luck", stage.now});
+  stage.frame.failures.Record({TileSamples{0, {0, 64}}, stage.fast->id, {}, "fast: no luck"});
   stage.tail.Relieve(stage.now);
   EXPECT_TRUE(stage.RangesOf(*stage.fast).empty());
 }
