@@ -19,15 +19,15 @@ constexpr int kPictureStreamsMax = 64;  // with a file and a chunk each
 constexpr int kPicturesWaitingMax = 16;
 
 // Of a job that has ended.
-Result<std::string> NothingRendered(FrameId id) {
-  return BadInput(fmt::format("nothing was rendered of frame {} of job {}", id.frame, Number(id.job)));
+Result<std::string> NothingRendered(JobId job, int frame_number) {
+  return BadInput(fmt::format("nothing was rendered of frame {} of job {}", frame_number, Number(job)));
 }
 
-grpc::Status NotFinished(const JobStatus& status, uint32_t frame) {
-  return {
-      grpc::StatusCode::FAILED_PRECONDITION,
-      fmt::format("frame {} of job {} is not finished: the job is {}, {} of {} samples are done", frame,
-                  Number(status.job), JobStateName(status.state), status.samples_done, status.samples_total)};
+grpc::Status NotFinished(const JobStatus& status, int frame_number) {
+  return {grpc::StatusCode::FAILED_PRECONDITION,
+          fmt::format("frame {} of job {} is not finished: the job is {}, {} of {} samples are done",
+                      frame_number, Number(status.job), JobStateName(status.state), status.samples_done,
+                      status.samples_total)};
 }
 
 }  // namespace
@@ -65,15 +65,16 @@ grpc::Status PictureFetches::Begin(CoreContext& core, PictureStream* stream, Fra
     return {grpc::StatusCode::NOT_FOUND, fmt::format("job {} has no frame {}", Number(id.job), id.frame)};
   }
   if (const auto file = core.farm.FinishedFile(id.job, id.frame)) return SendFile(stream, id, *file);
+  const int number = core.farm.Spec(id.job)->frames[id.frame].number;
   if (preview && HasEnded(status->state)) {
     if (core.farm.IsMovingSums(id.job)) return BeingWritten();
     return SendLater(stream, [=, this] {
       auto bytes = pictures_.ReadPartial(id.job, id.frame);
-      return bytes ? bytes : NothingRendered(id);
+      return bytes ? bytes : NothingRendered(id.job, number);
     });
   }
   auto picture = preview ? core.farm.Preview(id.job, id.frame) : std::nullopt;
-  if (!picture) return NotFinished(*status, id.frame);
+  if (!picture) return NotFinished(*status, number);
   const auto shared = std::make_shared<const FinishedPicture>(std::move(*picture));
   return SendLater(stream, [=] { return EncodePreview(*shared); });
 }

@@ -71,7 +71,7 @@ void PictureStream::Refuse(const grpc::Status& status) {
 }
 
 void PictureStream::Send(Result<std::string> bytes) {
-  if (!bytes) return Refuse({grpc::StatusCode::FAILED_PRECONDITION, bytes.error().message});
+  if (!bytes) return Refuse(ToStatus(bytes.error()));
   const auto kept = GuardedResult([&] { return Keep(std::move(*bytes)); });
   if (!kept) return Refuse({grpc::StatusCode::RESOURCE_EXHAUSTED, kept.error().message});
   SendNext();

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "coordinator/core/guarded_result.h"
+#include "coordinator/core/schedule/policy.h"
 #include "proto/frame_name.h"
 #include "proto/scene_package.h"
 #include "renderer/denoise/finished_picture.h"
@@ -54,10 +55,21 @@ Result<void> CheckFiles(const ScenePackage& package, const BlobStore& blobs, Clo
   return checked;
 }
 
+// Tiles of frames that are begun are kept in memory: no frame may fill the limit of all by itself.
+Result<void> CheckTileCount(const FrameRequest& frame) {
+  const int tiles = frame.spec.TileCount();
+  if (static_cast<uint64_t>(tiles) <= kActiveTilesMax) return {};
+  return BadInput(fmt::format(
+      "{}: tiles of {} pixels cut the frame into {}, more than the {} that a farm takes; submit it "
+      "with larger tiles (--tile-size)",
+      frame.scene_file, frame.spec.tile_size, tiles, kActiveTilesMax));
+}
+
 }  // namespace
 
 Result<void> CheckFrames(const std::vector<FrameRequest>& frames) {
   for (const FrameRequest& frame : frames) {
+    if (auto ok = CheckTileCount(frame); !ok) return ok;
     if (auto ok = CheckDenoiser(frame.spec, frame.scene_file); !ok) return ok;
     if (auto ok = CheckInstalled(frame.spec.denoiser); !ok)
       return Failed(fmt::format("the coordinator cannot denoise the pictures: {}", ok.error().message));

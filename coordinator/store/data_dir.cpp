@@ -9,10 +9,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <filesystem>
 #include <iterator>
 #include <vector>
 
+#include "proto/shell/pause.h"
 #include "renderer/util/file.h"
 
 namespace tessera {
@@ -25,6 +27,20 @@ constexpr std::string_view kOlderDataVersions[] = {"tessera-data 4\n", "tessera-
 
 bool IsOlder(std::string_view version) {
   return std::ranges::find(kOlderDataVersions, version) != std::end(kOlderDataVersions);
+}
+
+// A process that was killed holds its locks until the kernel has freed its memory, which takes a moment after
+// its parent, or a supervisor, knows that it has ended.
+constexpr int kLockAttemptsMax = 40;
+constexpr std::chrono::milliseconds kLockInterval{50};
+
+// Returns false, with errno, if another process keeps the lock for all attempts.
+bool TakeLock(int file) {
+  for (int attempt = 1; ::flock(file, LOCK_EX | LOCK_NB) != 0; ++attempt) {
+    if (errno != EWOULDBLOCK || attempt == kLockAttemptsMax) return false;
+    Pause({}, kLockInterval);
+  }
+  return true;
 }
 
 // For the records that follow a job's.
@@ -89,12 +105,12 @@ Result<void> DataDir::Lock() {
   if (folder_ < 0) return SystemError(path_, "cannot be opened");
   const std::string file =
       path_ + "/lock";  // of file systems that cannot lock folders, and of older releases
-  const bool is_taken = ::flock(folder_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  const bool is_taken = !TakeLock(folder_) && errno == EWOULDBLOCK;
   if (!is_taken) {
     lock_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     if (lock_ < 0) return SystemError(file, "cannot be opened");
   }
-  if (is_taken || ::flock(lock_, LOCK_EX | LOCK_NB) != 0)
+  if (is_taken || !TakeLock(lock_))
     return Failed(fmt::format("{}: another tessera-coordinator is using this data directory", path_));
   if (::fchmod(folder_, 0700) != 0) return SystemError(path_, "cannot be made private");
   return {};

@@ -24,7 +24,8 @@ class DataDir {
     kMayBeGone,  // all jobs of former processes are forgotten if it is
   };
   // Creates the folder if there is none, locks it and removes files that a crash left half-written. An error
-  // if another process holds the folder, if it has another version, or if its journal is missing.
+  // if another process still holds the folder after two seconds, if it has another version, or if its journal
+  // is missing.
   static Result<DataDir> Open(const std::string& path, Journal journal = Journal::kRequired);
   ~DataDir();
   DataDir(DataDir&& other) noexcept;

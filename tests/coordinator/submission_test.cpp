@@ -1,4 +1,4 @@
-// How long checking the files of a scene may take, and on which threads it does.
+// Which jobs are accepted, how long checking the files of a scene may take, and on which threads it does.
 #include "coordinator/submission.h"
 
 #include <gmock/gmock.h>
@@ -13,6 +13,8 @@
 
 namespace tessera {
 namespace {
+
+using testing::HasSubstr;
 
 constexpr std::chrono::milliseconds kSoon{kSlowdown * 20'000};
 constexpr std::chrono::milliseconds kNotYet{200};
@@ -44,7 +46,7 @@ TEST_F(Submission, FilesThatTakeTooLongAreCheckedInSeveralCalls) {
   const auto late = CheckSubmission(spec_, blobs, std::chrono::seconds(-1));
   ASSERT_FALSE(late);
   EXPECT_EQ(late.error().kind, ErrorKind::kInterrupted);
-  EXPECT_THAT(late.error().message, testing::HasSubstr("still checking"));
+  EXPECT_THAT(late.error().message, HasSubstr("still checking"));
   EXPECT_TRUE(CheckSubmission(spec_, blobs));
 }
 
@@ -64,6 +66,25 @@ TEST_F(Submission, FilesThatHaveToBeReadDelayNoBriefTask) {
   end.count_down();
   EXPECT_EQ(was_read.wait_for(kSoon), std::future_status::ready);
   threads.Stop();
+}
+
+FrameRequest SquareFrame(int side, int tile_size) {
+  FrameSpec spec;
+  spec.width = spec.height = side;
+  spec.crop = {0, 0, side, side};
+  spec.tile_size = tile_size;
+  return {"a.pbrt", "", spec, 0};
+}
+
+TEST(SubmittedFrames, AFrameOfMoreThanAMillionTilesIsRefused) {
+  EXPECT_TRUE(CheckFrames({SquareFrame(16'384, kTileSizeDefault)}));
+  EXPECT_TRUE(CheckFrames({SquareFrame(65'536, 64)}));
+  EXPECT_TRUE(CheckFrames({SquareFrame(16'384, 16)}));
+  const auto refused = CheckFrames({SquareFrame(16'384, kTileSizeDefault), SquareFrame(16'384, 8)});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kBadInput);
+  EXPECT_THAT(refused.error().message, HasSubstr("a.pbrt: tiles of 8 pixels cut the frame into 4194304"));
+  EXPECT_THAT(refused.error().message, HasSubstr("--tile-size"));
 }
 
 }  // namespace

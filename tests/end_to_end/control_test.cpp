@@ -117,5 +117,23 @@ TEST_F(Controls, ADrainedWorkerGetsNoWorkUntilItIsReleased) {
   EXPECT_THAT(nobody.errors, HasSubstr("there is no worker \"nobody\""));
 }
 
+TEST_F(Controls, ADrainOutlivesRestartsOfTheWorkerAndOfTheCoordinator) {
+  StartCoordinator();
+  Process& before = StartWorker("tired");
+  EXPECT_TRUE(Eventually([&] { return Ask({"drain", "tired"}).code == 0; }));
+  before.Signal(SIGKILL);
+  before.Wait();
+  EXPECT_TRUE(Eventually([&] { return Ask({"workers"}).output.find("tired") == std::string::npos; }));
+  coordinator().Signal(SIGKILL);
+  coordinator().Wait();
+  StartCoordinator();
+  StartWorker("tired");
+  EXPECT_TRUE(Eventually([&] { return Ask({"workers"}).output.find("drained") != std::string::npos; }));
+  const std::string job = Submit(BoxScene(), {});
+  EXPECT_THAT(Ask({"status", job}).output, HasSubstr("no worker accepts work: 1 drained"));
+  EXPECT_EQ(Ask({"release", "tired"}).code, 0);
+  EXPECT_EQ(Ask({"watch", job}).code, 0);
+}
+
 }  // namespace
 }  // namespace tessera

@@ -188,6 +188,26 @@ TEST_F(Frames, ASequenceIsFetchedAsAWholeOrByFrame) {
   EXPECT_THAT(none.errors, HasSubstr("has no frame 9; its frames are 1 to 3"));
 }
 
+TEST_F(Frames, APreviewOfAnEndedSequenceSkipsAndNamesAFrameOfWhichNothingWasRendered) {
+  WriteSequence(3);
+  std::string mesh = "Shape \"trianglemesh\" \"point3 P\" [";
+  for (int i = 0; i < 300'000; ++i) mesh += " 0 0 5";
+  mesh += "] \"integer indices\" [";
+  for (int i = 0; i < 300'000; ++i) mesh += " " + std::to_string(i);
+  Write("scene.0002.pbrt", Scene(LookFrom(2), mesh + "]\n"));
+  StartCoordinator();
+  StartWorker("small", 1, {"--scene-memory", "16M"});
+  const std::string job = Submit("scene.####.pbrt", {"--frames", "1-3"});
+  ASSERT_TRUE(Eventually([&] { return Figure(job, "frames_finished") == 2; }));
+  EXPECT_EQ(Ask({"cancel", job}).code, 0);
+  const Outcome fetched = Ask({"fetch", job, "--preview"});
+  EXPECT_EQ(fetched.code, 1);
+  EXPECT_THAT(fetched.errors, HasSubstr("nothing was rendered of frame 2 of job " + job));
+  EXPECT_TRUE(Bytes("job-" + job + ".0001.exr") == Alone(1));
+  EXPECT_FALSE(Exists("job-" + job + ".0002.exr"));
+  EXPECT_TRUE(Bytes("job-" + job + ".0003.exr") == Alone(3));
+}
+
 TEST_F(Frames, FetchSavesFinishedFramesAndNamesTheOthers) {
   WriteSequence(1);
   Write("scene.0002.pbrt", Scene(LookFrom(2) + " Sampler \"independent\" \"integer pixelsamples\" 1000000"));

@@ -30,6 +30,11 @@ class ActiveFrames {
                                  sum_->tiles + frame.tiles <= factor * kActiveTilesMax &&
                                  sum_->bytes + frame.bytes <= factor * kActiveBytesMax);
   }
+  // Whether those that are active exceed `factor` times the limits.
+  bool IsBeyond(uint64_t factor) const {
+    return sum_->frames > factor * kActiveFramesMax || sum_->tiles > factor * kActiveTilesMax ||
+           sum_->bytes > factor * kActiveBytesMax;
+  }
   // Counts the frame until the last copy of the returned pointer is gone.
   std::shared_ptr<const void> Count(const Size& frame) {
     sum_->frames += frame.frames;

@@ -1,5 +1,7 @@
 #include "coordinator/core/schedule/dispatcher.h"
 
+#include <algorithm>
+
 #include "coordinator/core/schedule/policy.h"
 #include "renderer/util/check.h"
 
@@ -69,8 +71,27 @@ FrameChoice Dispatcher::Choose(Instant now, WorkerRecord& worker, std::optional<
   return ChooseByPriority(now, worker, std::nullopt);
 }
 
-// Begins a frame for the worker although the limits are reached, because no active frame has work for it. A
-// worker without any unit gets one whatever is active: frames of jobs that are paused must not hold it up.
+bool Dispatcher::MayHelpLater(const WorkerRecord& worker) const {
+  for (const auto& [priority, jobs] : state_.jobs.runnable()) {
+    for (const JobId id : jobs) {
+      const Job& job = state_.jobs.At(id);
+      if (state_.leases.ShareOf(id).leases == 0 || !worker.has_tags(job.spec->required_tags)) continue;
+      const bool may_load = std::ranges::any_of(job.schedule.active, [&](const auto& frame) {
+        return !frame.second.failures.HasFailedScene(worker.id);
+      });
+      if (may_load) return true;
+    }
+  }
+  return false;
+}
+
+// Frames of jobs that are paused, or that the worker cannot load, must not hold it up. The memory of the
+// coordinator is limited all the same, so there is one such frame at a time.
+bool Dispatcher::MayExceedFor(const WorkerRecord& worker) const {
+  return state_.leases.OfWorker(worker.id).empty() && state_.jobs.MayExceed() && !MayHelpLater(worker);
+}
+
+// Begins a frame for the worker although the limits are reached, because no active frame has work for it.
 bool Dispatcher::BeginFor(const WorkerRecord& worker) {
   for (const auto& [priority, jobs] : state_.jobs.runnable()) {
     for (const JobId id : jobs) {
@@ -80,7 +101,7 @@ bool Dispatcher::BeginFor(const WorkerRecord& worker) {
       if (!worker.has_tags(job.spec->required_tags)) continue;
       const uint32_t next = *ahead.begin();
       if (state_.jobs.MayBegin(job, next)) continue;  // it has open frames, but not for this worker
-      if (!state_.jobs.MayStretch(job, next) && !state_.leases.OfWorker(worker.id).empty()) return false;
+      if (!state_.jobs.MayStretch(job, next) && !MayExceedFor(worker)) return false;
       state_.jobs.Begin(job, next);
       state_.idle.UnblockAll();
       return true;

@@ -35,6 +35,9 @@ class Dispatcher {
   FrameChoice Choose(Instant now, WorkerRecord& worker, std::optional<int> above_priority);
   FrameChoice ChooseByPriority(Instant now, WorkerRecord& worker, std::optional<int> above_priority);
   bool BeginFor(const WorkerRecord& worker);
+  // Whether an active frame that others work on may have units for the worker later.
+  bool MayHelpLater(const WorkerRecord& worker) const;
+  bool MayExceedFor(const WorkerRecord& worker) const;
   FrameChoice ChooseAmong(Instant now, WorkerRecord& worker, const std::set<JobId>& jobs);
   void PreemptAt(Instant now, WorkerRecord& worker);
   std::optional<LeaseId> LeastUrgentWaiting(Instant now, WorkerId worker) const;

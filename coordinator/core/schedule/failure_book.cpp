@@ -39,7 +39,7 @@ void FailureBook::Record(Entry entry, FailureCause cause) {
 }
 
 bool FailureBook::HasFailed(WorkerId worker, uint32_t tile) const {
-  if (scene_->failures.contains(worker) || scene_->limits.contains(worker)) return true;
+  if (HasFailedScene(worker)) return true;
   return std::any_of(entries_.begin(), entries_.end(),
                      [&](const Entry& each) { return each.worker == worker && each.samples->tile == tile; });
 }

@@ -60,6 +60,9 @@ class FailureBook {
   bool IsSceneRendered() const { return scene_->is_rendered; }
   // Whether the worker may get units of the tile: neither has it failed nor is the tile or the scene suspect.
   bool May(WorkerId worker, uint32_t tile) const { return !HasFailed(worker, tile) && !IsSuspect(tile); }
+  bool HasFailedScene(WorkerId worker) const {
+    return scene_->failures.contains(worker) || scene_->limits.contains(worker);
+  }
   // Whether the worker has failed units of the tile or the scene. What it failed once may come back as other
   // ranges of the same tile, so the whole tile counts.
   bool HasFailed(WorkerId worker, uint32_t tile) const;

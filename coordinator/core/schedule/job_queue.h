@@ -35,6 +35,8 @@ class JobQueue {
   bool MayBegin(Job& job, uint32_t frame);
   // Whether there is room for one more that a worker needs because it finds no work in those that are active.
   bool MayStretch(Job& job, uint32_t frame);
+  // Whether a frame may be begun for which there is no such room either: one at a time.
+  bool MayExceed() const { return !active_.IsBeyond(kActiveStretch); }
   // Whether MayBegin was false since the last call of ClearRefusal.
   bool has_refused() const { return has_refused_; }
   bool ClearRefusal() { return std::exchange(has_refused_, false); }

@@ -1,5 +1,7 @@
 #include "coordinator/core/schedule/lease_control.h"
 
+#include <algorithm>
+
 #include "coordinator/core/schedule/policy.h"
 
 namespace tessera {
@@ -34,9 +36,13 @@ LeaseRecord LeaseControl::End(LeaseId id) {
 
 void LeaseControl::Return(LeaseId id) {
   const LeaseRecord record = End(id);
+  CountGivenUp(record);
+  ReturnSamples(record);
+}
+
+void LeaseControl::ReturnSamples(const LeaseRecord& record) {
   const WorkUnit& unit = record.lease.unit;
   ++state_.counters.leases_retried;
-  CountGivenUp(record);
   state_.idle.UnblockAll();
   ActiveFrame& frame = state_.jobs.At(unit.job).schedule.active.at(unit.frame);
   const TileSamples samples{unit.tile, unit.range};
@@ -57,9 +63,18 @@ void LeaseControl::DropDone(LeaseId id) {
   End(id);
 }
 
+// Units that waited would have started on the slots that others took: together they took no more than those.
 void LeaseControl::ReturnAllOf(WorkerId worker) {
   const std::vector<LeaseId> leases = state_.leases.OfWorker(worker);
-  for (const LeaseId lease : leases) Return(lease);
+  const Instant now = state_.workers.occupancy().at();
+  Instant begun = now;
+  for (const LeaseId lease : leases) begun = std::min(begun, state_.leases.At(lease).expected_start);
+  double left_s = state_.workers.At(worker).slots * Seconds(now - begun);
+  for (const LeaseId lease : leases) {
+    const LeaseRecord record = End(lease);
+    left_s -= CountGivenUp(record, left_s);
+    ReturnSamples(record);
+  }
 }
 
 void LeaseControl::RevokeAllOf(const Job& job) {
@@ -95,11 +110,13 @@ void LeaseControl::UpdateRoom(WorkerRecord& worker) {
 }
 
 // The lease ends without a result: what its holder has probably done on it was in vain.
-void LeaseControl::CountGivenUp(const LeaseRecord& record) {
-  const double seconds = Seconds(state_.workers.occupancy().at() - record.expected_start);
-  if (seconds <= 0) return;
+double LeaseControl::CountGivenUp(const LeaseRecord& record, double seconds_max) {
+  const double seconds =
+      std::min(seconds_max, Seconds(state_.workers.occupancy().at() - record.expected_start));
+  if (seconds <= 0) return 0;
   state_.counters.waste_s += seconds;
   state_.given_up.push_back({record.lease.unit.job, seconds});
+  return seconds;
 }
 
 }  // namespace tessera

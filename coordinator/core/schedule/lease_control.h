@@ -3,6 +3,8 @@
 // scheduler.
 #pragma once
 
+#include <limits>
+
 #include "coordinator/core/schedule/schedule_state.h"
 
 namespace tessera {
@@ -38,7 +40,10 @@ class LeaseControl {
 
  private:
   static bool HasRoom(const WorkerRecord& worker, const LeaseTable::Queue& queue, int per_slot_max);
-  void CountGivenUp(const LeaseRecord& record);
+  // Counts at most `seconds_max`, and returns what it counted.
+  double CountGivenUp(const LeaseRecord& record, double seconds_max = std::numeric_limits<double>::max());
+  // Return after the lease has ended and its time is counted.
+  void ReturnSamples(const LeaseRecord& record);
 
   ScheduleState& state_;
 };

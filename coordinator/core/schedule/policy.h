@@ -44,7 +44,7 @@ constexpr uint64_t kActiveFramesMax = 256;
 constexpr uint64_t kActiveTilesMax = uint64_t{1} << 20;
 constexpr uint64_t kActiveBytesMax = uint64_t{2} << 30;
 // Up to this many times the limits, frames are begun for the most urgent job and for workers that find no
-// work in those that are begun.
+// work in those that are begun. One frame beyond that is begun for a worker that can do nothing else.
 constexpr uint64_t kActiveStretch = 4;
 
 // How much a new measurement of a scene's loading time counts: the first loads also fetch files.

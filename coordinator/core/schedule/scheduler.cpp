@@ -97,6 +97,7 @@ void Scheduler::SetPaused(Instant now, Job& job, bool is_paused) {
     return;
   }
   scenes_.StopRequests(job);
+  state_.idle.UnblockAll();  // workers that waited for units of the job may have a frame of another begun
   for (const LeaseId lease : state_.leases.OfJob(job.id)) {
     if (state_.leases.At(lease).IsWaiting(now)) leases_.Revoke(lease);
   }

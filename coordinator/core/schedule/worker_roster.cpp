@@ -25,6 +25,11 @@ WorkerRecord& WorkerRoster::FindOrAdd(WorkerId id) {
 }
 
 void WorkerRoster::UpdateGone(WorkerRecord& worker) {
+  if (!worker.is_live && worker.is_blocked()) {
+    gone_blocked_.insert(worker.id);
+  } else {
+    gone_blocked_.erase(worker.id);
+  }
   const bool is_gone = !worker.is_live && !worker.is_blocked();
   if (is_gone == worker.gone_since_.has_value()) return;
   if (is_gone) {
@@ -46,6 +51,7 @@ std::optional<WorkerId> WorkerRoster::MakePlace() {
 void WorkerRoster::Forget(WorkerId id) {
   const WorkerRecord& worker = *by_id_.at(id);
   if (worker.gone_since_) gone_.erase({*worker.gone_since_, id});
+  gone_blocked_.erase(id);
   news_.erase(id);
   by_id_.erase(id);
   workers_.erase(id);
@@ -197,6 +203,32 @@ void WorkerRoster::RestoreBlock(Instant now, const WorkerBlock& block) {
   worker.quarantine = block.quarantine;
   worker.last_contact = now;
   UpdateGone(worker);
+}
+
+WorkerBlock WorkerRoster::InheritedBlock(const WorkerRecord& gone, const WorkerRecord& worker) {
+  WorkerBlock block{worker.id, worker.name, false, ""};
+  if (gone.name != worker.name || (gone.has_joined && gone.member != worker.member)) return block;
+  block.is_drained = gone.is_drained;
+  // Without a certificate, a restart ends a quarantine: it may have repaired the worker.
+  const bool is_same_machine = !gone.has_joined || gone.machine == worker.machine;
+  if (worker.member != MemberId{} && is_same_machine) block.quarantine = gone.quarantine;
+  return block;
+}
+
+std::optional<WorkerId> WorkerRoster::TakeOverBlock(WorkerRecord& worker) {
+  for (const WorkerId id : gone_blocked_) {
+    WorkerRecord& gone = At(id);
+    const WorkerBlock block = InheritedBlock(gone, worker);
+    if (!block.is_drained && block.quarantine.empty()) continue;
+    worker.is_drained = block.is_drained;
+    worker.quarantine = block.quarantine;
+    NoteBlock(worker);
+    Release(gone);
+    gone.pending = {};
+    UpdateNews(gone);
+    return id;
+  }
+  return std::nullopt;
 }
 
 std::vector<WorkerBlock> WorkerRoster::Blocks() const {

@@ -164,6 +164,11 @@ class WorkerRoster {
   bool Drain(WorkerRecord& worker);
   bool Release(WorkerRecord& worker);  // from both; forgives its strikes
   void RestoreBlock(Instant now, const WorkerBlock& block);
+  // A new process that was admitted takes over a drain from one of the same name and member that has gone,
+  // and a quarantine if it is of the same machine and of a member: a restart does not end them. Blocks of a
+  // former process of the coordinator name neither member nor machine, and those count as the same. Returns
+  // the worker that had the block.
+  std::optional<WorkerId> TakeOverBlock(WorkerRecord& worker);
   std::vector<WorkerBlock> Blocks() const;
   // Blocks that were set or lifted since the last call.
   std::vector<WorkerBlock> TakeBlocks() { return std::exchange(changed_blocks_, {}); }
@@ -200,6 +205,8 @@ class WorkerRoster {
   WorkerRecord& FindOrAdd(WorkerId id);
   // Call after every change of whether the worker is connected or blocked.
   void UpdateGone(WorkerRecord& worker);
+  // Of the block of a process that has gone, what applies to the worker.
+  static WorkerBlock InheritedBlock(const WorkerRecord& gone, const WorkerRecord& worker);
   void Forget(WorkerId id);
 
   std::map<WorkerId, WorkerRecord> workers_;
@@ -207,6 +214,7 @@ class WorkerRoster {
   std::unordered_map<WorkerId, WorkerRecord*> by_id_;
   // Workers that are not connected and not blocked, the one that has been away for longest first.
   std::set<std::pair<Instant, WorkerId>> gone_;
+  std::set<WorkerId> gone_blocked_;  // not connected, and blocked
   std::set<WorkerId> news_;
   double total_speed_ = 0;
   int total_slots_ = 0;

@@ -18,6 +18,12 @@ void WorkerSync::Synchronize(Instant now, const WorkerState& state) {
   }
   const auto [record, is_new] = state_.workers.Admit(now, state);
   WorkerRecord& worker = *record;
+  // A process that belongs to a farm has had its own blocks before.
+  if (known == nullptr && state.farm == FarmId{}) {
+    if (const auto former = state_.workers.TakeOverBlock(worker))
+      state_.log.push_back(fmt::format("worker_block_taken_over worker={:016x} name={} former={:016x}",
+                                       Number(worker.id), LogText(worker.name), Number(*former)));
+  }
   if (is_new) {
     state_.losses.Return(worker.id);
     state_.log.push_back(fmt::format("worker_joined worker={:016x} name={} slots={}", Number(worker.id),

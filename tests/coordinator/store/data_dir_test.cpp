@@ -5,7 +5,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
+#include <thread>
 
+#include "proto/shell/pause.h"
 #include "tests/coordinator/store/temporary_dir.h"
 
 namespace tessera {
@@ -22,6 +25,21 @@ TEST(DataDir, BelongsToOneProcessAtATime) {
     ASSERT_FALSE(second);
     EXPECT_THAT(second.error().message, HasSubstr("another tessera-coordinator"));
   }
+  EXPECT_TRUE(DataDir::Open(directory / "data"));
+}
+
+TEST(DataDir, AProcessThatIsEndingIsWaitedForALittle) {
+  const TemporaryDir directory;
+  std::optional<DataDir> first;
+  {
+    auto opened = DataDir::Open(directory / "data");
+    ASSERT_TRUE(opened);
+    first.emplace(std::move(*opened));
+  }
+  const std::jthread ending([&] {
+    Pause({}, std::chrono::milliseconds(200));
+    first.reset();
+  });
   EXPECT_TRUE(DataDir::Open(directory / "data"));
 }
 

@@ -48,6 +48,23 @@ JobId AddJobOfManyTiles(SchedulerStage& stage, uint64_t id) {
   return JobId{id};
 }
 
+// A job of two frames of 4 GiB, of which two reach all limits.
+JobId AddJobOfLargeFrames(SchedulerStage& stage, uint64_t id, int priority) {
+  auto spec = std::make_shared<JobSpec>();
+  spec->submission = id;
+  spec->priority = priority;
+  spec->package = Sha256(std::to_string(id));
+  FrameSpec frame;
+  frame.width = frame.height = 16'384;
+  frame.crop = {0, 0, frame.width, frame.height};
+  frame.tile_size = 1024;
+  frame.samples_per_pixel = 1;
+  spec->frames = {{"a", "", frame, 0}, {"b", "", frame, 1}};
+  stage.specs[JobId{id}] = spec;
+  stage.Open(JobId{id}, spec);
+  return JobId{id};
+}
+
 TEST(SchedulerRoom, AJoinBeginsFramesOfTheOldestJobsUpToTheLimit) {
   SchedulerStage stage;
   for (int j = 0; j < 600; ++j) stage.AddJob(1, 0, 2);
@@ -99,6 +116,51 @@ TEST(SchedulerRoom, FramesOfPausedJobsDoNotHoldUpOthers) {
   stage.Send(1);
   stage.Advance();
   EXPECT_GT(stage.Held(1).size(), 0u);
+}
+
+TEST(SchedulerRoom, AWorkerThatLoadsNoSceneHasOneFrameBegunBeyondAllLimits) {
+  SchedulerStage stage;
+  for (uint64_t id = 1; id <= 6; ++id) AddJobOfLargeFrames(stage, id, static_cast<int>(id));
+  stage.Join(2);  // of the most urgent job, so that its frames are in use
+  stage.Worker(1);
+  for (int round = 0; round < 30; ++round) {
+    stage.Send(1);
+    stage.Send(2);
+    stage.Advance(milliseconds(100));
+    for (const SceneRequest& scene : stage.told[1].scenes)
+      stage.scheduler.FailScene(WorkerId{1}, scene.key, "too large", FailureCause::kWorkerLimit);
+  }
+  EXPECT_EQ(ActiveFramesOf(stage), 3u);
+  EXPECT_FALSE(stage.Held(2).empty());
+}
+
+TEST(SchedulerRoom, NoFrameIsBegunBeyondAllLimitsForAWorkerThatMayHelpWithThoseBegun) {
+  SchedulerStage stage;
+  for (uint64_t id = 1; id <= 3; ++id) AddJobOfLargeFrames(stage, id, 0);
+  stage.Join(1, 1000);
+  stage.Advance();
+  while (stage.scheduler.HasNews(WorkerId{1})) stage.Deliver(1);
+  stage.Join(2);
+  stage.Advance();
+  EXPECT_TRUE(stage.Held(2).empty()) << "all tiles of two frames are leased";
+  EXPECT_EQ(ActiveFramesOf(stage), 2u);
+  stage.FinishAll(1, 0.01);
+  stage.Advance();
+  EXPECT_GT(stage.HeldOf(JobId{2}), 0u);
+  EXPECT_EQ(ActiveFramesOf(stage), 2u);
+}
+
+TEST(SchedulerRoom, AFrameIsBegunBeyondAllLimitsIfThoseBegunArePaused) {
+  SchedulerStage stage;
+  for (uint64_t id = 1; id <= 3; ++id) AddJobOfLargeFrames(stage, id, 0);
+  stage.Join(1);
+  stage.Advance();
+  stage.SetPaused(JobId{1}, true);
+  stage.FinishAll(1, 0.01);
+  stage.Send(1);
+  stage.Advance();
+  EXPECT_EQ(stage.HeldOf(JobId{2}), stage.Held(1).size());
+  EXPECT_EQ(ActiveFramesOf(stage), 3u);
 }
 
 TEST(SchedulerRoom, WorkersThatFindNoOpenUnitHaveMoreFramesBegun) {
