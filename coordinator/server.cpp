@@ -8,6 +8,7 @@
 
 #include "coordinator/listener/listener.h"
 #include "coordinator/listener/pending_connections.h"
+#include "coordinator/tls_reads.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/local_socket.h"
 #include "renderer/text/unicode.h"
@@ -43,6 +44,7 @@ Result<std::unique_ptr<CoordinatorServer>> CoordinatorServer::Start(
   std::unique_ptr<CoordinatorServer> server(new CoordinatorServer);
   server->plain_ = accept(grpc::InsecureServerCredentials());
   if (!security.identity_path.empty()) {
+    if (const auto limited = CheckTlsReads(); !limited) return limited.error();
     server->encrypted_ =
         accept(TlsServerCredentials(security.identity_path, security.identity_path, security.admit));
   }
