@@ -129,9 +129,16 @@ Result<uint64_t> BlobFetcher::FetchFile(const Digest& package, const PackageFile
     }
     BlobStore::Partial& blob = **partial;
     const uint64_t before = blob.received();
-    const auto add = [&](std::string_view piece) { return blob.Add(piece); };
+    bool is_crowded = false;  // by other files that are arriving
+    const auto add = [&](std::string_view piece) {
+      auto added = blob.Add(piece);
+      is_crowded = !added && added.error().kind == ErrorKind::kInterrupted;
+      return added;
+    };
     const auto done =
         Download({package, file.digest, file.size, suspect}, {[&] { return blob.received(); }, add});
+    const bool may_wait = is_crowded && std::chrono::steady_clock::now() - begun <= patience_.download;
+    if (may_wait && Pause(stop_, kPollInterval)) continue;
     if (!done) return done.error();
     const auto finished = blob.Finish();
     if (finished) return file.size - before;

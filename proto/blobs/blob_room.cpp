@@ -60,14 +60,14 @@ void BlobRoom::Written(uint64_t bytes) {
   unwritten_ -= std::min(unwritten_, bytes);
 }
 
-Result<void> BlobRoom::Take(uint64_t bytes) {
-  if (TryTake(bytes)) return {};
+Result<void> BlobRoom::Take(uint64_t bytes, uint64_t reserved) {
+  if (TryTake(bytes, reserved)) return {};
   // Waits for the core thread, so before any lock.
   const auto in_use = NamesInUse();
   if (!in_use) return Error{ErrorKind::kInterrupted, "the coordinator is busy"};
   const std::lock_guard one_at_a_time(evicting_);
   Evict(bytes, *in_use);
-  if (TryTake(bytes)) return {};
+  if (TryTake(bytes, reserved)) return {};
   return Refusal(bytes);
 }
 
@@ -79,11 +79,11 @@ void BlobRoom::FreeReserve() {
   Evict(0, *in_use);
 }
 
-bool BlobRoom::TryTake(uint64_t bytes) {
+bool BlobRoom::TryTake(uint64_t bytes, uint64_t reserved) {
   const std::lock_guard lock(mutex_);
   if (bytes_ + bytes > options_.bytes_max || (bytes > 0 && DiskLack(bytes + unwritten_) > 0)) return false;
-  bytes_ += bytes;
-  unwritten_ += bytes;
+  bytes_ += reserved;
+  unwritten_ += reserved;
   return true;
 }
 
@@ -163,6 +163,11 @@ Error BlobRoom::Refusal(uint64_t bytes) const {
   const std::lock_guard lock(mutex_);
   const auto disk = options_.disk_space(folder_->location());
   const bool fits = bytes_ + bytes <= options_.bytes_max;
+  if (bytes_ - std::min(bytes_, unwritten_) + bytes <= options_.bytes_max && DiskLack(bytes) == 0) {
+    return {ErrorKind::kInterrupted,
+            fmt::format("{}: no room for {} bytes now: {} are reserved for uploads that are running",
+                        folder_->name(), bytes, unwritten_)};
+  }
   if (fits && disk) {
     return Failed(fmt::format(
         "{}: No space left on device for {} bytes: its file system has {} bytes left, of which {} are "

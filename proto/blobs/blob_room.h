@@ -22,9 +22,9 @@ class BlobRoom {
   // Counts what is in the folder.
   BlobRoom(std::shared_ptr<const BlobFolder> folder, BlobStoreOptions options);
   void Protect(BlobStore::PackagesInUse in_use);
-  // Reserves `bytes`, evicting blobs if necessary. An error if that does not suffice; kInterrupted: try
-  // again.
-  Result<void> Take(uint64_t bytes);
+  // Makes room for `bytes`, evicting blobs if necessary, and reserves the first `reserved` of them. An error
+  // if that does not suffice; kInterrupted: try again, as running uploads have reserved the room.
+  Result<void> Take(uint64_t bytes, uint64_t reserved);
   // Releases this many reserved bytes: they have been written, or will not be.
   void Written(uint64_t bytes);
   void Give(uint64_t bytes);
@@ -38,7 +38,7 @@ class BlobRoom {
   std::vector<File> List() const;
   // The names of blobs that open jobs need; nullopt if that is not known now.
   std::optional<std::set<std::string>> NamesInUse() const;
-  bool TryTake(uint64_t bytes);
+  bool TryTake(uint64_t bytes, uint64_t reserved);
   uint64_t ReserveOf(const DiskSpace& disk) const;
   uint64_t DiskLack(uint64_t bytes) const;
   void Evict(uint64_t bytes, const std::set<std::string>& in_use);

@@ -25,6 +25,9 @@ namespace fs = std::filesystem;
 constexpr std::chrono::hours kIncomingAgeMax{24};           // nobody resumes an older one
 constexpr uint64_t kWorthKeepingBytes = uint64_t{1} << 20;  // of an unfinished blob
 constexpr size_t kPieceBytes = size_t{1} << 20;
+// Of room, ahead of what has arrived. All uploads together reserve a gigabyte, and each looks at the disk
+// once for this many bytes.
+constexpr uint64_t kReservedAheadBytes = uint64_t{16} << 20;
 
 // Opens or creates a file to receive into. A link in its place is removed: it would lead out of the store.
 // Returns a negative number on failure, with the reason in errno.
@@ -253,18 +256,20 @@ Result<std::unique_ptr<BlobStore::Partial>> BlobStore::Receive(const Digest& dig
     return BadInput(
         fmt::format("blob {}: {} bytes are more than the limit of {}", digest.Hex(), size, kBlobBytesMax));
   if (offset > size) return BadInput(fmt::format("blob {}: the offset is beyond its end", digest.Hex()));
-  if (auto taken = room_->Take(size - offset); !taken) return taken.error();
+  const uint64_t reserved = std::min(size - offset, kReservedAheadBytes);
+  if (auto taken = room_->Take(size - offset, reserved); !taken) return taken.error();
   std::unique_ptr<Partial> partial(new Partial);
   partial->digest_ = digest;
   partial->size_ = size;
   partial->resumed_at_ = partial->received_ = offset;
+  partial->reserved_ = offset + reserved;
   partial->durable_ = options_.durable;
   partial->folder_ = Folder(digest);
   partial->path_ = Path(digest);
   const auto file = OpenIncoming(offset, alone, *partial);
   if (!file) {
-    room_->Written(size - offset);
-    room_->Give(size - offset);
+    room_->Written(reserved);
+    room_->Give(reserved);
     return file.error();
   }
   partial->file_ = *file;
@@ -292,8 +297,8 @@ BlobStore::Partial::~Partial() {
   const auto stamp = FileStamp::Of(file_);
   if (kept && stamp) checks_->KeepHash(digest_, *stamp, std::move(hash_));
   ::close(file_);  // releases the lock
-  room_->Written(size_ - received_);
-  room_->Give(kept ? size_ - received_ : size_);
+  room_->Written(reserved_ - received_);
+  room_->Give(kept ? reserved_ - received_ : reserved_);
 }
 
 Error BlobStore::Partial::Fail(Error error) {
@@ -301,9 +306,20 @@ Error BlobStore::Partial::Fail(Error error) {
   return store_->Named(std::move(error));
 }
 
+// Looks for room for all that is to come: an upload that cannot be finished leaves the rest to others.
+Result<void> BlobStore::Partial::Reserve(uint64_t bytes) {
+  if (bytes <= reserved_ - received_) return {};
+  const uint64_t left = size_ - reserved_;
+  const uint64_t more = std::min(left, std::max(kReservedAheadBytes, bytes - (reserved_ - received_)));
+  if (auto taken = room_->Take(left, more); !taken) return taken;
+  reserved_ += more;
+  return {};
+}
+
 Result<void> BlobStore::Partial::Add(std::string_view bytes) {
   if (bytes.size() > size_ - received_)
     return Fail(BadInput(fmt::format("blob {}: more bytes than announced", digest_.Hex())));
+  if (auto reserved = Reserve(bytes.size()); !reserved) return reserved;
   hash_->Add(bytes);
   while (!bytes.empty()) {
     const ssize_t count = ::write(file_, bytes.data(), bytes.size());

@@ -111,7 +111,9 @@ class BlobStore {
     Partial& operator=(const Partial&) = delete;
     uint64_t received() const { return received_; }
     bool IsWhole() const { return received_ == size_; }
-    // An error (kFailed) if it cannot be written; kBadInput if the bytes are more than announced.
+    // An error (kFailed) if it cannot be written; kBadInput if the bytes are more than announced;
+    // kInterrupted if running uploads have reserved the room, so what has arrived is kept for another
+    // attempt.
     Result<void> Add(std::string_view bytes);
     // Verifies the blob and gives it its name. An error (kBadInput) if size or digest are not those
     // announced; kInterrupted if bytes that had arrived earlier may be the cause: they are gone, so another
@@ -122,6 +124,7 @@ class BlobStore {
     friend class BlobStore;
     Partial() = default;
     Error Fail(Error error);
+    Result<void> Reserve(uint64_t bytes);
 
     std::string temporary_, path_, folder_;
     int file_ = -1;
@@ -130,16 +133,18 @@ class BlobStore {
     bool durable_ = false;
     Digest digest_;
     uint64_t size_ = 0, resumed_at_ = 0, received_ = 0;
+    uint64_t reserved_ = 0;               // what has arrived and the bytes after it for which there is room
     std::unique_ptr<Sha256Stream> hash_;  // of what was received
     // Shared: a partial blob may outlive the store.
     std::shared_ptr<const BlobFolder> store_;
     std::shared_ptr<BlobRoom> room_;
     std::shared_ptr<BlobChecks> checks_;
   };
-  // Reserves room for a blob of `size` bytes that begins to arrive. Its first `offset` bytes have arrived
-  // earlier (see Arrived). An error: kBadInput if it is too large; kFailed if there is no room; kInterrupted
-  // if fewer bytes have arrived, or if they are just being received by somebody else. Slow if this process
-  // has not hashed the first bytes yet.
+  // Makes room for a blob of `size` bytes that begins to arrive, and reserves some of it ahead of what
+  // arrives: a size is announced at no cost. Its first `offset` bytes have arrived earlier (see Arrived). An
+  // error: kBadInput if it is too large; kFailed if there is no room; kInterrupted if running uploads have
+  // reserved the room, if fewer bytes have arrived, or if they are just being received by somebody else. Slow
+  // if this process has not hashed the first bytes yet.
   Result<std::unique_ptr<Partial>> Begin(const Digest& digest, uint64_t size, uint64_t offset = 0) const;
   // Resumes where it stopped; null if somebody else is receiving the blob now.
   Result<std::unique_ptr<Partial>> Resume(const Digest& digest, uint64_t size) const;

@@ -194,6 +194,64 @@ TEST(BlobStore, BytesThatWereAnnouncedAndHaveNotArrivedCountOnTheDisk) {
   EXPECT_TRUE(store->Begin(Sha256("b"), 2 * kMega)) << "the first upload has ended";
 }
 
+TEST(BlobStore, AnnouncedSizesLeaveRoomForOthers) {
+  const TemporaryDir directory;
+  const auto store = OpenOrigin(directory / "blobs", 100 * kMega);
+  std::vector<std::unique_ptr<BlobStore::Partial>> silent;
+  for (const uint64_t size : {100, 80, 60, 40}) {
+    auto upload = store->Begin(Sha256(std::to_string(size)), size * kMega);
+    ASSERT_TRUE(upload) << size << " " << upload.error().message;
+    ASSERT_TRUE((*upload)->Add("x"));
+    silent.push_back(std::move(*upload));
+  }
+  EXPECT_EQ(store->bytes(), 64 * kMega);
+  EXPECT_TRUE(store->Write(Sha256("small"), "small"));
+  const auto refused = store->Begin(Sha256("large"), 90 * kMega);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kInterrupted);
+  EXPECT_THAT(refused.error().message, HasSubstr("are reserved for uploads that are running"));
+  EXPECT_EQ(store->Begin(Sha256("large"), 101 * kMega).error().kind, ErrorKind::kFailed) << "it never fits";
+  silent.clear();
+  EXPECT_EQ(store->bytes(), 5u);
+  EXPECT_TRUE(store->Begin(Sha256("large"), 90 * kMega));
+}
+
+TEST(BlobStore, ALargeBlobIsStoredWithRoomForNoMore) {
+  const TemporaryDir directory;
+  const std::string bytes = Bytes('l', 40 * kMega);
+  const auto store = OpenOrigin(directory / "blobs", bytes.size());
+  ASSERT_TRUE(store->Write(Sha256(bytes), bytes)) << "in one piece";
+  EXPECT_EQ(store->bytes(), bytes.size());
+  store->Remove(Sha256(bytes));
+  auto upload = store->Begin(Sha256(bytes), bytes.size());
+  for (uint64_t at = 0; at < bytes.size(); at += 3 * kMega)
+    ASSERT_TRUE((*upload)->Add(std::string_view(bytes).substr(at, 3 * kMega)));
+  ASSERT_TRUE((*upload)->Finish());
+  EXPECT_EQ(store->bytes(), bytes.size());
+}
+
+TEST(BlobStore, AnUploadThatRunsOutOfRoomKeepsWhatHasArrived) {
+  const TemporaryDir directory;
+  const std::string bytes = Bytes('b', 24 * kMega);
+  const auto store = OpenOrigin(directory / "blobs", 39 * kMega);
+  std::unique_ptr<BlobStore::Partial> other;
+  {
+    auto upload = store->Begin(Sha256(bytes), bytes.size());
+    ASSERT_TRUE((*upload)->Add(std::string_view(bytes).substr(0, 16 * kMega)));
+    other = std::move(*store->Begin(Sha256("other"), 20 * kMega));
+    const auto added = (*upload)->Add(std::string_view(bytes).substr(16 * kMega));
+    ASSERT_FALSE(added);
+    EXPECT_EQ(added.error().kind, ErrorKind::kInterrupted);
+  }
+  EXPECT_EQ(store->Arrived(Sha256(bytes)), 16 * kMega);
+  other.reset();
+  auto upload = store->Begin(Sha256(bytes), bytes.size(), 16 * kMega);
+  ASSERT_TRUE(upload) << upload.error().message;
+  ASSERT_TRUE((*upload)->Add(std::string_view(bytes).substr(16 * kMega)));
+  ASSERT_TRUE((*upload)->Finish());
+  EXPECT_EQ(store->bytes(), bytes.size());
+}
+
 TEST(BlobStore, TheJobsInUseAreAskedForWithoutALock) {
   const TemporaryDir directory;
   auto store = OpenOrigin(directory / "blobs", kMega);
