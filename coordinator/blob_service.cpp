@@ -16,8 +16,6 @@
 namespace tessera {
 namespace {
 
-constexpr const char* kTooManyTransfers = "too many transfers are running";
-
 // Deletes itself when the call is over. Each step runs on a thread for files, one after the other.
 class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
@@ -27,13 +25,14 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
         load_(load),
         call_(std::move(call)),
         watched_(load.stall_watch.Watch(call_.context())) {
-    if (++load_.transfers > kTransfersMax) {
-      Answer(TryAgain(kTooManyTransfers));
+    auto place = load_.uploads.Take(call_.caller());
+    if (!place) {
+      Answer(TryAgain(place.error().message));
       return;
     }
+    place_ = std::move(*place);
     ReadNext();
   }
-  ~UploadCall() override { --load_.transfers; }
 
  private:
   void ReadNext() {
@@ -118,6 +117,7 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   const BlobStore& blobs_;
   FileThreads& threads_;
   TransferLoad& load_;
+  MemberPlaces::Place place_;
   const LastingCall call_;
   const std::shared_ptr<StallWatch::Call> watched_;
   grpc::ByteBuffer bytes_;
@@ -138,10 +138,12 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
         load_(load),
         call_(std::move(call)),
         watched_(load.stall_watch.Watch(call_.context())) {
-    if (++load_.transfers > kTransfersMax) {
-      Finish(TryAgain(kTooManyTransfers));
+    auto place = load_.downloads.Take(call_.caller());
+    if (!place) {
+      Finish(Shortened(TryAgain(place.error().message)));
       return;
     }
+    place_ = std::move(*place);
     threads_.brief.Post([this, request, admit = std::move(admit)] {
       bool is_lengthy = false;
       const grpc::Status admitted = GuardedStatus([&] { return Check(request, admit, is_lengthy); });
@@ -149,7 +151,6 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
       is_lengthy ? threads_.lengthy.Post([this, request] { Begin(request); }) : Begin(request);
     });
   }
-  ~DownloadCall() override { --load_.transfers; }
 
  private:
   // `is_lengthy`: whether the blob has to be hashed.
@@ -228,6 +229,7 @@ class DownloadCall final : public grpc::ServerWriteReactor<proto::DownloadChunk>
   const BlobStore& blobs_;
   FileThreads& threads_;
   TransferLoad& load_;
+  MemberPlaces::Place place_;
   const LastingCall call_;
   const std::shared_ptr<StallWatch::Call> watched_;
   std::ifstream file_;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <vector>
 
+#include "coordinator/member_places.h"
 #include "coordinator/package_files.h"
 #include "coordinator/stall_watch.h"
 #include "proto/blobs.grpc.pb.h"
@@ -16,13 +17,16 @@ class CallGate;
 struct FileThreads;
 struct Principal;
 
-// Transfers that run at the same time, each with an open file and 2 MB of memory. They fill any network.
-constexpr int kTransfersMax = 64;
+// Transfers that run at the same time, each with an open file and 2 MB of memory. They fill any network, and
+// so do those of one member.
+constexpr MemberPlaces::Limits kUploadPlaces{48, 12}, kDownloadPlaces{48, 12};
 // Syncing more takes long.
 constexpr uint64_t kBriefBytesMax = uint64_t{16} << 20;
 
 struct TransferLoad {
-  std::atomic<int> transfers{0};  // running now
+  // Apart, so that uploads of clients do not keep scenes from workers.
+  MemberPlaces uploads{kUploadPlaces, "transfers are running"};
+  MemberPlaces downloads{kDownloadPlaces, "transfers are running"};
   std::atomic<uint64_t> bytes_in{0}, bytes_out{0};
   StallWatch stall_watch;
 };

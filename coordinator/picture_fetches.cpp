@@ -13,11 +13,6 @@
 namespace tessera {
 namespace {
 
-constexpr int kPictureStreamsMax = 64;  // with a file and a chunk each
-// That wait for the thread that makes previews and reads pictures. Each keeps sums that the frame has
-// replaced.
-constexpr int kPicturesWaitingMax = 16;
-
 // Of a job that has ended.
 Result<std::string> NothingRendered(JobId job, int frame_number) {
   return BadInput(fmt::format("nothing was rendered of frame {} of job {}", frame_number, Number(job)));
@@ -43,10 +38,12 @@ grpc::ServerWriteReactor<proto::PictureChunk>* PictureFetches::Fetch(grpc::Callb
   return gate_.Serve<Reactor>(context, rule, [&, this](LastingCall call) {
     const Principal caller = call.caller();
     auto* const stream = new PictureStream(streams_, std::move(call));
-    if (streams_.count > kPictureStreamsMax) {
-      stream->Refuse(TryAgain("too many pictures are being fetched"));
+    auto place = streams_.open.Take(caller);
+    if (!place) {
+      stream->Refuse(TryAgain(place.error().message));
       return stream;
     }
+    stream->Keep(std::move(*place));
     const FrameId id{JobId{request.job()}, request.frame()};
     gate_.core().Post([=, &rule, this, preview = request.preview()](CoreContext& core) {
       const grpc::Status begun = GuardedStatus([&] {
@@ -81,7 +78,10 @@ grpc::Status PictureFetches::Begin(CoreContext& core, PictureStream* stream, Fra
 
 grpc::Status PictureFetches::SendLater(PictureStream* stream, std::function<Result<std::string>()> make,
                                        std::function<void(const std::string& reason)> refuse) {
-  if (streams_.waiting >= kPicturesWaitingMax) return TryAgain("too many pictures are waiting to be made");
+  auto taken = streams_.waiting.Take(stream->caller());
+  if (!taken) return TryAgain(taken.error().message);
+  // Shared, as tasks are copied.
+  const auto place = std::make_shared<MemberPlaces::Place>(std::move(*taken));
   background_.Post([=, this, make = std::move(make), refuse = std::move(refuse)] {
     const bool is_wanted = !stream->is_cancelled();
     auto bytes = is_wanted ? GuardedResult(make) : Result<std::string>(Failed("nobody reads the picture"));
@@ -90,9 +90,8 @@ grpc::Status PictureFetches::SendLater(PictureStream* stream, std::function<Resu
     } else {
       stream->Send(std::move(bytes));
     }
-    --streams_.waiting;
+    *place = {};
   });
-  ++streams_.waiting;
   return grpc::Status::OK;
 }
 

@@ -51,13 +51,10 @@ bool ReadAllAt(int file, uint64_t offset, std::string& bytes) {
 }  // namespace
 
 PictureStream::PictureStream(PictureStreams& streams, LastingCall call)
-    : streams_(streams), call_(std::move(call)), watched_(streams.stall_watch.Watch(call_.context())) {
-  ++streams_.count;
-}
+    : streams_(streams), call_(std::move(call)), watched_(streams.stall_watch.Watch(call_.context())) {}
 
 PictureStream::~PictureStream() {
   if (file_ >= 0) ::close(file_);
-  --streams_.count;
 }
 
 void PictureStream::OnDone() {

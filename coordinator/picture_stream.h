@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "coordinator/member_places.h"
 #include "coordinator/open_calls.h"
 #include "coordinator/stall_watch.h"
 #include "coordinator/task_pool.h"
@@ -18,8 +19,11 @@ struct PictureStreams {
   std::string folder;  // for temporary files
   TaskPool& threads;   // for reading them
   StallWatch stall_watch{};
-  std::atomic<int> count{0};    // of streams
-  std::atomic<int> waiting{0};  // of streams whose picture is being made or read, or will be
+  // Each stream has a file and a chunk.
+  MemberPlaces open{{64, 16}, "pictures are being fetched"};
+  // Of streams that wait for the thread that makes previews and reads pictures. Each keeps sums that the
+  // frame has replaced.
+  MemberPlaces waiting{{16, 4}, "pictures are waiting to be made"};
 };
 
 // Deletes itself when the call is over. Exactly one of Refuse and Send is called, once, from any thread.
@@ -29,6 +33,9 @@ class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk>
  public:
   PictureStream(PictureStreams& streams, LastingCall call);
   ~PictureStream() override;
+  const Principal& caller() const { return call_.caller(); }
+  // Keeps a place among the streams.
+  void Keep(MemberPlaces::Place place) { place_ = std::move(place); }
   // Whether the client has gone: nobody will read the picture.
   bool is_cancelled() const { return is_cancelled_; }
   void Refuse(const grpc::Status& status);
@@ -44,6 +51,7 @@ class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk>
   void OnDone() override;
 
   PictureStreams& streams_;
+  MemberPlaces::Place place_;
   const LastingCall call_;
   const std::shared_ptr<StallWatch::Call> watched_;
   std::atomic<bool> is_cancelled_{false};

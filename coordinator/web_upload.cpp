@@ -18,12 +18,14 @@ class WebUpload final : public BodySink, public std::enable_shared_from_this<Web
   using Answer = std::shared_ptr<LaterAnswer>;
   WebUpload(const WebUploadParts& parts, Principal caller, const Digest& digest, uint64_t size,
             uint64_t offset)
-      : parts_(parts), caller_(std::move(caller)), digest_(digest), size_(size), offset_(offset) {
-    ++parts_.load.transfers;
-  }
+      : parts_(parts),
+        caller_(std::move(caller)),
+        place_(parts_.load.uploads.Take(caller_)),
+        digest_(digest),
+        size_(size),
+        offset_(offset) {}
   ~WebUpload() override {
     if (upload_ != nullptr) Audit({grpc::StatusCode::CANCELLED, "the upload ended early"});
-    --parts_.load.transfers;
   }
   WebUpload(const WebUpload&) = delete;
   WebUpload& operator=(const WebUpload&) = delete;
@@ -47,8 +49,7 @@ class WebUpload final : public BodySink, public std::enable_shared_from_this<Web
   // Returns whether the blob is there already.
   Result<bool> Store(const std::string& piece) {
     if (upload_ == nullptr) {
-      if (parts_.load.transfers > kTransfersMax)
-        return Error{ErrorKind::kInterrupted, "too many transfers are running; wait for one to end"};
+      if (!place_) return Error{ErrorKind::kInterrupted, place_.error().message + "; wait for one to end"};
       if (parts_.blobs.Has(digest_)) return true;
       auto begun = parts_.blobs.Begin(digest_, size_, offset_);
       if (!begun) return begun.error();
@@ -82,6 +83,7 @@ class WebUpload final : public BodySink, public std::enable_shared_from_this<Web
 
   const WebUploadParts parts_;
   const Principal caller_;
+  const Result<MemberPlaces::Place> place_;
   const Digest digest_;
   const uint64_t size_, offset_;
   std::unique_ptr<BlobStore::Partial> upload_;

@@ -9,6 +9,7 @@
 #include <list>
 #include <thread>
 
+#include "coordinator/blob_service.h"
 #include "proto/blobs/blob_store.h"
 #include "tests/coordinator/services_fixture.h"
 
@@ -105,7 +106,7 @@ TEST_F(Services, TransfersBeyondTheLimitAreToldToTryAgain) {
   };
   std::list<Unread> unread;
   proto::DownloadChunk chunk;
-  for (int i = 0; i < 64; ++i) {
+  for (int i = 0; i < kDownloadPlaces.own; ++i) {
     Unread& each = unread.emplace_back();
     each.reader = blobs->Download(&each.context, request);
     ASSERT_TRUE(each.reader->Read(&chunk));
