@@ -72,13 +72,16 @@ class UploadCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     answer ? Answer(*answer) : ReadNext();
   }
   void Answer(const grpc::Status& status) {
-    CallGate::Audit(call_.caller(), RuleFor("Blobs.Upload"), details_, status);
+    CallGate::Audit(call_.caller(), RuleFor("Blobs.Upload"), details_, status, load_.failed);
     watched_->BeginWait();
     Finish(Shortened(status));
   }
   // Stores a chunk. Returns the answer once it is known.
   std::optional<grpc::Status> Take() {
     if (const grpc::Status admitted = call_.Recheck(); !admitted.ok()) return admitted;
+    // It would keep its place and bring nothing.
+    if (upload_ != nullptr && chunk_.data().empty())
+      return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "message refused: a chunk without data");
     if (upload_ == nullptr) {
       const auto digest = ReadDigest(chunk_.digest(), "digest");
       if (!digest) return ToStatus(digest.error());

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <vector>
 
+#include "coordinator/call_gate.h"
 #include "coordinator/member_places.h"
 #include "coordinator/package_files.h"
 #include "coordinator/stall_watch.h"
@@ -13,7 +14,6 @@
 
 namespace tessera {
 
-class CallGate;
 struct FileThreads;
 struct Principal;
 
@@ -28,6 +28,7 @@ struct TransferLoad {
   MemberPlaces uploads{kUploadPlaces, "transfers are running"};
   MemberPlaces downloads{kDownloadPlaces, "transfers are running"};
   std::atomic<uint64_t> bytes_in{0}, bytes_out{0};
+  RareLog failed{CallGate::kLogInterval, CallGate::kFailuresLogged};
   StallWatch stall_watch;
 };
 

@@ -46,7 +46,7 @@ grpc::Status UnaryCall::AdmitToWorker(const CoreContext& core, WorkerId worker) 
 }
 
 void UnaryCall::Finish(const grpc::Status& status) const {
-  if (details_) CallGate::Audit(caller_, *rule_, *details_, status);
+  if (details_) CallGate::Audit(caller_, *rule_, *details_, status, gate_->failed());
   reactor_->Finish(Shortened(status));
 }
 
@@ -183,6 +183,17 @@ grpc::Status CallGate::Deny(const Principal& caller, const CallRule& rule, const
 void CallGate::LogDenial(const Principal& caller, const CallRule& rule, const grpc::Status& status) const {
   denied_.Warn("call_denied", fmt::format("call={} {} reason={}", rule.method, LogFieldsOf(caller),
                                           LogText(status.error_message())));
+}
+
+void CallGate::Audit(const Principal& caller, const CallRule& rule, const std::string& details,
+                     const grpc::Status& status, RareLog& failed) {
+  if (status.ok()) return Audit(caller, rule, details, status);
+  if (status.error_code() == grpc::StatusCode::PERMISSION_DENIED) return;
+  const auto count = failed.Count();
+  if (!count) return;
+  const std::string counted =
+      *count == 1 ? "" : fmt::format("count={}{}", *count, details.empty() ? "" : " ");
+  Audit(caller, rule, counted + details, status);
 }
 
 void CallGate::Audit(const Principal& caller, const CallRule& rule, const std::string& details,

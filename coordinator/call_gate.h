@@ -179,6 +179,13 @@ class CallGate {
   // Omitted for calls that were denied, which have an entry already. `details`: fields of a log line.
   static void Audit(const Principal& caller, const CallRule& rule, const std::string& details,
                     const grpc::Status& status);
+  // The same for calls that a member can make as often as it likes: of those that failed, kFailuresLogged in
+  // an interval have an entry and the others are counted in `failed`.
+  static void Audit(const Principal& caller, const CallRule& rule, const std::string& details,
+                    const grpc::Status& status, RareLog& failed);
+  static constexpr std::chrono::seconds kLogInterval{10};
+  static constexpr int kFailuresLogged = 100;
+  RareLog& failed() const { return failed_; }
   // PERMISSION_DENIED with this reason, which is logged.
   grpc::Status Deny(const Principal& caller, const CallRule& rule, const std::string& reason) const;
 
@@ -186,7 +193,6 @@ class CallGate {
   grpc::Status Recheck(const Principal& caller) const;
 
  private:
-  static constexpr std::chrono::seconds kLogInterval{10};
   // Denials that are logged one by one in an interval; whoever was let in once can cause any number.
   static constexpr int kDenialsLogged = 100;
 
@@ -206,6 +212,7 @@ class CallGate {
   const OnIdentified on_identified_;
   mutable OpenCalls open_calls_;
   mutable RareLog denied_{kLogInterval, kDenialsLogged};
+  mutable RareLog failed_{kLogInterval, kFailuresLogged};
 };
 
 }  // namespace tessera

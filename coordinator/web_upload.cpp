@@ -78,7 +78,7 @@ class WebUpload final : public BodySink, public std::enable_shared_from_this<Web
   }
   void Audit(const grpc::Status& status) const {
     CallGate::Audit(caller_, RuleFor("Blobs.Upload"), fmt::format("file={} bytes={}", digest_.Hex(), size_),
-                    status);
+                    status, parts_.load.failed);
   }
 
   const WebUploadParts parts_;

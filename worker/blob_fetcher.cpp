@@ -92,6 +92,9 @@ Result<void> BlobFetcher::Download(const Wanted& wanted, const Sink& sink) {
     request.set_suspect(wanted.suspect);
     std::optional<uint64_t> size;
     const auto take = [&](const proto::DownloadChunk& chunk) -> Result<void> {
+      // Any number of them could follow.
+      if (size && chunk.data().empty())
+        return Failed(fmt::format("cannot {}: the coordinator sent a chunk without data", what));
       if (!size) size = chunk.size();
       on_bytes_(chunk.data().size());
       const bool fits =

@@ -9,6 +9,7 @@
 
 #include "proto/identity/login.h"
 #include "proto/shell/program.h"
+#include "proto/shell/secret_words.h"
 #include "proto/shell/values.h"
 #include "proto/terms.h"
 #include "renderer/util/cores.h"
@@ -37,6 +38,15 @@ Result<void> SetSceneMemory(uint64_t& memory_bytes, const std::string& word) {
   return {};
 }
 
+Result<void> SetToken(WorkerOptions& options, const std::string& source, const std::string& word) {
+  const auto text = WordOrInput(word);
+  if (!text) return BadInput(source + ": " + text.error().message);
+  auto token = JoinToken::Parse(*text);
+  if (!token) return BadInput(source + ": " + token.error().message);
+  options.join = std::move(*token);
+  return {};
+}
+
 Result<void> SetLoadTime(std::chrono::seconds& time, const std::string& word) {
   const auto seconds = ParseInteger("--load-timeout", word, 1, std::chrono::seconds(kLoadTimeMax).count());
   if (!seconds) return seconds.error();
@@ -48,15 +58,12 @@ void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
   AddText(app, "--coordinator", "ADDR",
           WithDefault("Address of the coordinator: HOST:PORT or unix:PATH", "$TESSERA_COORDINATOR"),
           coordinator);
-  AddWord(
-      app, "--join", "TOKEN",
-      "Join the farm of this token, unless this worker has done so before (see tessera-coordinator token)",
-      [&options](const std::string& word) -> Result<void> {
-        auto token = JoinToken::Parse(word);
-        if (!token) return BadInput("--join: " + token.error().message);
-        options.join = std::move(*token);
-        return {};
-      });
+  AddWord(app, "--join", "TOKEN",
+          WithDefault(
+              "Join the farm of this token, unless this worker has done so before (see tessera-coordinator "
+              "token); -: read it from standard input",
+              "$TESSERA_JOIN_TOKEN"),
+          [&options](const std::string& word) { return SetToken(options, "--join", word); });
   AddText(app, "--state-dir", "DIR",
           WithDefault("Folder of the keys and certificates of this worker",
                       "~/.local/state/tessera/worker/farms"),
@@ -100,7 +107,18 @@ void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
   AddLogLevel(app, options.log_level);
 }
 
+// Certificates of an organisation come before a token, as flags and in the environment.
+Result<void> AddEnvironment(WorkerOptions& options) {
+  if (options.join || options.tls.IsUsed()) return {};
+  options.tls = {Environment("TESSERA_TLS_CERT"), Environment("TESSERA_TLS_KEY"),
+                 Environment("TESSERA_TLS_CA")};
+  const std::string token = Environment("TESSERA_JOIN_TOKEN");
+  if (token.empty() || options.tls.IsUsed() || options.insecure) return {};
+  return SetToken(options, "$TESSERA_JOIN_TOKEN", token);
+}
+
 Result<WorkerOptions> Complete(WorkerOptions options, const std::string& coordinator) {
+  if (auto added = AddEnvironment(options); !added) return added.error();
   // A token names its coordinator, whatever the environment says.
   const std::string text = options.join ? options.join->address : coordinator;
   if (!text.empty()) {
@@ -109,9 +127,6 @@ Result<WorkerOptions> Complete(WorkerOptions options, const std::string& coordin
     options.coordinator = std::move(*address);
   }
   if (options.state_dir.empty()) options.state_dir = WorkerLoginFolder(Environment);
-  if (!options.join && !options.tls.IsUsed())
-    options.tls = {Environment("TESSERA_TLS_CERT"), Environment("TESSERA_TLS_KEY"),
-                   Environment("TESSERA_TLS_CA")};
   if (options.threads == 0) options.threads = UsableCores();
   if (options.cache_dir.empty()) options.cache_dir = DefaultCacheFolder(Environment);
   if (options.name.empty()) options.name = HostName();

@@ -8,6 +8,7 @@
 #include "client/coordinator/farm_choice.h"
 #include "proto/shell/console.h"
 #include "proto/shell/flags.h"
+#include "proto/shell/secret_words.h"
 
 namespace tessera {
 namespace {
@@ -20,8 +21,8 @@ struct LoginOptions {
 };
 
 void AddLoginFlags(CLI::App& app, LoginOptions& options) {
-  AddText(app, "TOKEN", "", "The word that tessera-coordinator token printed", options.token,
-          Presence::kRequired);
+  AddText(app, "TOKEN", "", "The word that tessera-coordinator token printed; -: read it from standard input",
+          options.token, Presence::kRequired);
   AddText(app, "--farm", "NAME",
           WithDefault("Name of this login, for --farm of other commands", "the address"), options.farm);
   AddText(app, "--name", "NAME",
@@ -36,7 +37,9 @@ Result<void> CheckLogin(const LoginOptions& options) {
 }
 
 Result<int> RunLogin(const LoginOptions& options, Cancellation&) {
-  const auto done = LogIn(options.token, options.farm, options.name);
+  const auto token = WordOrInput(options.token);
+  if (!token) return BadInput("TOKEN: " + token.error().message);
+  const auto done = LogIn(*token, options.farm, options.name);
   if (!done) return done.error();
   PrintNote("logged in to {} as {}; kept as \"{}\" in {}\n", done->login.address, done->member,
             done->login.farm, done->login.folder);

@@ -99,6 +99,11 @@ grpc::Status ReceivePicture(proto::Jobs::Stub& stub, grpc::ClientContext* contex
       context->TryCancel();
       return {grpc::StatusCode::DATA_LOSS, "the picture does not have the announced size"};
     }
+    // Any number of them could follow.
+    if (chunk.data().empty() && !first) {
+      context->TryCancel();
+      return {grpc::StatusCode::DATA_LOSS, "the coordinator sent a part of the picture without data"};
+    }
     bytes += chunk.data();
   }
   const grpc::Status status = reader->Finish();

@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "proto/shell/console.h"
+#include "proto/shell/secret_words.h"
 #include "proto/shell/termination_signals.h"
 #include "renderer/text/unicode.h"
 #include "renderer/util/cores.h"
@@ -88,6 +89,8 @@ int Report(const std::string& name, const Error& error) {
 }
 
 int RunProgram(const std::string& name, int argc, char** argv, const ProgramBody& body) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  HideTokens(argc, argv);
   RequireProcessor();
   ReportUncaughtExceptions(name);
   // A reader of our output that goes away is a write error and does not end the program.
@@ -101,7 +104,7 @@ int RunProgram(const std::string& name, int argc, char** argv, const ProgramBody
       if (count > 1) ::_exit(static_cast<int>(ErrorKind::kInterrupted));
       termination.request_stop();
     });
-    const auto code = body({argv + 1, argv + argc}, termination.get_token());
+    const auto code = body(arguments, termination.get_token());
     if (!code) return Report(name, code.error());
     if (const auto written = FinishOutput(); !written && *code == 0) return Report(name, written.error());
     return *code;

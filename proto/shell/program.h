@@ -23,7 +23,8 @@ using ProgramBody =
 // Runs `body` and returns the exit code. The first signal that asks the program to end (TerminationSignals)
 // requests a stop of the token; the second ends the process immediately, with exit code 130. An error, an
 // exception such as std::bad_alloc, or a system that grants too few threads or descriptors is reported with
-// the program's name on stderr. Call it from main before any thread is started.
+// the program's name on stderr. Overwrites join tokens in `argv`. Call it from main before any thread is
+// started.
 int RunProgram(const std::string& name, int argc, char** argv, const ProgramBody& body);
 
 // From now on an exception that no thread catches, such as std::bad_alloc, ends the process with a message

@@ -2,9 +2,15 @@
 
 #include <spdlog/spdlog.h>
 
+#include <utility>
+
 namespace tessera {
 
 void RareLog::Warn(const std::string& event, const std::string& detail) {
+  if (const auto count = Count()) spdlog::warn("{} count={} {}", event, *count, detail);
+}
+
+std::optional<uint64_t> RareLog::Count() {
   const std::lock_guard lock(mutex_);
   ++count_;
   const auto now = std::chrono::steady_clock::now();
@@ -12,10 +18,9 @@ void RareLog::Warn(const std::string& event, const std::string& detail) {
     due_ = now + interval_;
     left_ = burst_;
   }
-  if (left_ == 0) return;
+  if (left_ == 0) return std::nullopt;
   --left_;
-  spdlog::warn("{} count={} {}", event, count_, detail);
-  count_ = 0;
+  return std::exchange(count_, 0);
 }
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace tessera {
@@ -16,6 +17,8 @@ class RareLog {
   explicit RareLog(std::chrono::milliseconds interval, int burst = 1) : interval_(interval), burst_(burst) {}
   // Logs "EVENT count=N DETAIL" as a warning. N includes the events since the last line.
   void Warn(const std::string& event, const std::string& detail);
+  // The same for lines that are written elsewhere: returns N, or nullopt if this event is only counted.
+  std::optional<uint64_t> Count();
 
  private:
   const std::chrono::milliseconds interval_;

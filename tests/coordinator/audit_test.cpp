@@ -134,6 +134,23 @@ TEST_F(AuditLog, DenialsAreEnteredOneByOneUpToALimit) {
   EXPECT_LE(Entries().size(), static_cast<size_t>(100 * intervals));
 }
 
+TEST_F(AuditLog, FailuresAreEnteredOneByOneUpToALimit) {
+  CallAs(Join(Role::kUser, "eve"));
+  Entries();
+  const auto begun = std::chrono::steady_clock::now();
+  for (int i = 0; i < 300; ++i) {
+    EXPECT_FALSE(Upload("y", Sha256("z"), 1).ok());
+    Control(&proto::Jobs::Stub::Pause, 99);
+  }
+  const auto intervals = (std::chrono::steady_clock::now() - begun) / std::chrono::seconds(10) + 2;
+  const size_t entries = Entries().size();
+  EXPECT_GE(entries, 200u) << "uploads and other calls are counted apart";
+  EXPECT_LE(entries, static_cast<size_t>(200 * intervals));
+  const uint64_t job = Submit();
+  EXPECT_THAT(EntryOf([&] { Control(&proto::Jobs::Stub::Pause, job); }), HasSubstr("result=done"))
+      << "what has changed something always has an entry";
+}
+
 TEST_F(AuditLog, NamesForgeNoEntries) {
   const std::string forged = "x\" by=\"operator\naudit call=Access.Revoke by=root\x1b[2J\xe2\x80\xae";
   CallAs(Join(Role::kUser, forged));

@@ -62,6 +62,20 @@ TEST_F(Services, AnUploadThatWasCutShortIsResumedWhereItStopped) {
   EXPECT_TRUE(coordinator->blobs().Has(Sha256(bytes)));
 }
 
+TEST_F(Services, AnUploadOfChunksWithoutDataIsRefused) {
+  grpc::ClientContext context;
+  proto::UploadAnswer answer;
+  const auto writer = blobs->Upload(&context, &answer);
+  proto::UploadChunk chunk;
+  chunk.set_digest(WriteDigest(Sha256("x")));
+  chunk.set_size(1);
+  // Until the coordinator ends the call.
+  while (writer->Write(chunk)) chunk.Clear();
+  const grpc::Status status = writer->Finish();
+  EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(status.error_message(), "message refused: a chunk without data");
+}
+
 TEST_F(Services, BlobsAreDownloadedFromAnyOffset) {
   std::string bytes(3'000'000, '\0');
   for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 7 % 251);

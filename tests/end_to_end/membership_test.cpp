@@ -1,6 +1,8 @@
 // Members join over TLS with tokens; everybody else stays out.
 #include <gmock/gmock.h>
+
 #include <signal.h>
+#include <fstream>
 
 #include <filesystem>
 #include <memory>
@@ -22,6 +24,20 @@ TEST_F(MembershipOfAFarm, AJobIsRenderedByAWorkerThatJoinedForAUserWhoLoggedIn) 
   EXPECT_EQ(As("ada", "fetch 1 -o farm.exr").code, 0);
   EXPECT_EQ(Bytes("farm.exr"), oracle);
   EXPECT_THAT(coordinator().Errors(), HasSubstr("audit call=Access.Join by=\"the holder of a token\""));
+}
+
+TEST_F(MembershipOfAFarm, TokensAreNotInTheListOfProcessesAndMayComeOnStandardInput) {
+  const std::string token = Token({"--role", "worker"});
+  Process& worker = JoinWorker("blade", token);
+  ASSERT_TRUE(worker.AwaitErrors("joined ")) << worker.Errors();
+  std::ifstream file("/proc/" + std::to_string(worker.pid()) + "/cmdline");
+  const std::string words{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(words, HasSubstr("--join"));
+  EXPECT_THAT(words, testing::Not(HasSubstr(token)));
+  const Outcome outcome = As("ada", "login - <<< " + Token({"--role", "user", "--name", "ada"}));
+  EXPECT_EQ(outcome.code, 0) << outcome.errors;
+  EXPECT_EQ(As("ada", "jobs").code, 0);
+  EXPECT_THAT(As("bob", "login - < /dev/null").errors, HasSubstr("there is no token on standard input"));
 }
 
 TEST_F(MembershipOfAFarm, AWorkerRestartsWithTheSameTokenAndWithoutOne) {

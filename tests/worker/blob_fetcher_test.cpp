@@ -29,7 +29,7 @@ constexpr FetchPatience kImpatient{300ms, 20s};
 // Answers downloads as a script says, the last step again and again.
 class ScriptedBlobs final : public proto::Blobs::Service {
  public:
-  enum class Step { kRefuse, kAway, kStall, kHalf, kServe, kMissing };
+  enum class Step { kRefuse, kAway, kStall, kHalf, kServe, kEmpty, kMissing };
   ScriptedBlobs(const Address& address, std::string bytes, std::deque<Step> script)
       : bytes_(std::move(bytes)), script_(std::move(script)) {
     grpc::ServerBuilder builder;
@@ -55,6 +55,9 @@ class ScriptedBlobs final : public proto::Blobs::Service {
         return grpc::Status::CANCELLED;
       case Step::kHalf: Send(*writer, request->offset(), bytes_.size() / 2); return grpc::Status::OK;
       case Step::kServe: Send(*writer, request->offset(), bytes_.size()); return grpc::Status::OK;
+      case Step::kEmpty:
+        while (!context->IsCancelled()) Send(*writer, 0, 0);
+        return grpc::Status::CANCELLED;
     }
     return grpc::Status::CANCELLED;
   }
@@ -104,6 +107,13 @@ TEST_F(BlobFetcherTest, RefusalsStallsAndBrokenTransfersAreTriedAgain) {
   ASSERT_TRUE(bytes) << bytes.error().message;
   EXPECT_EQ(*bytes, bytes_);
   EXPECT_EQ(calls_, 6);
+}
+
+TEST_F(BlobFetcherTest, AStreamOfChunksWithoutDataIsAnErrorAtOnce) {
+  const auto bytes = Get({Step::kEmpty}, {20s, 20s});
+  ASSERT_FALSE(bytes);
+  EXPECT_THAT(bytes.error().message, HasSubstr("a chunk without data"));
+  EXPECT_EQ(calls_, 1);
 }
 
 TEST_F(BlobFetcherTest, ADownloadWithoutProgressFailsInTheEnd) {

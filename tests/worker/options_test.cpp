@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 namespace tessera {
 namespace {
 
@@ -28,6 +30,22 @@ TEST(WorkerOptions, RefuseNumbersThatAreNone) {
 TEST(WorkerOptions, TakeAnyNameThatFitsOnACommandLine) {
   for (const std::string& name : {std::string("caf\xe9"), std::string(10'000, 'x'), std::string("a\nb")})
     EXPECT_TRUE(Parse({"--name", name}));
+}
+
+// Flags before the environment, and certificates of an organisation before a token.
+TEST(WorkerOptions, TheTokenMayComeFromTheEnvironment) {
+  const JoinToken token = JoinToken::Make("127.0.0.1:7711", {}),
+                  other = JoinToken::Make("127.0.0.1:7722", {});
+  ::setenv("TESSERA_JOIN_TOKEN", token.Text().c_str(), 1);
+  EXPECT_EQ(Parse({})->options.join, token);
+  EXPECT_EQ(Parse({})->options.coordinator->Text(), token.address);
+  EXPECT_EQ(Parse({"--join", other.Text()})->options.join, other);
+  EXPECT_FALSE(Parse({"--insecure"})->options.join);
+  EXPECT_FALSE(Parse({"--tls-cert", "c", "--tls-key", "k", "--tls-ca", "a"})->options.join);
+  ::setenv("TESSERA_JOIN_TOKEN", "tessera-x", 1);
+  EXPECT_THAT(Parse({}).error().message, testing::StartsWith("$TESSERA_JOIN_TOKEN: "));
+  ::unsetenv("TESSERA_JOIN_TOKEN");
+  EXPECT_FALSE(Parse({})->options.join);
 }
 
 }  // namespace

@@ -28,6 +28,19 @@ TEST(Program, ReturnsTheExitCodeOfItsBody) {
             0);
 }
 
+TEST(Program, TokensReachTheBodyAndAreNoLongerInTheArguments) {
+  char name[] = "program";
+  std::string token = "tessera-" + std::string(80, 'A');
+  const std::string given = token;
+  char* arguments[] = {name, token.data(), nullptr};
+  RunProgram("program", 2, arguments,
+             [&](const std::vector<std::string>& words, std::stop_token) -> Result<int> {
+               EXPECT_EQ(words, std::vector<std::string>{given});
+               return 0;
+             });
+  EXPECT_EQ(token, "tessera-" + std::string(80, 'x'));
+}
+
 TEST(Program, AnErrorIsOneLineOnStderrAndItsKindIsTheExitCode) {
   testing::internal::CaptureStderr();
   const int code =
