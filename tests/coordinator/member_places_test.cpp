@@ -38,7 +38,7 @@ TEST(MemberPlaces, AMemberTakesNoMoreThanItsPartAndGivesPlacesBack) {
   EXPECT_FALSE(places.Take(Member(3))) << "it has moved, not ended";
   moved = {};
   EXPECT_TRUE(places.Take(Member(1)));
-  EXPECT_TRUE(places.Take(Member(3))) << "a place that is not kept is free at once";
+  EXPECT_TRUE(places.Take(Member(3))) << "a place that nobody keeps is free";
 }
 
 class PlacesOfMembers : public ServicesForMembers {
