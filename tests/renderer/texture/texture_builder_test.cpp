@@ -267,8 +267,6 @@ TEST(TextureErrors, AreReportedWhenTexturesAreAdded) {
             "a.pbrt:2:36: dir is zero, expected a direction");
   EXPECT_THAT(ErrorOf(R"(Texture "t" "float" "constant" "float valu" 1)"),
               testing::StartsWith("a.pbrt:2:32: unknown parameter \"float valu\" of Texture \"constant\""));
-  EXPECT_THAT(ErrorOf(R"(Texture "t" "float" "bilerp" "string mapping" "sphericl")"),
-              testing::HasSubstr("did you mean \"spherical\"?"));
 }
 
 TEST(TextureErrors, OfImagesNameTheFile) {
