@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 #include "coordinator/core/byte_codec.h"
 #include "coordinator/store/crc32c.h"
@@ -144,7 +145,16 @@ bool WriteAt(int file, std::vector<iovec>& pieces, uint64_t offset) {
   return true;
 }
 
+// Whether a folder holds the file: it was not removed, nor made without a name.
+bool HasName(int file) {
+  struct stat status {};
+  return ::fstat(file, &status) == 0 && status.st_nlink > 0;
+}
+
 }  // namespace
+
+RecordLog::RecordLog(std::string path, int file, uint32_t version, uint64_t synced)
+    : path_(std::move(path)), file_(file), has_name_(HasName(file)), version_(version), synced_(synced) {}
 
 Result<std::unique_ptr<RecordLog>> RecordLog::Create(const std::string& path, const RecordFormat& format) {
   if (const auto made = WriteFileAtomically(path, FileHeader(format)); !made) return made.error();
@@ -211,8 +221,7 @@ Result<void> RecordLog::Sync() {
   // Always from the synced end: what a failed attempt left there is written over.
   if (!WriteAt(file_, pieces, synced_)) return SystemError(path_, "cannot be written");
   if (::fdatasync(file_) != 0) return SystemError(path_, "cannot be synced");
-  struct stat status {};
-  if (::fstat(file_, &status) == 0 && status.st_nlink == 0) {
+  if (has_name_ && !HasName(file_)) {
     return Failed(
         fmt::format("{}: was removed while it is in use; stop tessera-coordinator, put the data "
                     "directory back and start it again",

@@ -73,11 +73,11 @@ class RecordLog {
     SharedSums body;
     uint32_t payload_bytes = 0, payload_crc = 0;
   };
-  RecordLog(std::string path, int file, uint32_t version, uint64_t synced)
-      : path_(std::move(path)), file_(file), version_(version), synced_(synced) {}
+  RecordLog(std::string path, int file, uint32_t version, uint64_t synced);
 
   std::string path_;
-  int file_;  // -1: released
+  int file_;             // -1: released
+  const bool has_name_;  // when it was opened
   uint32_t version_;
   uint64_t synced_;  // bytes of the file on stable storage
   std::vector<Record> pending_;
