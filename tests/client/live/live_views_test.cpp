@@ -27,13 +27,13 @@ bool Eventually(const std::function<bool()>& condition) {
   return true;
 }
 
-// What a source is told, and how often it was asked.
+// Whether a source fails, and how often it was asked for a picture.
 struct Asking {
   std::atomic<bool> fails = false;
   std::atomic<int> asked = 0;
 };
 
-// A source whose pictures are of frame 1, 2 and so on, and which fails while it is told to.
+// A source whose pictures are of frame 1, 2 and so on, and which fails while `fails` is set.
 class Counting : public PictureSource {
  public:
   explicit Counting(std::shared_ptr<Asking> asking = std::make_shared<Asking>())

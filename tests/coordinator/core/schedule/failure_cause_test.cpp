@@ -17,7 +17,7 @@ constexpr const char* kTooLarge = "loading the scene needs more than 16 MiB of m
 
 class FailureCauses : public testing::Test {
  protected:
-  // A worker that is told to load the scene.
+  // Connects a worker, which is then asked to load the scene.
   void Meet(uint64_t worker, MemberId member = {}) {
     stage_.Worker(worker).member = member;
     stage_.Send(worker);
