@@ -112,12 +112,18 @@ constexpr CallRule kCallRules[] = {
     {"Access.Revoke", Permission::kAdminister, Effect::kChanges},
 };
 
+// The rule of a call; null if there is none.
+constexpr const CallRule* FindRule(std::string_view method) {
+  for (const CallRule& rule : kCallRules) {
+    if (rule.method == method) return &rule;
+  }
+  return nullptr;
+}
+
 // The rule of a call. Does not compile if there is none.
 consteval const CallRule& RuleFor(std::string_view method) {
-  for (const CallRule& rule : kCallRules) {
-    if (rule.method == method) return rule;
-  }
-  throw "the call has no rule";
+  const CallRule* const rule = FindRule(method);
+  return rule != nullptr ? *rule : throw "the call has no rule";
 }
 
 // On what a role may use a permission.

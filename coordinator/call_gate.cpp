@@ -47,7 +47,7 @@ grpc::Status UnaryCall::AdmitToWorker(const CoreContext& core, WorkerId worker) 
 
 void UnaryCall::Finish(const grpc::Status& status) const {
   if (details_) CallGate::Audit(caller_, *rule_, *details_, status, gate_->failed());
-  reactor_->Finish(Shortened(status));
+  finish_(status);
 }
 
 grpc::Status UnaryCall::DiskFails(const std::string& reason) {

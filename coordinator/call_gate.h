@@ -30,15 +30,17 @@ struct ChangePath {
 
 class CallGate;
 
-// A unary call that was admitted. Copies refer to the same call, which one of them has to finish, once, from
-// any thread. Request and answer of the call live until then.
+// A call with one answer that was admitted, of gRPC or of the web interface. Copies refer to the same call,
+// which one of them has to finish, once, from any thread. Request and answer of the call live until then.
 class UnaryCall {
  public:
-  UnaryCall(const CallGate& gate, const CallRule& rule, Principal caller, grpc::ServerUnaryReactor* reactor)
+  // `finish` sends the answer, or the error, to the caller.
+  UnaryCall(const CallGate& gate, const CallRule& rule, Principal caller,
+            std::function<void(const grpc::Status&)> finish)
       : gate_(&gate),
         rule_(&rule),
         caller_(std::move(caller)),
-        reactor_(reactor),
+        finish_(std::move(finish)),
         details_(rule.effect == Effect::kChanges ? std::make_shared<std::string>() : nullptr) {}
   const Principal& caller() const { return caller_; }
   CoreThread& core() const;
@@ -107,7 +109,7 @@ class UnaryCall {
   const CallGate* gate_;
   const CallRule* rule_;
   Principal caller_;
-  grpc::ServerUnaryReactor* reactor_;
+  std::function<void(const grpc::Status&)> finish_;
   std::shared_ptr<std::string> details_;  // null if the call changes nothing
 };
 
@@ -138,7 +140,8 @@ class CallGate {
     if (const grpc::Status admitted = Admit(*context, rule, caller); !admitted.ok()) {
       reactor->Finish(Shortened(admitted));
     } else {
-      const UnaryCall call(*this, rule, std::move(caller), reactor);
+      const UnaryCall call(*this, rule, std::move(caller),
+                           [reactor](const grpc::Status& status) { reactor->Finish(Shortened(status)); });
       const grpc::Status passed_on = GuardedStatus([&] {
         handler(call);
         return grpc::Status::OK;

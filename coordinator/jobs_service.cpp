@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
+#include <iterator>
+#include <string_view>
+
 #include "coordinator/answer_limit.h"
 #include "coordinator/call_gate.h"
 #include "coordinator/guarded.h"
@@ -9,6 +14,7 @@
 #include "coordinator/submission.h"
 #include "coordinator/task_pool.h"
 #include "coordinator/watch_stream.h"
+#include "coordinator/worker_changes.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
 #include "renderer/text/unicode.h"
@@ -16,55 +22,73 @@
 namespace tessera {
 namespace {
 
+// The list of workers, or the last ones that fit into an answer.
+void Write(const std::vector<WorkerStatus>& workers, proto::WorkersAnswer& answer) {
+  for (const WorkerStatus& worker : workers) Write(worker, *answer.add_workers());
+  answer.set_left_out(KeepLast(*answer.mutable_workers()));
+}
+
 grpc::Status NoJob(JobId job) {
   return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no job {}", Number(job))};
-}
-
-grpc::Status NoWorker(const std::string& which) {
-  return {grpc::StatusCode::NOT_FOUND,
-          fmt::format("there is no worker \"{}\"; run `tessera workers` to list them", CleanName(which))};
-}
-
-// Writes the new status of a job, or returns why it was not changed.
-grpc::Status Answer(const Result<JobStatus>& changed, proto::JobStatus& answer) {
-  if (!changed) return ToStatus(changed.error());
-  Write(*changed, answer);
-  return grpc::Status::OK;
-}
-
-// Applies `change` to a job and answers with its new status.
-void ChangeJob(const UnaryCall& call, JobId job, proto::JobStatus* answer,
-               std::function<Result<JobStatus>(CoreContext&, JobId)> change) {
-  call.Note(fmt::format("job={}", Number(job)));
-  call.Apply([=, change = std::move(change)](CoreContext& core) {
-    const grpc::Status admitted = call.AdmitToJob(core, job);
-    return admitted.ok() ? Answer(change(core, job), *answer) : admitted;
-  });
-}
-
-// Applies `change` to the workers named `which` and answers with their new status.
-void ChangeWorkers(const UnaryCall& call, const std::string& which, proto::WorkersAnswer* answer,
-                   std::function<void(Farm&, WorkerId)> change) {
-  call.Note(fmt::format("worker={}", LogText(which)));
-  call.Apply([=, change = std::move(change)](CoreContext& core) {
-    for (const WorkerStatus& worker : core.farm.FindWorkers(core.now, which))
-      change(core.farm, worker.worker);
-    const auto changed = core.farm.FindWorkers(core.now, which);
-    for (const WorkerStatus& worker : changed) Write(worker, *answer->add_workers());
-    answer->set_left_out(KeepLast(*answer->mutable_workers()));
-    return changed.empty() ? NoWorker(which) : grpc::Status::OK;
-  });
-}
-
-// Why a job is not accepted, or not extended.
-grpc::Status Refusal(const Error& error) {
-  return error.kind == ErrorKind::kInterrupted ? TryAgain(error.message) : ToStatus(error);
 }
 
 Result<std::shared_ptr<const JobSpec>> ReadShared(const proto::JobSpec& request) {
   auto spec = ReadJobSpec(request);
   if (!spec) return spec.error();
   return std::make_shared<const JobSpec>(std::move(*spec));
+}
+
+// The handler of a change. `ValueOf` gets the new value from a request.
+template <typename Request, auto ValueOf>
+grpc::internal::MethodHandler* HandlerOf(const CallGate& gate, const JobChanges& changes,
+                                         const JobChangeKind& change) {
+  const CallRule& rule = *FindRule(change.call);
+  return GuardedUnary<Request, proto::JobStatus>(
+      rule, [&](grpc::CallbackServerContext* context, const Request* request, proto::JobStatus* answer) {
+        return gate.Unary(context, rule, [&, request, answer](const UnaryCall& call) {
+          changes.Make(call, change, JobId{request->job()}, std::invoke(ValueOf, *request),
+                       [answer](const Result<JobStatus>& changed) {
+                         if (!changed) return ToStatus(changed.error());
+                         Write(*changed, *answer);
+                         return grpc::Status::OK;
+                       });
+        });
+      });
+}
+
+// What the calls that change jobs have as requests.
+struct JobChangeCall {
+  std::string_view call;
+  grpc::internal::MethodHandler* (*handler)(const CallGate&, const JobChanges&, const JobChangeKind&);
+};
+
+constexpr auto kNoValue = [](const proto::JobRequest&) { return 0; };
+
+constexpr JobChangeCall kJobChangeCalls[] = {
+    {"Jobs.Pause", HandlerOf<proto::JobRequest, kNoValue>},
+    {"Jobs.Resume", HandlerOf<proto::JobRequest, kNoValue>},
+    {"Jobs.Cancel", HandlerOf<proto::JobRequest, kNoValue>},
+    {"Jobs.SetPriority", HandlerOf<proto::PriorityRequest, &proto::PriorityRequest::priority>},
+    {"Jobs.Extend", HandlerOf<proto::ExtendRequest, &proto::ExtendRequest::samples_per_pixel>},
+};
+
+constexpr const JobChangeCall* FindCall(const JobChangeKind& change) {
+  const auto* const found = std::ranges::find(kJobChangeCalls, change.call, &JobChangeCall::call);
+  return found != std::end(kJobChangeCalls) ? found : nullptr;
+}
+// A change without a call does not compile.
+static_assert(std::ranges::all_of(kJobChanges, FindCall));
+
+grpc::internal::MethodHandler* HandlerOf(const CallGate& gate, const WorkerChangeKind& change) {
+  const CallRule& rule = *FindRule(change.call);
+  return GuardedUnary<proto::WorkersRequest, proto::WorkersAnswer>(
+      rule, [&](grpc::CallbackServerContext* context, const proto::WorkersRequest* request,
+                proto::WorkersAnswer* answer) {
+        return gate.Unary(context, rule, [&, request, answer](const UnaryCall& call) {
+          ChangeWorkers(call, change, CleanName(request->which()),
+                        [answer](const std::vector<WorkerStatus>& changed) { Write(changed, *answer); });
+        });
+      });
 }
 
 }  // namespace
@@ -75,6 +99,7 @@ JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const Pic
       blobs_(blobs),
       log_(log),
       threads_(threads),
+      changes_(blobs, threads),
       pictures_(gate, pictures, data_dir, threads.brief) {
   const auto serve = [this](auto method, const CallRule& rule) {
     MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
@@ -83,18 +108,23 @@ JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const Pic
   serve(&JobsService::List, RuleFor("Jobs.List"));
   serve(&JobsService::Status, RuleFor("Jobs.Status"));
   serve(&JobsService::Watch, RuleFor("Jobs.Watch"));
-  serve(&JobsService::Cancel, RuleFor("Jobs.Cancel"));
-  serve(&JobsService::Extend, RuleFor("Jobs.Extend"));
-  serve(&JobsService::Pause, RuleFor("Jobs.Pause"));
-  serve(&JobsService::Resume, RuleFor("Jobs.Resume"));
-  serve(&JobsService::SetPriority, RuleFor("Jobs.SetPriority"));
   serve(&JobsService::Workers, RuleFor("Jobs.Workers"));
   serve(&JobsService::Frames, RuleFor("Jobs.Frames"));
-  serve(&JobsService::DrainWorkers, RuleFor("Jobs.DrainWorkers"));
-  serve(&JobsService::ReleaseWorkers, RuleFor("Jobs.ReleaseWorkers"));
   serve(&JobsService::FetchPicture, RuleFor("Jobs.FetchPicture"));
   serve(&JobsService::JobLog, RuleFor("Jobs.JobLog"));
   serve(&JobsService::Health, RuleFor("Jobs.Health"));
+  ServeChanges();
+}
+
+void JobsService::ServeChanges() {
+  for (const JobChangeKind& change : kJobChanges) {
+    const CallRule& rule = *FindRule(change.call);
+    MarkMethodCallback(MethodIndex(rule), FindCall(change)->handler(gate_, changes_, change));
+  }
+  for (const WorkerChangeKind& change : kWorkerChanges) {
+    const CallRule& rule = *FindRule(change.call);
+    MarkMethodCallback(MethodIndex(rule), HandlerOf(gate_, change));
+  }
 }
 
 grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* context,
@@ -105,11 +135,10 @@ grpc::ServerUnaryReactor* JobsService::Submit(grpc::CallbackServerContext* conte
       if (!read) return call.Finish(ToStatus(read.error()));
       PostCheck(threads_, blobs_, (*read)->package, [=, this, spec = *read] {
         const auto checked = GuardedResult([&] { return CheckSubmission(*spec, blobs_); });
-        if (!checked) return call.Finish(Refusal(checked.error()));
+        if (!checked) return call.Finish(NotRenderable(checked.error()));
         const auto submit = [=](CoreContext& core) {
           const auto job = core.farm.Submit(core.now, spec, call.caller().Owner());
-          if (!job && job.error().kind == ErrorKind::kBadInput) return ToStatus(job.error());
-          if (!job) return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, job.error().message);
+          if (!job) return NotAdmitted(job.error());
           answer->set_job(Number(*job));
           call.Note(fmt::format("job={} name={}", Number(*job), LogText(spec->name)));
           return grpc::Status::OK;
@@ -167,76 +196,6 @@ grpc::ServerWriteReactor<proto::JobStatus>* JobsService::Watch(grpc::CallbackSer
   });
 }
 
-grpc::ServerUnaryReactor* JobsService::Cancel(grpc::CallbackServerContext* context,
-                                              const proto::JobRequest* request, proto::JobStatus* answer) {
-  return gate_.Unary(context, RuleFor("Jobs.Cancel"), [=](const UnaryCall& call) {
-    ChangeJob(call, JobId{request->job()}, answer,
-              [](CoreContext& core, JobId job) { return core.farm.Cancel(core.now, job); });
-  });
-}
-
-grpc::ServerUnaryReactor* JobsService::Pause(grpc::CallbackServerContext* context,
-                                             const proto::JobRequest* request, proto::JobStatus* answer) {
-  return gate_.Unary(context, RuleFor("Jobs.Pause"), [=](const UnaryCall& call) {
-    ChangeJob(call, JobId{request->job()}, answer,
-              [](CoreContext& core, JobId job) { return core.farm.SetPaused(core.now, job, true); });
-  });
-}
-
-grpc::ServerUnaryReactor* JobsService::Resume(grpc::CallbackServerContext* context,
-                                              const proto::JobRequest* request, proto::JobStatus* answer) {
-  return gate_.Unary(context, RuleFor("Jobs.Resume"), [=](const UnaryCall& call) {
-    ChangeJob(call, JobId{request->job()}, answer,
-              [](CoreContext& core, JobId job) { return core.farm.SetPaused(core.now, job, false); });
-  });
-}
-
-grpc::ServerUnaryReactor* JobsService::SetPriority(grpc::CallbackServerContext* context,
-                                                   const proto::PriorityRequest* request,
-                                                   proto::JobStatus* answer) {
-  return gate_.Unary(context, RuleFor("Jobs.SetPriority"), [=](const UnaryCall& call) {
-    const auto priority = ReadPriority(request->priority());
-    if (!priority) return call.Finish(ToStatus(priority.error()));
-    ChangeJob(call, JobId{request->job()}, answer,
-              [priority = *priority, call](CoreContext& core, JobId job) {
-                call.Note(fmt::format("job={} priority={}", Number(job), priority));
-                return core.farm.SetPriority(core.now, job, priority);
-              });
-  });
-}
-
-grpc::ServerUnaryReactor* JobsService::Extend(grpc::CallbackServerContext* context,
-                                              const proto::ExtendRequest* request, proto::JobStatus* answer) {
-  return gate_.Unary(context, RuleFor("Jobs.Extend"), [=, this](const UnaryCall& call) {
-    const JobId job{request->job()};
-    const uint32_t samples = request->samples_per_pixel();
-    if (samples < 1 || samples > kSamplesPerPixelMax)
-      return call.Finish(ToStatus(BadInput("message refused: samples_per_pixel is out of range")));
-    call.Note(fmt::format("job={} samples_per_pixel={}", Number(job), samples));
-    const auto extend = [=](CoreContext& core) {
-      if (core.farm.IsMovingSums(job)) return PictureFetches::BeingWritten();
-      return Answer(core.farm.Extend(core.now, job, samples), *answer);
-    };
-    // Blobs may have been evicted since the job ended. Checking takes too long for the core thread.
-    const auto check = [=, this](const JobSpec& spec) {
-      const auto checked = GuardedResult([&] { return CheckSubmission(spec, blobs_); });
-      if (checked) return call.Apply(extend);
-      const bool is_late = checked.error().kind == ErrorKind::kInterrupted;
-      call.Finish(
-          Refusal(is_late ? checked.error() : Failed(checked.error().message + "; submit the scene again")));
-    };
-    call.core().Post([=, this](CoreContext& core) {
-      const grpc::Status admitted = GuardedStatus([&] {
-        if (const grpc::Status may = call.AdmitToJob(core, job); !may.ok()) return may;
-        PostCheck(threads_, blobs_, core.farm.Spec(job)->package,
-                  [check, spec = core.farm.Spec(job)] { check(*spec); });
-        return grpc::Status::OK;
-      });
-      if (!admitted.ok()) call.Finish(admitted);
-    });
-  });
-}
-
 grpc::ServerUnaryReactor* JobsService::Workers(grpc::CallbackServerContext* context,
                                                const proto::WorkersRequest* request,
                                                proto::WorkersAnswer* answer) {
@@ -244,8 +203,7 @@ grpc::ServerUnaryReactor* JobsService::Workers(grpc::CallbackServerContext* cont
     call.Ask([=, which = CleanName(request->which())](CoreContext& core) {
       const auto workers =
           which.empty() ? core.farm.Workers(core.now) : core.farm.FindWorkers(core.now, which);
-      for (const WorkerStatus& status : workers) Write(status, *answer->add_workers());
-      answer->set_left_out(KeepLast(*answer->mutable_workers()));
+      Write(workers, *answer);
       return grpc::Status::OK;
     });
   });
@@ -262,24 +220,6 @@ grpc::ServerUnaryReactor* JobsService::Frames(grpc::CallbackServerContext* conte
       Write(frames, *answer);
       return frames.empty() ? NoJob(job) : grpc::Status::OK;
     });
-  });
-}
-
-grpc::ServerUnaryReactor* JobsService::DrainWorkers(grpc::CallbackServerContext* context,
-                                                    const proto::WorkersRequest* request,
-                                                    proto::WorkersAnswer* answer) {
-  return gate_.Unary(context, RuleFor("Jobs.DrainWorkers"), [=](const UnaryCall& call) {
-    ChangeWorkers(call, CleanName(request->which()), answer,
-                  [](Farm& farm, WorkerId worker) { farm.Drain(worker); });
-  });
-}
-
-grpc::ServerUnaryReactor* JobsService::ReleaseWorkers(grpc::CallbackServerContext* context,
-                                                      const proto::WorkersRequest* request,
-                                                      proto::WorkersAnswer* answer) {
-  return gate_.Unary(context, RuleFor("Jobs.ReleaseWorkers"), [=](const UnaryCall& call) {
-    ChangeWorkers(call, CleanName(request->which()), answer,
-                  [](Farm& farm, WorkerId worker) { farm.Release(worker); });
   });
 }
 

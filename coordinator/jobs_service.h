@@ -1,6 +1,7 @@
 // Serves proto/jobs.proto: each call becomes an event of the core thread. Thread safe.
 #pragma once
 
+#include "coordinator/job_changes.h"
 #include "coordinator/picture_fetches.h"
 #include "coordinator/task_pool.h"
 #include "proto/blobs/blob_store.h"
@@ -9,7 +10,6 @@
 
 namespace tessera {
 
-class CallGate;
 class JobLog;
 struct FileThreads;
 
@@ -30,25 +30,10 @@ class JobsService final : public proto::Jobs::Service {
                                    proto::JobStatus* answer);
   grpc::ServerWriteReactor<proto::JobStatus>* Watch(grpc::CallbackServerContext* context,
                                                     const proto::JobRequest* request);
-  grpc::ServerUnaryReactor* Cancel(grpc::CallbackServerContext* context, const proto::JobRequest* request,
-                                   proto::JobStatus* answer);
-  grpc::ServerUnaryReactor* Extend(grpc::CallbackServerContext* context, const proto::ExtendRequest* request,
-                                   proto::JobStatus* answer);
-  grpc::ServerUnaryReactor* Pause(grpc::CallbackServerContext* context, const proto::JobRequest* request,
-                                  proto::JobStatus* answer);
-  grpc::ServerUnaryReactor* Resume(grpc::CallbackServerContext* context, const proto::JobRequest* request,
-                                   proto::JobStatus* answer);
-  grpc::ServerUnaryReactor* SetPriority(grpc::CallbackServerContext* context,
-                                        const proto::PriorityRequest* request, proto::JobStatus* answer);
   grpc::ServerUnaryReactor* Workers(grpc::CallbackServerContext* context,
                                     const proto::WorkersRequest* request, proto::WorkersAnswer* answer);
   grpc::ServerUnaryReactor* Frames(grpc::CallbackServerContext* context, const proto::JobRequest* request,
                                    proto::FramesAnswer* answer);
-  grpc::ServerUnaryReactor* DrainWorkers(grpc::CallbackServerContext* context,
-                                         const proto::WorkersRequest* request, proto::WorkersAnswer* answer);
-  grpc::ServerUnaryReactor* ReleaseWorkers(grpc::CallbackServerContext* context,
-                                           const proto::WorkersRequest* request,
-                                           proto::WorkersAnswer* answer);
   grpc::ServerWriteReactor<proto::PictureChunk>* FetchPicture(grpc::CallbackServerContext* context,
                                                               const proto::FetchRequest* request);
   grpc::ServerUnaryReactor* JobLog(grpc::CallbackServerContext* context, const proto::JobLogRequest* request,
@@ -57,10 +42,14 @@ class JobsService final : public proto::Jobs::Service {
                                    proto::HealthAnswer* answer);
 
  private:
+  // Serves the calls that change jobs and workers (job_changes.h, worker_changes.h).
+  void ServeChanges();
+
   const CallGate& gate_;
   const BlobStore& blobs_;
   const class JobLog& log_;
   FileThreads& threads_;
+  const JobChanges changes_;
   PictureFetches pictures_;
 };
 

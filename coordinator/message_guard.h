@@ -10,6 +10,7 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/byte_buffer.h>
 
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -67,16 +68,21 @@ class GuardedHandler final : public grpc::internal::MethodHandler {
   Handler handler_;
 };
 
+// The handler of a unary call that `serve` serves.
+template <typename Request, typename Answer>
+grpc::internal::MethodHandler* GuardedUnary(
+    const CallRule& rule,
+    std::function<grpc::ServerUnaryReactor*(grpc::CallbackServerContext*, const Request*, Answer*)> serve) {
+  using Handler = grpc::internal::CallbackUnaryHandler<Request, Answer>;
+  return new GuardedHandler<Handler, grpc::ServerUnaryReactor, Request>(rule, std::move(serve));
+}
+
 // The handler of a unary call that `method` of the service serves.
 template <typename Service, typename Request, typename Answer>
 grpc::internal::MethodHandler* GuardedMethod(
     Service* service, const CallRule& rule,
     grpc::ServerUnaryReactor* (Service::*method)(grpc::CallbackServerContext*, const Request*, Answer*)) {
-  using Handler = grpc::internal::CallbackUnaryHandler<Request, Answer>;
-  return new GuardedHandler<Handler, grpc::ServerUnaryReactor, Request>(
-      rule, [=](grpc::CallbackServerContext* context, const Request* request, Answer* answer) {
-        return (service->*method)(context, request, answer);
-      });
+  return GuardedUnary<Request, Answer>(rule, std::bind_front(method, service));
 }
 
 // The handler of a call with a stream of answers.

@@ -9,6 +9,7 @@
 #include "coordinator/core/schedule/policy.h"
 #include "proto/frame_name.h"
 #include "proto/scene_package.h"
+#include "proto/wire/channel.h"
 #include "renderer/denoise/finished_picture.h"
 
 namespace tessera {
@@ -107,6 +108,15 @@ Result<void> CheckOrder(const SceneOrder& order, const BlobStore& blobs, Clock::
     if (auto known = CheckSceneFile(*package, file); !known) return known;
   }
   return CheckFiles(*package, blobs, deadline);
+}
+
+grpc::Status NotRenderable(const Error& error) {
+  return error.kind == ErrorKind::kInterrupted ? TryAgain(error.message) : ToStatus(error);
+}
+
+grpc::Status NotAdmitted(const Error& error) {
+  if (error.kind == ErrorKind::kBadInput) return ToStatus(error);
+  return {grpc::StatusCode::RESOURCE_EXHAUSTED, error.message};
 }
 
 }  // namespace tessera

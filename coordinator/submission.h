@@ -1,6 +1,8 @@
 // Checks that a submitted job can be rendered with the blobs that are stored.
 #pragma once
 
+#include <grpcpp/support/status.h>
+
 #include <chrono>
 #include <functional>
 
@@ -30,5 +32,11 @@ Result<void> CheckFrames(const std::vector<FrameRequest>& frames);
 // The same as CheckSubmission for a job whose frames a worker is to make.
 Result<void> CheckOrder(const SceneOrder& order, const BlobStore& blobs,
                         std::chrono::steady_clock::duration patience = kFileChecksMax);
+
+// The status of a call whose job does not pass one of these checks. If the check takes too long, the caller
+// tries again.
+grpc::Status NotRenderable(const Error& error);
+// The status of a call whose job the farm does not admit.
+grpc::Status NotAdmitted(const Error& error);
 
 }  // namespace tessera

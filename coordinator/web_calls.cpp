@@ -7,10 +7,12 @@
 
 #include "coordinator/ask_core.h"
 #include "coordinator/guarded.h"
+#include "coordinator/job_changes.h"
 #include "coordinator/missing_blobs.h"
 #include "coordinator/submission.h"
 #include "coordinator/web/api/routes.h"
 #include "coordinator/web_upload.h"
+#include "coordinator/worker_changes.h"
 #include "proto/shell/system.h"
 #include "proto/wire/channel.h"
 #include "proto/wire/convert.h"
@@ -19,15 +21,26 @@
 namespace tessera {
 namespace {
 
-constexpr const CallRule* FindRule(std::string_view call) {
-  for (const CallRule& rule : kCallRules) {
-    if (rule.method == call) return &rule;
-  }
-  return nullptr;
-}
-
 // A route whose call has no rule does not compile.
 static_assert(std::ranges::all_of(kWebRoutes, [](const WebRoute& route) { return FindRule(route.call); }));
+
+// Nor does a change without a route, nor one whose route has another parameter or another change.
+constexpr bool IsRouteOf(const WebRoute& route, const JobChangeKind& change) {
+  return route.call == change.call && route.action == WebAction::kChangeJob &&
+         route.parameters == change.argument;
+}
+static_assert(std::ranges::all_of(kJobChanges, [](const JobChangeKind& change) {
+  return std::ranges::any_of(kWebRoutes, [&](const WebRoute& route) { return IsRouteOf(route, change); });
+}));
+static_assert(std::ranges::all_of(kWorkerChanges, [](const WorkerChangeKind& change) {
+  return std::ranges::any_of(kWebRoutes, [&](const WebRoute& route) {
+    return route.call == change.call && route.action == WebAction::kChangeWorkers;
+  });
+}));
+static_assert(std::ranges::all_of(kWebRoutes, [](const WebRoute& route) {
+  return (route.action == WebAction::kChangeJob) == (FindJobChange(route.call) != nullptr) &&
+         (route.action == WebAction::kChangeWorkers) == (FindWorkerChange(route.call) != nullptr);
+}));
 
 WebError ErrorOf(const grpc::Status& status) {
   const auto code = [&] {
@@ -45,7 +58,7 @@ WebError ErrorOf(const grpc::Status& status) {
 
 class WebCalls {
  public:
-  explicit WebCalls(WebCallParts parts) : parts_(std::move(parts)) {}
+  explicit WebCalls(WebCallParts parts) : parts_(std::move(parts)), changes_(parts_.blobs, parts_.files) {}
 
   std::optional<WebError> Admit(const WebCaller& caller, std::string_view call) const;
   WebReach Reach(const Visitor& visitor, std::string_view call) const;
@@ -53,8 +66,8 @@ class WebCalls {
                   const WebDone<JobStatus>& done) const;
   void Detail(JobId job, uint32_t frame, const WebDone<JobDetail>& done) const;
   void ChangeJob(const WebCaller& caller, const JobChange& change, const WebDone<JobStatus>& done) const;
-  void ChangeWorkers(const WebCaller& caller, std::string_view call, const std::string& which,
-                     WebDone<std::vector<WorkerStatus>> done) const;
+  void ChangeWorkers(const WebCaller& caller, std::string_view name, const std::string& which,
+                     const WebDone<std::vector<WorkerStatus>>& done) const;
   WebResult<FrameState> Frame(JobId job, uint32_t frame) const;
   WebResult<JobLogPage> Log(JobId job, uint64_t after, size_t limit) const;
   WebResult<std::string> Read(JobId job, uint32_t frame, const std::optional<PictureFile>& file) const;
@@ -70,16 +83,15 @@ class WebCalls {
   // Gives what `query`, a WebResult<Value>(CoreContext&) that changes nothing, returns on the core thread.
   template <typename Value, typename Query>
   void Ask(Query query, WebDone<Value> done) const;
-  // Applies a change, and answers when everything that it caused is on stable storage. The entry in the audit
-  // log has these details.
+  // A call that changes something, and what it gives to `done` when it has finished with OK.
   template <typename Value>
-  void Apply(const Principal& caller, const CallRule& rule, const std::string& details,
-             std::function<WebResult<Value>(CoreContext&)> change, WebDone<Value> done) const;
+  std::pair<UnaryCall, std::shared_ptr<Value>> Begin(const WebCaller& caller, const CallRule& rule,
+                                                     const WebDone<Value>& done) const;
   Principal PrincipalOf(const WebCaller& caller) const;
-  static WebResult<JobStatus> Change(CoreContext& core, const JobChange& change);
   CoreThread& core() const { return parts_.gate.core(); }
 
   const WebCallParts parts_;
+  const JobChanges changes_;
 };
 
 template <typename Value, typename Query>
@@ -91,6 +103,17 @@ void WebCalls::Ask(Query query, WebDone<Value> done) const {
     });
     if (!guarded.ok()) done(ErrorOf(guarded));
   });
+}
+
+template <typename Value>
+std::pair<UnaryCall, std::shared_ptr<Value>> WebCalls::Begin(const WebCaller& caller, const CallRule& rule,
+                                                             const WebDone<Value>& done) const {
+  auto value = std::make_shared<Value>();
+  const auto finish = [value, done](const grpc::Status& status) {
+    if (!status.ok()) return done(ErrorOf(status));
+    done(std::move(*value));
+  };
+  return {UnaryCall(parts_.gate, rule, PrincipalOf(caller), finish), value};
 }
 
 // Programs of other users of this machine have no role.
@@ -160,119 +183,22 @@ void WebCalls::Detail(JobId job, uint32_t frame, const WebDone<JobDetail>& done)
   Ask<JobDetail>(find, done);
 }
 
-template <typename Value>
-void WebCalls::Apply(const Principal& caller, const CallRule& rule, const std::string& details,
-                     std::function<WebResult<Value>(CoreContext&)> change, WebDone<Value> done) const {
-  const auto finish = [=, &rule](WebResult<Value> result, const grpc::Status& status) {
-    CallGate::Audit(caller, rule, details, status);
-    done(std::move(result));
-  };
-  const auto fail = [finish](const grpc::Status& status) { finish(ErrorOf(status), status); };
-  const ChangePath& path = parts_.gate.path();
-  path.threads.Post([=, this, &path] {
-    const auto space = GuardedResult([&] { return path.directory.CheckSpace(0); });
-    if (!space)
-      return fail(
-          {grpc::StatusCode::UNAVAILABLE, "the coordinator cannot write its data: " + space.error().message});
-    core().Post([=](CoreContext& context) {
-      if (const std::string& reason = context.farm.storage_reason(); !reason.empty())
-        return fail({grpc::StatusCode::UNAVAILABLE, "the coordinator cannot write its data: " + reason});
-      WebResult<Value> changed = WebError{503, ""};
-      const grpc::Status guarded = GuardedStatus([&] {
-        changed = change(context);
-        return grpc::Status::OK;
-      });
-      if (!guarded.ok()) changed = ErrorOf(guarded);
-      if (const auto* const error = std::get_if<WebError>(&changed)) {
-        const auto code = error->status == 403 ? grpc::StatusCode::PERMISSION_DENIED
-                                               : grpc::StatusCode::FAILED_PRECONDITION;
-        return finish(changed, {code, error->reason});
-      }
-      context.answers.AfterSync([finish, fail, changed](const Result<void>& synced) {
-        if (synced) return finish(changed, grpc::Status::OK);
-        fail({grpc::StatusCode::UNAVAILABLE,
-              "the coordinator cannot write its data: " + synced.error().message +
-                  "; the change takes effect when it can be written"});
-      });
-    });
-  });
-}
-
-WebResult<JobStatus> WebCalls::Change(CoreContext& core, const JobChange& change) {
-  Farm& farm = core.farm;
-  const auto changed = [&]() -> Result<JobStatus> {
-    if (change.call == "Jobs.Pause") return farm.SetPaused(core.now, change.job, true);
-    if (change.call == "Jobs.Resume") return farm.SetPaused(core.now, change.job, false);
-    if (change.call == "Jobs.Cancel") return farm.Cancel(core.now, change.job);
-    if (change.call == "Jobs.Extend")
-      return farm.Extend(core.now, change.job, static_cast<uint32_t>(change.value));
-    TESSERA_CHECK(change.call == "Jobs.SetPriority");
-    return farm.SetPriority(core.now, change.job, static_cast<int32_t>(change.value));
-  }();
-  if (!changed) return WebError{409, changed.error().message};
-  return *changed;
-}
-
 void WebCalls::ChangeJob(const WebCaller& caller, const JobChange& change,
                          const WebDone<JobStatus>& done) const {
-  const Principal principal = PrincipalOf(caller);
-  const CallRule& rule = *FindRule(change.call);
-  const bool is_extend = change.call == "Jobs.Extend", is_priority = change.call == "Jobs.SetPriority";
-  if (is_extend && (change.value < 1 || change.value > int64_t{kSamplesPerPixelMax}))
-    return done(WebError{400, "samples_per_pixel: out of range"});
-  if (is_priority && (change.value < -kPriorityMax || change.value > kPriorityMax))
-    return done(WebError{400, fmt::format("priority: expected {} to {}", -kPriorityMax, kPriorityMax)});
-  std::string details = fmt::format("job={}", Number(change.job));
-  if (is_extend) details += fmt::format(" samples_per_pixel={}", change.value);
-  if (is_priority) details += fmt::format(" priority={}", change.value);
-  const auto apply = [=, this, &rule] {
-    const auto checked = [=, this, &rule](CoreContext& context) -> WebResult<JobStatus> {
-      const grpc::Status admitted = parts_.gate.AdmitToJob(principal, rule, context, change.job);
-      if (!admitted.ok()) return ErrorOf(admitted);
-      if (is_extend && context.farm.IsMovingSums(change.job))
-        return WebError{503, "a picture of the job is being written"};
-      return Change(context, change);
-    };
-    Apply<JobStatus>(principal, rule, details, checked, done);
-  };
-  if (!is_extend) return apply();
-  // Blobs may have been evicted since the job ended. Checking takes too long for the core thread.
-  const auto check = [=, this](const JobSpec& spec) {
-    const auto checked = GuardedResult([&] { return CheckSubmission(spec, parts_.blobs); });
-    if (checked) return apply();
-    done(checked.error().kind == ErrorKind::kInterrupted
-             ? ErrorOf(TryAgain(checked.error().message))
-             : WebError{409, checked.error().message + "; submit the scene again"});
-  };
-  core().Post([=, this, &rule](CoreContext& context) {
-    const grpc::Status admitted = GuardedStatus([&] {
-      const grpc::Status may = parts_.gate.AdmitToJob(principal, rule, context, change.job);
-      if (!may.ok()) return may;
-      const auto spec = context.farm.Spec(change.job);
-      PostCheck(parts_.files, parts_.blobs, spec->package, [check, spec] { check(*spec); });
-      return grpc::Status::OK;
-    });
-    if (!admitted.ok()) done(ErrorOf(admitted));
-  });
+  const auto [call, status] = Begin(caller, *FindRule(change.call), done);
+  changes_.Make(call, *FindJobChange(change.call), change.job, change.value,
+                [status = status](const Result<JobStatus>& changed) -> grpc::Status {
+                  if (!changed) return {grpc::StatusCode::FAILED_PRECONDITION, changed.error().message};
+                  *status = *changed;
+                  return grpc::Status::OK;
+                });
 }
 
-void WebCalls::ChangeWorkers(const WebCaller& caller, std::string_view call, const std::string& which,
-                             WebDone<std::vector<WorkerStatus>> done) const {
-  using Workers = std::vector<WorkerStatus>;
-  const auto change = [call, which](CoreContext& context) -> WebResult<Workers> {
-    for (const WorkerStatus& worker : context.farm.FindWorkers(context.now, which)) {
-      if (call == "Jobs.DrainWorkers") {
-        context.farm.Drain(worker.worker);
-      } else {
-        context.farm.Release(worker.worker);
-      }
-    }
-    Workers changed = context.farm.FindWorkers(context.now, which);
-    if (changed.empty()) return WebError{404, fmt::format("there is no worker {}", which)};
-    return changed;
-  };
-  Apply<Workers>(PrincipalOf(caller), *FindRule(call), fmt::format("worker={}", LogText(which)), change,
-                 std::move(done));
+void WebCalls::ChangeWorkers(const WebCaller& caller, std::string_view name, const std::string& which,
+                             const WebDone<std::vector<WorkerStatus>>& done) const {
+  const auto [call, workers] = Begin(caller, *FindRule(name), done);
+  tessera::ChangeWorkers(call, *FindWorkerChange(name), which,
+                         [workers = workers](const auto& changed) { *workers = changed; });
 }
 
 WebResult<FrameState> WebCalls::Frame(JobId job, uint32_t frame) const {
@@ -321,24 +247,20 @@ WebResult<std::string> WebCalls::Read(JobId job, uint32_t frame,
 
 // The files of the package may have to be read.
 void WebCalls::OrderJob(const WebCaller& caller, JobOrder order, const WebDone<JobStatus>& done) const {
-  const Principal principal = PrincipalOf(caller);
-  const CallRule& rule = *FindRule("Jobs.Submit");
+  const auto [call, status] = Begin(caller, RuleFor("Jobs.Submit"), done);
   if (order.submission == 0) order.submission = RandomId();
   order.name = CleanName(order.name.empty() ? order.scene.scene_file : order.name);
+  call.Note(fmt::format("name={}", LogText(order.name)));
   const auto shared = std::make_shared<const JobOrder>(std::move(order));
-  parts_.files.lengthy.Post([=, this, &rule] {
+  parts_.files.lengthy.Post([=, this, call = call, status = status] {
     const auto checked = GuardedResult([&] { return CheckOrder(shared->scene, parts_.blobs); });
-    if (!checked) {
-      const auto& [kind, message] = checked.error();
-      if (kind == ErrorKind::kInterrupted) return done(ErrorOf(TryAgain(message)));
-      return done(WebError{kind == ErrorKind::kBadInput ? 400 : 409, message});
-    }
-    const auto submit = [=](CoreContext& context) -> WebResult<JobStatus> {
-      const auto job = context.farm.Order(context.now, shared, principal.Owner());
-      if (!job) return WebError{job.error().kind == ErrorKind::kBadInput ? 400 : 503, job.error().message};
-      return *context.farm.Status(context.now, *job);
-    };
-    Apply<JobStatus>(principal, rule, fmt::format("name={}", LogText(shared->name)), submit, done);
+    if (!checked) return call.Finish(NotRenderable(checked.error()));
+    call.Apply([=](CoreContext& context) -> grpc::Status {
+      const auto job = context.farm.Order(context.now, shared, call.caller().Owner());
+      if (!job) return NotAdmitted(job.error());
+      *status = *context.farm.Status(context.now, *job);
+      return grpc::Status::OK;
+    });
   });
 }
 
@@ -372,8 +294,8 @@ WebFarm MakeWebFarm(WebCallParts parts) {
   farm.change_job = [calls](const auto& caller, const auto& change, const auto& done) {
     calls->ChangeJob(caller, change, done);
   };
-  farm.change_workers = [calls](const auto& caller, auto call, const auto& which, auto done) {
-    calls->ChangeWorkers(caller, call, which, std::move(done));
+  farm.change_workers = [calls](const auto& caller, auto call, const auto& which, const auto& done) {
+    calls->ChangeWorkers(caller, call, which, done);
   };
   farm.frame = [calls](JobId job, uint32_t frame) { return calls->Frame(job, frame); };
   farm.log = [calls](JobId job, uint64_t after, size_t limit) { return calls->Log(job, after, limit); };

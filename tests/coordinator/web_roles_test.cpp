@@ -116,5 +116,44 @@ TEST_F(WebRoles, AChangeIsEnteredInTheAuditLog) {
               testing::ContainsRegex("audit call=Jobs.Pause by=\"operator .*olga.*job=1 result=done"));
 }
 
+TEST_F(WebRoles, AChangeThatIsRefusedIsEnteredInTheAuditLogToo) {
+  const JoinedFarm olga = Join(Role::kOperator, "olga");
+  const WebClient client(port(), PemOf(olga));
+  const std::string proof = ProofOf(olga);
+  const uint64_t job = Submit();
+  coordinator->blobs().Remove(Sha256("a scene"));
+  const auto change = [&](const std::string& what, const std::string& body) {
+    testing::internal::CaptureStdout();
+    client.Change("/api/v1/" + what, proof, body);
+    return testing::internal::GetCapturedStdout();
+  };
+  EXPECT_THAT(
+      change("jobs/99/pause", "{}"),
+      testing::ContainsRegex("audit call=Jobs.Pause .*job=99 result=failed reason=\"there is no job"));
+  EXPECT_THAT(change(fmt::format("jobs/{}/priority", job), R"({"priority": 1000001})"),
+              testing::ContainsRegex("audit call=Jobs.SetPriority .*job=1 priority=1000001 result=failed"));
+  EXPECT_THAT(change(fmt::format("jobs/{}/extend", job), R"({"samples_per_pixel": 8})"),
+              testing::ContainsRegex("audit call=Jobs.Extend .*samples_per_pixel=8 result=failed .*not upl"));
+  EXPECT_THAT(change("workers/00000000000000ff/drain", "{}"),
+              testing::ContainsRegex("audit call=Jobs.DrainWorkers .*worker=.*ff.* result=failed"));
+}
+
+TEST_F(WebRoles, AValueOutOfRangeIsRefusedAsTheCallsRefuseIt) {
+  const JoinedFarm olga = Join(Role::kOperator, "olga");
+  CallAs(olga);
+  proto::PriorityRequest priority;
+  priority.set_job(Submit());
+  priority.set_priority(-1'000'001);
+  proto::JobStatus status;
+  const grpc::Status refused = Call(*jobs, &proto::Jobs::Stub::SetPriority, priority, status);
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(refused.error_message(), "priority: expected -1000000 to 1000000");
+  const WebAnswer answer = WebClient(port(), PemOf(olga))
+                               .Change(fmt::format("/api/v1/jobs/{}/priority", priority.job()), ProofOf(olga),
+                                       R"({"priority": -1000001})");
+  EXPECT_EQ(answer.status(), 400);
+  EXPECT_EQ(answer.Member("error"), refused.error_message());
+}
+
 }  // namespace
 }  // namespace tessera
