@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 
 #include "proto/shell/program.h"
+#include "renderer/util/file_descriptor.h"
 
 namespace tessera {
 namespace {
@@ -22,12 +22,7 @@ bool IsHeading(const std::string& line) {
 
 // A terminal that is gone is noticed by its SIGHUP.
 void Screen::Write(std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(STDOUT_FILENO, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return;
-    text.remove_prefix(static_cast<size_t>(written));
-  }
+  WriteAll(STDOUT_FILENO, text);
 }
 
 bool Screen::IsAvailable() {

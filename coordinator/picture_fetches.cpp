@@ -43,7 +43,7 @@ grpc::ServerWriteReactor<proto::PictureChunk>* PictureFetches::Fetch(grpc::Callb
       stream->Refuse(TryAgain(place.error().message));
       return stream;
     }
-    stream->Keep(std::move(*place));
+    stream->HoldPlace(std::move(*place));
     const FrameId id{JobId{request.job()}, request.frame()};
     gate_.core().Post([=, &rule, this, preview = request.preview()](CoreContext& core) {
       const grpc::Status begun = GuardedStatus([&] {

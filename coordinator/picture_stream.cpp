@@ -1,13 +1,12 @@
 #include "coordinator/picture_stream.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "coordinator/guarded.h"
 #include "proto/terms.h"
@@ -17,25 +16,6 @@
 
 namespace tessera {
 namespace {
-
-// A new file that has no name any more.
-Result<int> TemporaryFile(const std::string& folder) {
-  std::string path = folder + "/fetch-XXXXXX";
-  const int file = ::mkostemp(path.data(), O_CLOEXEC);
-  if (file < 0) return Failed(fmt::format("{}: cannot be created: {}", path, std::strerror(errno)));
-  ::unlink(path.c_str());
-  return file;
-}
-
-bool WriteAll(int file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t size = ::write(file, bytes.data(), bytes.size());
-    if (size < 0 && errno == EINTR) continue;
-    if (size <= 0) return false;
-    bytes.remove_prefix(static_cast<size_t>(size));
-  }
-  return true;
-}
 
 bool ReadAllAt(int file, uint64_t offset, std::string& bytes) {
   for (size_t done = 0; done < bytes.size();) {
@@ -53,10 +33,6 @@ bool ReadAllAt(int file, uint64_t offset, std::string& bytes) {
 PictureStream::PictureStream(PictureStreams& streams, LastingCall call)
     : streams_(streams), call_(std::move(call)), watched_(streams.stall_watch.Watch(call_.context())) {}
 
-PictureStream::~PictureStream() {
-  if (file_ >= 0) ::close(file_);
-}
-
 void PictureStream::OnDone() {
   watched_->End();
   delete this;
@@ -69,12 +45,12 @@ void PictureStream::Refuse(const grpc::Status& status) {
 
 void PictureStream::Send(Result<std::string> bytes) {
   if (!bytes) return Refuse(ToStatus(bytes.error()));
-  const auto kept = GuardedResult([&] { return Keep(std::move(*bytes)); });
+  const auto kept = GuardedResult([&] { return Store(std::move(*bytes)); });
   if (!kept) return Refuse({grpc::StatusCode::RESOURCE_EXHAUSTED, kept.error().message});
   SendNext();
 }
 
-Result<void> PictureStream::Keep(std::string bytes) {
+Result<void> PictureStream::Store(std::string bytes) {
   size_ = bytes.size();
   chunk_.set_size(size_);
   chunk_.set_digest(WriteDigest(Sha256(bytes)));
@@ -82,10 +58,10 @@ Result<void> PictureStream::Keep(std::string bytes) {
     bytes_ = std::move(bytes);
     return {};
   }
-  const auto file = TemporaryFile(streams_.folder);
+  auto file = OpenNamelessFile(streams_.folder);
   if (!file) return file.error();
-  file_ = *file;
-  if (!WriteAll(file_, bytes))
+  file_ = std::move(*file);
+  if (!WriteAll(file_.number(), bytes))
     return Failed(fmt::format("no room for a copy of the picture: {}", std::strerror(errno)));
   return {};
 }
@@ -100,11 +76,11 @@ void PictureStream::SendNext() {
 grpc::Status PictureStream::ReadNext() {
   if (const grpc::Status admitted = call_.Recheck(); !admitted.ok()) return admitted;
   std::string& data = *chunk_.mutable_data();
-  if (file_ < 0) {
+  if (!file_) {
     data = std::move(bytes_);
   } else {
     data.resize(std::min(size_ - sent_, static_cast<uint64_t>(kChunkBytesMax)));
-    if (!ReadAllAt(file_, sent_, data))
+    if (!ReadAllAt(file_.number(), sent_, data))
       return {grpc::StatusCode::UNAVAILABLE, "the copy of the picture cannot be read"};
   }
   sent_ += data.size();

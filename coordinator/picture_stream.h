@@ -10,6 +10,7 @@
 #include "coordinator/stall_watch.h"
 #include "coordinator/task_pool.h"
 #include "proto/jobs.grpc.pb.h"
+#include "renderer/util/file_descriptor.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -32,10 +33,9 @@ struct PictureStreams {
 class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk> {
  public:
   PictureStream(PictureStreams& streams, LastingCall call);
-  ~PictureStream() override;
   const Principal& caller() const { return call_.caller(); }
-  // Keeps a place among the streams.
-  void Keep(MemberPlaces::Place place) { place_ = std::move(place); }
+  // Takes a place among the streams, until the call is over.
+  void HoldPlace(MemberPlaces::Place place) { place_ = std::move(place); }
   // Whether the client has gone: nobody will read the picture.
   bool is_cancelled() const { return is_cancelled_; }
   void Refuse(const grpc::Status& status);
@@ -43,7 +43,8 @@ class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk>
   void Send(Result<std::string> bytes);
 
  private:
-  Result<void> Keep(std::string bytes);
+  // Keeps the bytes until they are sent, in memory or in a file.
+  Result<void> Store(std::string bytes);
   void SendNext();
   grpc::Status ReadNext();
   void OnWriteDone(bool ok) override;
@@ -56,7 +57,7 @@ class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk>
   const std::shared_ptr<StallWatch::Call> watched_;
   std::atomic<bool> is_cancelled_{false};
   std::string bytes_;  // unless they are in the file
-  int file_ = -1;
+  FileDescriptor file_;
   uint64_t size_ = 0, sent_ = 0;
   proto::PictureChunk chunk_;
 };

@@ -15,6 +15,7 @@
 
 #include "client/output/output_target.h"
 #include "proto/shell/pause.h"
+#include "renderer/util/file_descriptor.h"
 
 namespace tessera {
 namespace {
@@ -25,41 +26,13 @@ constexpr int kStopProbe_ms = 100;
 constexpr int kTemporaryNamesMax = 100;  // attempts to find a free name
 constexpr size_t kWriteMax = size_t{1} << 20;
 
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() { Close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const { return number_; }
-  explicit operator bool() const { return number_ >= 0; }
-  bool Close() {
-    const bool closed = number_ < 0 || ::close(number_) == 0;
-    number_ = -1;
-    return closed;
-  }
-
- private:
-  int number_;
-};
-
 Error CannotWrite(const std::string& path, int reason) {
   return Failed(fmt::format("{}: cannot be written: {}", ShownPath(path), std::strerror(reason)));
 }
 
-bool WriteAll(int descriptor, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), std::min(bytes.size(), kWriteMax));
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    bytes.remove_prefix(static_cast<size_t>(written));
-  }
-  return true;
-}
-
 // Makes the names in a folder durable. Some file systems cannot, which is no reason to fail.
 void Sync(const std::string& folder) {
-  const Descriptor file(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const FileDescriptor file(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (file) ::fsync(file.number());
 }
 
@@ -109,7 +82,7 @@ class TemporaryFile {
   }
 
   std::string path_;
-  Descriptor file_;
+  FileDescriptor file_;
   bool is_written_ = false;
 };
 
@@ -124,7 +97,7 @@ bool TakeOver(int file, const struct stat& status) {
 }
 
 Result<void> WriteInPlace(const std::string& path, const OutputTarget& target, std::string_view bytes) {
-  Descriptor file(::open(target.path.c_str(), O_WRONLY | O_CLOEXEC));
+  FileDescriptor file(::open(target.path.c_str(), O_WRONLY | O_CLOEXEC));
   if (!file || !WriteAll(file.number(), bytes) ||
       ::ftruncate(file.number(), static_cast<off_t>(bytes.size())) != 0 || ::fsync(file.number()) != 0 ||
       !file.Close())
@@ -206,7 +179,7 @@ Result<void> WriteOutput(const std::string& path, std::string_view bytes, std::s
   }
   const auto opened = OpenStream(path, *target, stop);
   if (!opened) return opened.error();
-  Descriptor file(*opened);
+  FileDescriptor file(*opened);
   if (auto written = WriteStream(path, file.number(), bytes, stop); !written) return written;
   if (!file.Close()) return CannotWrite(path, errno);
   return {};

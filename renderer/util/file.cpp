@@ -12,39 +12,9 @@
 #include <filesystem>
 #include <random>
 
+#include "renderer/util/file_descriptor.h"
+
 namespace tessera {
-namespace {
-
-// Owns a file descriptor.
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int number) : number_(number) {}
-  ~FileDescriptor() { Close(); }
-  FileDescriptor(const FileDescriptor&) = delete;
-  FileDescriptor& operator=(const FileDescriptor&) = delete;
-  int number() const { return number_; }
-  bool valid() const { return number_ >= 0; }
-  int Close() {
-    const int result = number_ >= 0 ? ::close(number_) : 0;
-    number_ = -1;
-    return result;
-  }
-
- private:
-  int number_;
-};
-
-bool WriteAll(int descriptor, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    bytes.remove_prefix(static_cast<size_t>(written));
-  }
-  return true;
-}
-
-}  // namespace
 
 Error SystemError(const std::string& path, const char* what) {
   return Failed(fmt::format("{}: {}: {}", path, what, std::strerror(errno)));
@@ -53,7 +23,7 @@ Error SystemError(const std::string& path, const char* what) {
 Result<std::string> ReadFile(const std::string& path, uint64_t size_max) {
   // Not blocking: a pipe must be refused, not waited for.
   FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file.valid()) return BadInput(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
+  if (!file) return BadInput(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
   struct stat status {};
   if (::fstat(file.number(), &status) != 0) return SystemError(path, "cannot be examined");
   if (!S_ISREG(status.st_mode)) return BadInput(fmt::format("{}: is not a regular file", path));
@@ -112,8 +82,8 @@ Result<void> WriteFileAtomically(const std::string& path, std::string_view bytes
   std::random_device random;
   const std::string beside = fmt::format("{}.{:08x}{:08x}.tmp", path, random(), random());
   FileDescriptor file(::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
-  if (!file.valid()) return SystemError(path, "cannot be created");
-  const bool written = WriteAll(file.number(), bytes) && ::fsync(file.number()) == 0 && file.Close() == 0;
+  if (!file) return SystemError(path, "cannot be created");
+  const bool written = WriteAll(file.number(), bytes) && ::fsync(file.number()) == 0 && file.Close();
   if (!written || ::rename(beside.c_str(), path.c_str()) != 0) {
     const Error error = SystemError(path, "cannot be written");
     ::unlink(beside.c_str());
@@ -136,8 +106,8 @@ Result<std::vector<std::string>> ListFolder(const std::string& folder) {
 Result<void> SyncFolder(const std::string& folder) {
   FileDescriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   // A folder may be writable and not readable; then nobody can sync it.
-  if (!directory.valid() && errno == EACCES) return {};
-  if (!directory.valid()) return SystemError(folder, "cannot be opened");
+  if (!directory && errno == EACCES) return {};
+  if (!directory) return SystemError(folder, "cannot be opened");
   if (::fsync(directory.number()) == 0) return {};
   // Some file systems cannot sync folders and do not need it.
   if (errno == EINVAL || errno == ENOTSUP) return {};

@@ -1,12 +1,12 @@
 #include "coordinator/web/api/file_stream.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "renderer/text/unicode.h"
 
@@ -18,22 +18,11 @@ constexpr uint64_t kPieceBytes = 256 << 10;
 }  // namespace
 
 Result<std::shared_ptr<FileStream>> FileStream::Make(const std::string& folder, std::string_view bytes) {
-  std::string path = folder + "/download-XXXXXX";
-  const int file = ::mkostemp(path.data(), O_CLOEXEC);
-  if (file < 0) return Failed(fmt::format("{}: cannot be created: {}", path, std::strerror(errno)));
-  ::unlink(path.c_str());
-  auto stream = std::make_shared<FileStream>(file, bytes.size());
-  while (!bytes.empty()) {
-    const ssize_t size = ::write(file, bytes.data(), bytes.size());
-    if (size < 0 && errno == EINTR) continue;
-    if (size <= 0) return Failed(fmt::format("no room for a copy of the picture: {}", std::strerror(errno)));
-    bytes.remove_prefix(static_cast<size_t>(size));
-  }
-  return stream;
-}
-
-FileStream::~FileStream() {
-  ::close(file_);
+  auto file = OpenNamelessFile(folder);
+  if (!file) return file.error();
+  if (!WriteAll(file->number(), bytes))
+    return Failed(fmt::format("no room for a copy of the picture: {}", std::strerror(errno)));
+  return std::make_shared<FileStream>(std::move(*file), bytes.size());
 }
 
 // A file that cannot be read ends the download early, which the reader sees by its size. The pieces were
@@ -43,7 +32,7 @@ FileStream::Next FileStream::Take(std::vector<Part>& parts) {
   auto piece = std::make_shared<std::string>(std::min(kPieceBytes, size_ - sent_), '\0');
   ssize_t size = 0;
   do {
-    size = ::pread(file_, piece->data(), piece->size(), static_cast<off_t>(sent_));
+    size = ::pread(file_.number(), piece->data(), piece->size(), static_cast<off_t>(sent_));
   } while (size < 0 && errno == EINTR);
   if (size <= 0) {
     const std::string reason = size < 0 ? std::strerror(errno) : "it was cut";

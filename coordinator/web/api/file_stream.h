@@ -7,6 +7,7 @@
 
 #include "coordinator/web/http_response.h"
 #include "proto/shell/rare_log.h"
+#include "renderer/util/file_descriptor.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -15,15 +16,12 @@ class FileStream final : public BodyStream {
  public:
   // An error if the folder has no room for them.
   static Result<std::shared_ptr<FileStream>> Make(const std::string& folder, std::string_view bytes);
-  FileStream(int file, uint64_t size) : file_(file), size_(size) {}
-  ~FileStream() override;
-  FileStream(const FileStream&) = delete;
-  FileStream& operator=(const FileStream&) = delete;
+  FileStream(FileDescriptor file, uint64_t size) : file_(std::move(file)), size_(size) {}
 
   Next Take(std::vector<Part>& parts) override;
 
  private:
-  const int file_;
+  const FileDescriptor file_;
   const uint64_t size_;
   uint64_t sent_ = 0;
   RareLog failed_{std::chrono::seconds(10)};

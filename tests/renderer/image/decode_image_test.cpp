@@ -24,20 +24,6 @@ std::filesystem::path SharedFolder() {
 
 const std::filesystem::path kCorpus = SharedFolder() / "corpora/images/png-corpus";
 
-Image Decoded(const std::string& bytes, const std::string& name, std::optional<ColorEncoding> encoding = {}) {
-  Result<Image> image = DecodeImage(bytes, name, encoding);
-  if (!image) {
-    ADD_FAILURE() << image.error().message;
-    return {};
-  }
-  return std::move(image).value();
-}
-
-std::string MessageOf(const std::string& bytes, const std::string& name) {
-  const Result<Image> image = DecodeImage(bytes, name, {});
-  return image ? "" : image.error().message;
-}
-
 TEST(ColorEncoding, FollowsTheStandardCurves) {
   const ColorEncoding srgb{ColorEncoding::Kind::kSrgb, 1};
   EXPECT_EQ(srgb.ToLinear(0), 0);
@@ -189,34 +175,33 @@ TEST(DecodeImage, ContentDecidesUnlessTheEndingNamesAnotherFormat) {
   const std::string png = Encode("png", 2, 2, 3, Pattern8(2, 2, 3));
   EXPECT_EQ(Decoded(png, "picture").width, 2);
   EXPECT_EQ(Decoded(png, "picture.tga").width, 2);
-  EXPECT_EQ(MessageOf(png, "picture.exr"), "picture.exr: holds a PNG picture, but its name says OpenEXR");
+  EXPECT_EQ(ErrorOf(png, "picture.exr"), "picture.exr: holds a PNG picture, but its name says OpenEXR");
 }
 
 TEST(DecodeImage, WhatIsNotAPictureIsRefusedByName) {
-  EXPECT_EQ(MessageOf("", "a.png"), "a.png: the file is empty, expected a picture");
-  EXPECT_EQ(MessageOf("hello, world", "a.png"),
-            "a.png: damaged picture: it does not begin as a PNG file does");
-  EXPECT_EQ(MessageOf("hello, world", "notes.txt"),
+  EXPECT_EQ(ErrorOf("", "a.png"), "a.png: the file is empty, expected a picture");
+  EXPECT_EQ(ErrorOf("hello, world", "a.png"), "a.png: damaged picture: it does not begin as a PNG file does");
+  EXPECT_EQ(ErrorOf("hello, world", "notes.txt"),
             "notes.txt: not a picture of a known format, expected EXR, PNG, JPEG, TGA, HDR, TIFF, BMP, WebP, "
             "PFM or QOI");
-  EXPECT_EQ(MessageOf("Pf\n4 4\n-1\nabc", "a.pfm"),
+  EXPECT_EQ(ErrorOf("Pf\n4 4\n-1\nabc", "a.pfm"),
             "a.pfm: damaged picture: it ends after 13 bytes, 74 were expected");
 }
 
 TEST(DecodeImage, SizesBeyondTheLimitsAreRefusedBeforeMemoryIsAskedFor) {
-  EXPECT_THAT(MessageOf("Pf\n100000 1\n-1\n", "a.pfm"), testing::HasSubstr("picture too large: 100000x1"));
-  EXPECT_THAT(MessageOf("PF\n60000 60000\n-1\n", "a.pfm"), testing::HasSubstr("picture too large"));
-  EXPECT_THAT(MessageOf("Pf\n-3 4\n-1\n", "a.pfm"), testing::HasSubstr("its size is -3x4"));
+  EXPECT_THAT(ErrorOf("Pf\n100000 1\n-1\n", "a.pfm"), testing::HasSubstr("picture too large: 100000x1"));
+  EXPECT_THAT(ErrorOf("PF\n60000 60000\n-1\n", "a.pfm"), testing::HasSubstr("picture too large"));
+  EXPECT_THAT(ErrorOf("Pf\n-3 4\n-1\n", "a.pfm"), testing::HasSubstr("its size is -3x4"));
   // Within the absolute limit, but a run this short cannot describe this number of pixels.
   const std::string bomb =
       "qoif" + BigEndian32(20000) + BigEndian32(20000) + std::string("\x03\x00", 2) + "\xfd";
-  EXPECT_EQ(MessageOf(bomb, "a.qoi"), "a.qoi: damaged picture: 15 bytes cannot hold 20000x20000 pixels");
+  EXPECT_EQ(ErrorOf(bomb, "a.qoi"), "a.qoi: damaged picture: 15 bytes cannot hold 20000x20000 pixels");
 }
 
 TEST(DecodeImage, APngThatStartsWithAnotherChunkIsDamagedAndDeclaresNoSize) {
   const std::string chunk =
       BigEndian32(4) + "CgBI" + std::string("\x50\x00\x20\x06", 4) + BigEndian32(0x2bd53f7f);
-  EXPECT_THAT(MessageOf("\x89PNG\r\n\x1a\n" + chunk, "a.png"), testing::StartsWith("a.png: damaged "));
+  EXPECT_THAT(ErrorOf("\x89PNG\r\n\x1a\n" + chunk, "a.png"), testing::StartsWith("a.png: damaged "));
 }
 
 TEST(DecodeImage, TheReferencePngFilesGiveTheReferencePixels) {
@@ -250,7 +235,7 @@ TEST(DecodeImage, EveryDamagedPngOfTheCorpusIsRefusedInOneLineThatNamesIt) {
     for (const auto& entry : std::filesystem::directory_iterator(kCorpus / folder)) {
       const std::string name = entry.path().filename();
       testing::internal::CaptureStderr();
-      const std::string message = MessageOf(*ReadFile(entry.path(), 1 << 20), name);
+      const std::string message = ErrorOf(*ReadFile(entry.path(), 1 << 20), name);
       EXPECT_THAT(message, testing::StartsWith(name + ": damaged "));
       EXPECT_THAT(message, testing::Not(testing::HasSubstr("\n")));
       EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << name;

@@ -1,13 +1,19 @@
-// Pictures in memory, written by the library that reads them or byte by byte.
+// Pictures in memory, written by the library that reads them or byte by byte, and decoded again.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+
+#include "renderer/image/image.h"
 
 namespace tessera {
 
@@ -58,6 +64,22 @@ inline std::string EncodePfm(int width, int height, int channels, const std::vec
     file.append(reinterpret_cast<const char*>(&values[y * row]), row * sizeof(float));
   }
   return file;
+}
+
+// The picture of a file that must be readable.
+inline Image Decoded(const std::string& bytes, const std::string& name,
+                     std::optional<ColorEncoding> encoding = {}) {
+  Result<Image> image = DecodeImage(bytes, name, encoding);
+  if (!image) {
+    ADD_FAILURE() << image.error().message;
+    return {};
+  }
+  return std::move(image).value();
+}
+
+inline std::string ErrorOf(const std::string& bytes, const std::string& name) {
+  const Result<Image> image = DecodeImage(bytes, name, {});
+  return image ? "no error" : image.error().message;
 }
 
 }  // namespace tessera

@@ -13,11 +13,6 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string ErrorOf(const std::string& bytes, const std::string& name) {
-  const Result<Image> image = DecodeImage(bytes, name, {});
-  return image ? "no error" : image.error().message;
-}
-
 TEST(ExrBomb, WholeFilesPass) {
   const std::vector<float> values = PatternFloat(24, 10, 3);
   for (const std::string& file :

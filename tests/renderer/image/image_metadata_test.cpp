@@ -9,15 +9,6 @@
 namespace tessera::image_metadata {
 namespace {
 
-Image Decoded(const std::string& bytes, const std::string& name) {
-  Result<Image> image = DecodeImage(bytes, name, {});
-  if (!image) {
-    ADD_FAILURE() << image.error().message;
-    return {};
-  }
-  return std::move(image).value();
-}
-
 std::string PngChunk(const std::string& type, const std::string& data) {
   const std::string both = type + data;
   const auto checksum = crc32(0, reinterpret_cast<const Bytef*>(both.data()), static_cast<uInt>(both.size()));

@@ -11,20 +11,6 @@
 namespace tessera::image_variants {
 namespace {
 
-Image Decoded(const std::string& bytes, const std::string& name) {
-  Result<Image> image = DecodeImage(bytes, name, {});
-  if (!image) {
-    ADD_FAILURE() << image.error().message;
-    return {};
-  }
-  return std::move(image).value();
-}
-
-std::string ErrorOf(const std::string& bytes, const std::string& name) {
-  const Result<Image> image = DecodeImage(bytes, name, {});
-  return image ? "no error" : image.error().message;
-}
-
 std::string LittleEndian16(uint32_t value) {
   return LittleEndian32(value).substr(0, 2);
 }

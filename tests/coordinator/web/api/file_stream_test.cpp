@@ -21,7 +21,7 @@ TEST(FileStream, SendsWhatItWasGiven) {
 }
 
 TEST(FileStream, AFileThatCannotBeReadEndsTheDownloadWithALine) {
-  FileStream stream(::open("/dev/null", O_WRONLY | O_CLOEXEC), 100);
+  FileStream stream(FileDescriptor(::open("/dev/null", O_WRONLY | O_CLOEXEC)), 100);
   std::vector<BodyStream::Part> parts;
   testing::internal::CaptureStdout();
   EXPECT_EQ(stream.Take(parts), BodyStream::Next::kEnd);
