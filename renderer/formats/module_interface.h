@@ -71,5 +71,5 @@ struct Functions {
 
 }  // namespace tessera::image_module
 
-// The only symbol of the module.
+// The only symbol of the module that programs look for.
 extern "C" const tessera::image_module::Functions* TesseraImageFormats();

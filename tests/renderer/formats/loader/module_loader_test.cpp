@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -111,6 +112,54 @@ TEST(ModuleLoader, FilesThatAreNotTheModuleAreRefused) {
               HasSubstr("lacks the function TesseraImageFormats"));
   EXPECT_THAT(ErrorOf(SourceDir() + "/README.md"), HasSubstr("cannot be loaded"));
   EXPECT_THAT(ErrorOf(SourceDir()), HasSubstr("cannot be loaded"));
+}
+
+std::string BigEndian32(uint32_t v) {
+  return {static_cast<char>(v >> 24), static_cast<char>(v >> 16), static_cast<char>(v >> 8),
+          static_cast<char>(v)};
+}
+
+std::string Chunk(const std::string& type, const std::string& data) {
+  const std::string both = type + data;
+  const auto checksum = crc32(0, reinterpret_cast<const Bytef*>(both.data()), static_cast<uInt>(both.size()));
+  return BigEndian32(static_cast<uint32_t>(data.size())) + both +
+         BigEndian32(static_cast<uint32_t>(checksum));
+}
+
+// A grey PNG of 4 x 2 pixels with these bytes of pixels, of which the first of each row names its filter.
+std::string PngOf(const std::string& rows) {
+  uLongf size = compressBound(static_cast<uLong>(rows.size()));
+  std::string packed(size, '\0');
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
+           static_cast<uLong>(rows.size()));
+  packed.resize(size);
+  const std::string header = BigEndian32(4) + BigEndian32(2) + std::string("\x08\0\0\0\0", 5);
+  return "\x89PNG\r\n\x1a\n" + Chunk("IHDR", header) + Chunk("IDAT", packed) + Chunk("IEND", "");
+}
+
+// The reason why the picture cannot be decoded.
+std::string ReasonOf(const std::string& png) {
+  const auto functions = Load();
+  if (!functions) return functions.error().message;
+  PictureInfo info{};
+  Reason reason{};
+  OpenPicture* const picture =
+      (*functions)->open({"png", "a.png", png.data(), png.size(), 64, 100}, info, reason);
+  if (picture == nullptr) return reason.text;
+  std::array<uint8_t, 8> pixels{};
+  const bool is_read = (*functions)->read(picture, pixels.data(), reason);
+  (*functions)->close(picture);
+  return is_read ? "no error" : reason.text;
+}
+
+TEST(ModuleLoader, ADamagedPngIsAnErrorAndPrintsNothing) {
+  const std::string rows("\0abcd\0efgh", 10);
+  EXPECT_EQ(ReasonOf(PngOf(rows)), "no error");
+  testing::internal::CaptureStderr();
+  EXPECT_THAT(ReasonOf(PngOf("\x09" + rows.substr(1))), HasSubstr("bad adaptive filter value"));
+  EXPECT_THAT(ReasonOf(PngOf(rows.substr(0, 5))), HasSubstr("Not enough image data"));
+  EXPECT_EQ(ReasonOf(PngOf(rows)), "no error");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(ModuleLoader, WhatCannotBeEncodedIsAnErrorWithAReason) {
