@@ -94,28 +94,8 @@ Result<ImageFormat> RecogniseFormat(const std::string& bytes, const std::string&
   return content;
 }
 
-Result<void> CheckImagesSize(const std::string& name, uint64_t file_bytes, uint64_t decoded_bytes) {
-  const uint64_t allowed = std::max<uint64_t>(kImagesBytesFloor, file_bytes * kImagesExpansionMax);
-  if (decoded_bytes <= allowed) return {};
-  return BadInput(
-      fmt::format("{}: the pictures up to this one hold {} bytes when decoded, at most {} are read from "
-                  "files of {} bytes",
-                  name, decoded_bytes, allowed, file_bytes));
-}
-
-std::string CacheKey(const std::string& name, const std::optional<ColorEncoding>& encoding) {
-  return name + '\n' + EncodingText(encoding);
-}
-
-}  // namespace
-
-std::string EncodingText(const std::optional<ColorEncoding>& encoding) {
-  if (!encoding) return "default";
-  return fmt::format("{} {}", static_cast<int>(encoding->kind), encoding->gamma);
-}
-
-Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
-                          std::optional<ColorEncoding> encoding) {
+Result<Image> DecodeFormat(const std::string& bytes, const std::string& name,
+                           std::optional<ColorEncoding> encoding) {
   const Result<ImageFormat> format = RecogniseFormat(bytes, name);
   if (!format) return format.error();
   switch (*format) {
@@ -134,6 +114,28 @@ Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
   return DecodeWithLibrary(*format, bytes, name, encoding);
 }
 
+std::string CacheKey(const std::string& name, const std::optional<ColorEncoding>& encoding) {
+  return name + '\n' + EncodingText(encoding);
+}
+
+}  // namespace
+
+std::string EncodingText(const std::optional<ColorEncoding>& encoding) {
+  if (!encoding) return "default";
+  return fmt::format("{} {}", static_cast<int>(encoding->kind), encoding->gamma);
+}
+
+ImageSize SizeOf(const Image& image) {
+  return {image.file_bytes, image.bytes.size()};
+}
+
+Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
+                          std::optional<ColorEncoding> encoding) {
+  Result<Image> image = DecodeFormat(bytes, name, encoding);
+  if (image) image->file_bytes = bytes.size();
+  return image;
+}
+
 Result<std::shared_ptr<const Image>> ImageCache::Get(const std::string& name,
                                                      std::optional<ColorEncoding> encoding) {
   const std::string key = CacheKey(name, encoding);
@@ -141,20 +143,37 @@ Result<std::shared_ptr<const Image>> ImageCache::Get(const std::string& name,
   if (const auto found = images_.find(key); found != images_.end()) return found->second;
   const std::string what = "image " + EncodingText(encoding);
   auto shared = files_.Recall<Image>(name, what);
-  if (shared == nullptr) {
+  const bool is_recalled = shared != nullptr;
+  if (!is_recalled) {
     const Result<std::string> bytes = files_.Read(name);
     if (!bytes) return bytes.error();
     Result<Image> image = DecodeImage(*bytes, name, encoding);
     if (!image) return image.error();
-    file_bytes_ += bytes->size();
-    decoded_bytes_ += image->bytes.size();
-    if (Result<void> checked = CheckImagesSize(name, file_bytes_, decoded_bytes_); !checked)
-      return checked.error();
     shared = std::make_shared<const Image>(std::move(image).value());
-    files_.Keep(name, what, shared, shared->bytes.size());
   }
+  if (Result<void> counted = Count(key, name, SizeOf(*shared)); !counted) return counted.error();
+  if (!is_recalled) files_.Keep(name, what, shared, shared->bytes.size());
   images_.emplace(key, shared);
   return shared;
+}
+
+Result<void> ImageCache::CountRecalled(const std::string& name, const std::optional<ColorEncoding>& encoding,
+                                       const ImageSize& size) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return Count(CacheKey(name, encoding), name, size);
+}
+
+Result<void> ImageCache::Count(const std::string& key, const std::string& name, const ImageSize& size) {
+  if (counted_.insert(key).second) {
+    sum_.file_bytes += size.file_bytes;
+    sum_.decoded_bytes += size.decoded_bytes;
+  }
+  const uint64_t allowed = std::max<uint64_t>(bytes_floor_, sum_.file_bytes * kImagesExpansionMax);
+  if (sum_.decoded_bytes <= allowed) return {};
+  return BadInput(
+      fmt::format("{}: the pictures up to this one hold {} bytes when decoded, at most {} are read from "
+                  "files of {} bytes",
+                  name, sum_.decoded_bytes, allowed, sum_.file_bytes));
 }
 
 RgbSummary Summarize(const Image& image) {

@@ -7,10 +7,12 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "renderer/description/file_source.h"
+#include "renderer/image/image_limits.h"
 #include "renderer/math/vec.h"
 #include "renderer/util/result.h"
 
@@ -43,6 +45,7 @@ struct Image {
   std::optional<Chromaticities> chromaticities;
   std::vector<std::string> channel_names;  // "R", "G", "B", "A", "Y", ... as the file names them
   std::vector<uint8_t> bytes;              // width * height * channels values of `format`, machine byte order
+  uint64_t file_bytes = 0;                 // of the file that it was decoded from
 
   // The linear value of a channel; x and y must be inside.
   float Get(int x, int y, int channel) const;
@@ -71,24 +74,41 @@ Result<Image> DecodeImage(const std::string& bytes, const std::string& name,
 // A different text for each encoding, for cache keys.
 std::string EncodingText(const std::optional<ColorEncoding>& encoding);
 
-// Images by file name and encoding, each read once, and together no larger than image_limits.h allows. Thread
-// safe.
+// What a picture counts for in the limit of all pictures of a scene.
+struct ImageSize {
+  uint64_t file_bytes = 0, decoded_bytes = 0;
+};
+ImageSize SizeOf(const Image& image);
+
+// Images by file name and encoding, each read once, and together no larger than image_limits.h allows. Those
+// that the file source recalls count as those that are decoded, so a scene is refused on every machine or on
+// none. Thread safe.
 class ImageCache {
  public:
-  explicit ImageCache(FileSource& files) : files_(files) {}
+  explicit ImageCache(FileSource& files, uint64_t bytes_floor = kImagesBytesFloor)
+      : files_(files), bytes_floor_(bytes_floor) {}
   FileSource& files() { return files_; }
   Result<std::shared_ptr<const Image>> Get(const std::string& name, std::optional<ColorEncoding> encoding);
+  // Counts an image of which the file source recalls something else that was made of it. An error if it
+  // exceeds the limit.
+  Result<void> CountRecalled(const std::string& name, const std::optional<ColorEncoding>& encoding,
+                             const ImageSize& size);
   // That of a picture of this cache, computed once for all lights that emit it.
   const RgbSummary& Summary(const std::shared_ptr<const Image>& image);
   size_t summaries() const;  // computed
   size_t bytes() const;      // of all pictures held
 
  private:
+  Result<void> Count(const std::string& key, const std::string& name, const ImageSize& size);
+
   FileSource& files_;
+  const uint64_t bytes_floor_;
+  // Guarded by mutex_.
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const Image>> images_;
   std::map<std::shared_ptr<const Image>, RgbSummary> summaries_;
-  uint64_t file_bytes_ = 0, decoded_bytes_ = 0;  // of those decoded here
+  std::set<std::string> counted_;  // keys, as in images_
+  ImageSize sum_;                  // of those that are counted
 };
 
 }  // namespace tessera

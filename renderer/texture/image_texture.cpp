@@ -127,12 +127,20 @@ struct MapRequest {
   }
 };
 
+// A map in the cache of files, with the size of the picture that it was made of.
+struct KeptMap {
+  std::shared_ptr<const MipMap> map;
+  ImageSize image;
+};
+
 // The map made for another scene from the same file, or one made now.
 Result<const MipMap*> FindMap(ImageCache& images, TextureAssembly& assembly, const MapRequest& request) {
   const std::string what = request.Text();
   const std::string key = fmt::format("{}\n{}", request.file, what);
-  if (const auto known = images.files().Recall<MipMap>(request.file, what)) {
-    return assembly.AddMap(key, [&] { return known; }).get();
+  if (const auto known = images.files().Recall<KeptMap>(request.file, what)) {
+    if (auto counted = images.CountRecalled(request.file, request.encoding, known->image); !counted)
+      return counted.error();
+    return assembly.AddMap(key, [&] { return known->map; }).get();
   }
   const Result<std::shared_ptr<const Image>> image = images.Get(request.file, request.encoding);
   if (!image) return image.error();
@@ -145,7 +153,8 @@ Result<const MipMap*> FindMap(ImageCache& images, TextureAssembly& assembly, con
       fmt::format("{} {} {} {} {}", request.file, static_cast<const void*>(image->get()),
                   static_cast<int>(selection.kind), selection.grey, static_cast<int>(request.wrap));
   const auto map = assembly.AddMap(selected, [&] { return MakeMap(**image, selection, request.wrap); });
-  images.files().Keep(request.file, what, map, map->bytes());
+  images.files().Keep(request.file, what, std::make_shared<const KeptMap>(KeptMap{map, SizeOf(**image)}),
+                      map->bytes());
   return map.get();
 }
 

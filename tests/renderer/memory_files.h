@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -22,6 +23,10 @@ class MemoryFiles : public FileSource {
     const auto found = files.find(name);
     if (found == files.end()) return BadInput(name + ": cannot be opened: No such file or directory");
     return found->second;
+  }
+  std::optional<Digest> Identify(const std::string& name) override {
+    const auto found = files.find(name);
+    return found == files.end() ? std::nullopt : std::optional(Sha256(found->second));
   }
 
   std::map<std::string, std::string> files;

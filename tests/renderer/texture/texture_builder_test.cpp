@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "renderer/texture/patterns.h"
 #include "tests/renderer/texture/texture_scene.h"
 
@@ -181,6 +183,25 @@ TEST(TextureBuilder, ImagesAreKeptOnceForAllTexturesThatUseThem) {
   }
   ASSERT_EQ(scene.Build(textures), "");
   EXPECT_EQ(scene.Finish().bytes(), 5 * sizeof(float) + 16);  // 2x2 and 1x1 texels, and room for one load
+}
+
+// A QOI picture of 1024 x 1024 pixels of one colour: one pixel, and runs of 62 that repeat it.
+std::string LargePicture() {
+  std::string file = std::string("qoif\0\0\4\0\0\0\4\0\4\0", 14) + "\xff\x20\x40\x60\xff";
+  for (int left = 1024 * 1024 - 1; left > 0; left -= 62)
+    file += static_cast<char>(0xc0 | (std::min(left, 62) - 1));
+  return file + std::string("\0\0\0\0\0\0\0\1", 8);
+}
+
+TEST(TextureBuilder, MapsThatAreRecalledCountInTheLimitOfPictures) {
+  const std::string texture = R"(Texture "t" "spectrum" "imagemap" "string filename" "a.qoi")";
+  const auto cache = std::make_shared<SharedCache>(uint64_t{64} << 20);
+  TextureScene first({{"a.qoi", LargePicture()}}, cache);
+  ASSERT_EQ(first.Build(texture), "");
+  ASSERT_GT(cache->bytes(), uint64_t{8} << 20) << "the picture and a map of it are kept";
+  TextureScene second({{"a.qoi", LargePicture()}}, cache, 0);
+  EXPECT_THAT(second.Build(texture),
+              testing::HasSubstr("a.qoi: the pictures up to this one hold 4194304 bytes"));
 }
 
 TEST(TextureBuilder, ProceduralsAreEvaluatedInTheTexturesSpace) {

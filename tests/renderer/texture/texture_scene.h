@@ -2,7 +2,9 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "renderer/color/color_space.h"
 #include "renderer/pbrt/parser.h"
@@ -26,9 +28,11 @@ inline std::string FloatMap(int width, int height, const std::vector<float>& val
 // A scene that has only textures, and one diffuse material whose parameters refer to them.
 class TextureScene {
  public:
-  explicit TextureScene(std::map<std::string, std::string> files = {}) : images_(files_) {
-    files_.files = std::move(files);
-  }
+  // `cache` keeps what is made of the files; `images_floor` as in ImageCache.
+  explicit TextureScene(std::map<std::string, std::string> files = {},
+                        std::shared_ptr<SharedCache> cache = nullptr,
+                        uint64_t images_floor = kImagesBytesFloor)
+      : files_(std::move(files), std::move(cache)), images_(files_, images_floor) {}
 
   // The first error of parsing, building or looking up, or "".
   std::string Build(const std::string& textures, const std::string& material_parameters = "") {
