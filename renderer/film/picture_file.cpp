@@ -192,15 +192,21 @@ ExrFormat FormatOf(const Imf::Header& header) {
           header.hasPreviewImage()};
 }
 
-Result<LoadedPicture> LoadChecked(Imf::InputFile& file, const std::string& path) {
-  const Imf::Header& header = file.header();
-  if (auto ok = CheckLoadable(header, path); !ok) return ok.error();
-  LoadedPicture picture;
+// Sets the size and the bounds of a LoadedPicture or PictureHeader.
+template <typename Picture>
+void ReadWindows(const Imf::Header& header, Picture& picture) {
   const Imath::Box2i& data = header.dataWindow();
   const Imath::Box2i& display = header.displayWindow();
   picture.width = display.max.x - display.min.x + 1;
   picture.height = display.max.y - display.min.y + 1;
   picture.bounds = {data.min.x, data.min.y, data.max.x + 1, data.max.y + 1};
+}
+
+Result<LoadedPicture> LoadChecked(Imf::InputFile& file, const std::string& path) {
+  const Imf::Header& header = file.header();
+  if (auto ok = CheckLoadable(header, path); !ok) return ok.error();
+  LoadedPicture picture;
+  ReadWindows(header, picture);
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
     picture.channels.emplace_back(it.name());
     picture.types.push_back(it.channel().type == Imf::HALF ? ExrType::kHalf : ExrType::kFloat);
@@ -214,7 +220,7 @@ Result<LoadedPicture> LoadChecked(Imf::InputFile& file, const std::string& path)
                   ValueSlice(Imf::FLOAT, first, sizeof(float), picture.bounds, channels));
   }
   file.setFrameBuffer(buffer);
-  file.readPixels(data.min.y, data.max.y);
+  file.readPixels(picture.bounds.y0, picture.bounds.y1 - 1);
   picture.attributes = WritableAttributes(header);
   picture.format = FormatOf(header);
   return picture;
@@ -227,11 +233,7 @@ const char* NameOf(Imf::PixelType type) {
 Result<PictureHeader> HeaderOf(const Imf::Header& header, const std::string& path) {
   if (auto ok = CheckLoadable(header, path); !ok) return ok.error();
   PictureHeader read;
-  const Imath::Box2i& data = header.dataWindow();
-  const Imath::Box2i& display = header.displayWindow();
-  read.width = display.max.x - display.min.x + 1;
-  read.height = display.max.y - display.min.y + 1;
-  read.bounds = {data.min.x, data.min.y, data.max.x + 1, data.max.y + 1};
+  ReadWindows(header, read);
   read.format = FormatOf(header);
   if (header.hasPreviewImage()) {
     read.preview_width = static_cast<int>(header.previewImage().width());
