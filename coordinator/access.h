@@ -79,6 +79,7 @@ struct CallRule {
   Permission permission;
   Effect effect;
   MessageLimits limits = {};
+  bool frees_space = false;  // so it is not refused because the disk is full
 };
 
 constexpr CallRule kCallRules[] = {
@@ -89,7 +90,7 @@ constexpr CallRule kCallRules[] = {
     {"Jobs.List", Permission::kView, Effect::kReads},
     {"Jobs.Status", Permission::kView, Effect::kReads},
     {"Jobs.Watch", Permission::kView, Effect::kReads},
-    {"Jobs.Cancel", Permission::kControlJobs, Effect::kChanges},
+    {"Jobs.Cancel", Permission::kControlJobs, Effect::kChanges, {}, true},
     {"Jobs.Extend", Permission::kControlJobs, Effect::kChanges},
     {"Jobs.Pause", Permission::kControlJobs, Effect::kChanges},
     {"Jobs.Resume", Permission::kControlJobs, Effect::kChanges},

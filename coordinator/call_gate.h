@@ -67,15 +67,15 @@ class UnaryCall {
 
   // Runs `change`, a grpc::Status(CoreContext&), on the core thread. Finishes with its error, or, when
   // everything that it caused is on stable storage, with OK. If the disk takes nothing, or fewer than `bytes`
-  // besides the usual, nothing is changed and the call finishes with that reason. If that shows only while
-  // the change is written, the call finishes with the reason as well, and the change is written later,
-  // followed by what `undo` does.
+  // besides the usual, nothing is changed and the call finishes with that reason, unless the call frees
+  // space. If that shows only while the change is written, the call finishes with the reason as well, and the
+  // change is written later, followed by what `undo` does.
   template <typename Change>
   void Apply(Change change, uint64_t bytes = 0, CoreThread::Event undo = {}) const {
     path().threads.Post([call = *this, bytes, change = std::move(change), undo = std::move(undo)] {
       const grpc::Status posted = GuardedStatus([&] {
         const auto space = call.path().directory.CheckSpace(bytes);
-        if (!space) return DiskFails(space.error().message);
+        if (!space && !call.rule_->frees_space) return DiskFails(space.error().message);
         call.core().Post([call, change, undo](CoreContext& core) {
           const grpc::Status status = GuardedStatus([&] { return call.Make(change, undo, core); });
           if (!status.ok()) call.Finish(status);
@@ -91,7 +91,8 @@ class UnaryCall {
   // Makes the change, whose call then finishes when it is stored. Returns why it is not made.
   template <typename Change>
   grpc::Status Make(const Change& change, const CoreThread::Event& undo, CoreContext& core) const {
-    if (const auto& reason = core.farm.storage_reason(); !reason.empty()) return DiskFails(reason);
+    const auto& reason = core.farm.storage_reason();
+    if (!reason.empty() && !rule_->frees_space) return DiskFails(reason);
     if (const grpc::Status status = change(core); !status.ok()) return status;
     core.answers.AfterSync([call = *this, undo](const Result<void>& synced) {
       if (synced || !undo) return call.Finish(Stored(synced));

@@ -125,6 +125,11 @@ void CoreThread::Deliver(FarmOutput output) {
   for (auto& [frame, node] : std::exchange(output.accepted, {})) parts_.spool->Append(frame, std::move(node));
   for (const Fact& fact : output.facts) {
     parts_.journal->Append(fact);
+    has_facts_ = true;
+    if (FreesSpace(fact)) {
+      frees_space_ = true;
+      reserve_due_ = {};
+    }
     NoteOpenJobs(fact);
     members_->Note(fact);
     // Watchers learn of an end immediately.
@@ -132,7 +137,8 @@ void CoreThread::Deliver(FarmOutput output) {
   }
   unsynced_.push_back(std::move(output));
   const auto synced = Sync();
-  for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer(synced);
+  const auto facts_synced = SyncFacts(synced);
+  for (const auto& answer : std::exchange(answers_.after_sync_, {})) answer(facts_synced);
   if (!synced) {
     GiveUpSums();
     if (closing_) Abandon();
@@ -237,6 +243,26 @@ Result<void> CoreThread::Sync() {
   return synced;
 }
 
+// Whether all facts are on stable storage, whatever has become of the results. If the disk refuses them and
+// some free space, the reserve takes them all, ahead of results that they follow: a crash would lose these
+// results, which nobody has been told of, and the facts do not name what they contain. What is dropped once
+// more later is gone by then.
+Result<void> CoreThread::SyncFacts(const Result<void>& synced) {
+  const bool is_refused = !synced && has_facts_;
+  if (is_refused && (!frees_space_ || Now() < reserve_due_)) return synced;
+  if (is_refused) {
+    if (const auto kept = parts_.journal->Sync(Room::kReserve); !kept) {
+      reserve_due_ = Now() + kSyncRetry;
+      return closing_ ? synced : kept;
+    }
+    for (const FarmOutput& output : unsynced_) {
+      for (const FrameId frame : output.dropped) parts_.spool->Drop(frame);
+    }
+  }
+  has_facts_ = frees_space_ = false;
+  return {};
+}
+
 // A failure does no harm: the journal stays as it was and is tried again later.
 void CoreThread::Compact() {
   if (!parts_.journal->IsLarge() || Now() < compact_due_) return;
@@ -265,7 +291,7 @@ void CoreThread::NotifyWatchers(Instant now) {
     const auto status = parts_.farm->Status(now, watcher.job);
     const bool last = !status || HasEnded(status->state);
     // A crash could still undo the end.
-    if (last && !unsynced_.empty()) return false;
+    if (last && has_facts_) return false;
     if (!last && watcher.sent && NewsOf(*watcher.sent) == NewsOf(*status)) return false;
     watcher.sent = status;
     return !watcher.offer(status ? &*status : nullptr, last) || last;

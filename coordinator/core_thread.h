@@ -1,7 +1,8 @@
 // The one thread that owns the farm. Others post events. It applies all that wait, appends their results to
 // the spool and their facts to the journal, syncs once and then gives the answers (group commit). While the
-// disk refuses, workers wait for their answers and clients get the reason; the sync is retried. No lock is
-// held meanwhile: the mutex guards the queue alone.
+// disk refuses, workers wait for their answers and clients get the reason; the sync is retried. Ends of jobs,
+// which let space be freed, are then written to the reserve of the journal. No lock is held meanwhile: the
+// mutex guards the queue alone.
 #pragma once
 
 #include <atomic>
@@ -39,8 +40,8 @@ class PendingAnswers {
 
   void AwaitDirective(CallId call, OnDirective answer) { directives_[call] = std::move(answer); }
   void AwaitResults(CallId call, OnResults answer) { results_[call] = std::move(answer); }
-  // Called when everything that the event caused is on stable storage. Receives an error if the disk refuses
-  // it for now (kFailed) or the coordinator is shutting down first (kInterrupted).
+  // Called when all facts that the event caused are on stable storage. Receives an error if the disk refuses
+  // them for now (kFailed) or the coordinator is shutting down first (kInterrupted).
   using OnSync = std::function<void(const Result<void>& synced)>;
   void AfterSync(OnSync answer) { after_sync_.push_back(std::move(answer)); }
   void Watch(JobId job, OnStatus watcher, IsWatched is_watched) {
@@ -113,6 +114,7 @@ class CoreThread {
   void Deliver(FarmOutput output);
   void Answer(FarmOutput output);
   Result<void> Sync();
+  Result<void> SyncFacts(const Result<void>& synced);
   void Compact();
   void GiveUpSums();
   void Load(FrameId frame);
@@ -126,10 +128,12 @@ class CoreThread {
   const std::shared_ptr<MemberBoard> members_ = std::make_shared<MemberBoard>();
   PendingAnswers answers_;
   std::vector<FarmOutput> unsynced_;  // in order; their answers wait for the disk
+  bool has_facts_ = false;            // that are not on stable storage
+  bool frees_space_ = false;          // some of them do
   bool closing_ = false;              // of the core thread
   bool wants_space_ = false;          // a picture could not be written
   Instant watchers_due_{};
-  Instant sync_due_{}, compact_due_{};
+  Instant sync_due_{}, reserve_due_{}, compact_due_{};
 
   std::atomic<size_t> watcher_count_ = 0;  // of answers_, for other threads
 

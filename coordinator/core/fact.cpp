@@ -317,6 +317,11 @@ std::optional<Fact> ReadFact(ByteReader& in) {
 
 }  // namespace
 
+bool FreesSpace(const Fact& fact) {
+  const auto* const ended = std::get_if<JobEnded>(&fact);
+  return ended != nullptr && ended->state != JobState::kFinished;
+}
+
 std::string EncodeFact(const Fact& fact) {
   ByteWriter out;
   std::visit([&](const auto& each) { Add(out, each); }, fact);

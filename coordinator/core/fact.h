@@ -138,6 +138,9 @@ using Fact = std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEn
                           VoteRecorded, UnitsCounted, TokenIssued, TokenRevoked, MemberJoined, MemberRenewed,
                           MemberRevoked, JobOwned, AuthorityChosen, JobOrdered>;
 
+// Whether files may be removed when the fact is on stable storage: the sums of a job that is not finished.
+bool FreesSpace(const Fact& fact);
+
 // A 32-bit number of the kind, then its members in order (byte_codec.h), texts and lists preceded by a 64-bit
 // length. The meaning of a number never changes: a kind whose members change gets another number, and those
 // it had before are still read. Kinds 1 (a start without the farm's identity), 2 (a submitted job whose

@@ -8,6 +8,12 @@
 
 namespace tessera {
 
+// The space that facts are written to.
+enum class Room {
+  kFree,     // what the disk has
+  kReserve,  // as well what is kept for facts that let space be freed
+};
+
 class Journal {
  public:
   virtual ~Journal() = default;
@@ -15,7 +21,7 @@ class Journal {
   virtual void Append(const Fact& fact) = 0;
   // All facts appended so far are on stable storage when this succeeds. When it fails they stay in memory,
   // nothing is lost, and Sync may be tried again. Cheap if nothing was appended.
-  virtual Result<void> Sync() = 0;
+  virtual Result<void> Sync(Room room = Room::kFree) = 0;
   // Whether most of the facts may be obsolete, so that Replace pays.
   virtual bool IsLarge() const = 0;
   // Replaces everything synced so far by `facts`, atomically. When it fails everything stays as it was.

@@ -35,6 +35,7 @@ Result<std::unique_ptr<FileJournal>> FileJournal::Open(const std::string& path,
                  ? RecordLog::Open(path, kJournalFormat, visit, kJournalRemedy, on_torn)
                  : RecordLog::Create(path, kJournalFormat);
   if (!log) return log.error();
+  (*log)->KeepReserve(kJournalReserveBytes);
   return std::unique_ptr<FileJournal>(new FileJournal(path, std::move(*log)));
 }
 
@@ -42,9 +43,9 @@ void FileJournal::Append(const Fact& fact) {
   log_->Append(EncodeFact(fact));
 }
 
-Result<void> FileJournal::Sync() {
+Result<void> FileJournal::Sync(Room room) {
   if (auto synced = SyncName(); !synced) return synced;
-  return log_->Sync();
+  return log_->Sync(room);
 }
 
 // Until the name of a new file is on stable storage, a crash may bring back the old one, without what was
@@ -65,6 +66,7 @@ Result<void> FileJournal::Replace(const std::vector<Fact>& facts) {
   const std::string beside = path_ + ".new";
   auto log = RecordLog::Create(beside, kJournalFormat);
   if (!log) return log.error();
+  (*log)->KeepReserve(kJournalReserveBytes);
   for (const Fact& fact : facts) (*log)->Append(EncodeFact(fact));
   auto replaced = (*log)->Sync();
   if (replaced && std::rename(beside.c_str(), path_.c_str()) != 0) {

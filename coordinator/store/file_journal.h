@@ -4,6 +4,7 @@
 // refused, as they would be lost silently. The file is replaced by the facts that still matter when it is
 // twice as large as it was after the last time, and at least kJournalBytesMin. So it stays below
 //   max(kJournalBytesMin, 2 x size of the facts that matter) + one batch.
+// One to two times kJournalReserveBytes of the disk are kept beside that (RecordLog::KeepReserve).
 // Not thread safe. Owned by the coordinator's core thread.
 #pragma once
 
@@ -20,6 +21,9 @@ namespace tessera {
 
 constexpr size_t kFactBytesMax = size_t{64} << 20;        // above any message, so above any job
 constexpr uint64_t kJournalBytesMin = uint64_t{4} << 20;  // smaller ones are not worth a new file
+// Kept on the disk for facts that let space be freed: far more than the ends of all open jobs and what else
+// may wait when the disk becomes full.
+constexpr uint64_t kJournalReserveBytes = uint64_t{1} << 20;
 
 class FileJournal : public Journal {
  public:
@@ -29,7 +33,7 @@ class FileJournal : public Journal {
                                                    const RecordLog::OnTorn& on_torn = {});
 
   void Append(const Fact& fact) override;
-  Result<void> Sync() override;
+  Result<void> Sync(Room room = Room::kFree) override;
   bool IsLarge() const override;
   Result<void> Replace(const std::vector<Fact>& facts) override;
 

@@ -172,7 +172,8 @@ Result<std::unique_ptr<RecordLog>> RecordLog::Open(const std::string& path, cons
   const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (file < 0) return SystemError(path, "cannot be opened");
   std::unique_ptr<RecordLog> log(new RecordLog(path, file, state->version, state->good_bytes));
-  if (::ftruncate(file, static_cast<off_t>(state->good_bytes)) != 0)
+  // Truncating frees the reserve, so a file that is whole is left as it is.
+  if (state->torn_bytes > 0 && ::ftruncate(file, static_cast<off_t>(state->good_bytes)) != 0)
     return SystemError(path, "cannot be truncated");
   return log;
 }
@@ -206,8 +207,40 @@ void RecordLog::Append(std::string_view head, SharedSums body) {
   pending_.push_back(std::move(record));
 }
 
-Result<void> RecordLog::Sync() {
+Result<void> RecordLog::OpenFile() {
+  if (file_ < 0) file_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+  return file_ < 0 ? Result<void>(SystemError(path_, "cannot be opened")) : Result<void>();
+}
+
+void RecordLog::KeepReserve(uint64_t bytes) {
+  reserve_ = bytes;
+  if (OpenFile()) static_cast<void>(Allocate());  // Sync tries again
+}
+
+// Allocates twice the reserve if that is possible, so that few calls have to.
+Result<void> RecordLog::Allocate() {
+  const uint64_t needed = synced_ + pending_bytes_ + reserve_;
+  if (reserve_ == 0 || needed <= allocated_) return {};
+  for (const uint64_t end : {needed + reserve_, needed}) {
+    const auto begin = static_cast<off_t>(synced_);
+    if (::fallocate(file_, FALLOC_FL_KEEP_SIZE, begin, static_cast<off_t>(end) - begin) == 0) {
+      allocated_ = end;
+      return {};
+    }
+    if (errno == EOPNOTSUPP || errno == ENOSYS) {
+      reserve_ = 0;
+      return {};
+    }
+  }
+  return SystemError(path_, "cannot be written");
+}
+
+Result<void> RecordLog::Sync(Room room) {
   if (pending_.empty()) return {};
+  if (auto opened = OpenFile(); !opened) return opened;
+  if (room == Room::kFree) {
+    if (auto allocated = Allocate(); !allocated) return allocated;
+  }
   std::vector<iovec> pieces;
   pieces.reserve(pending_.size() * 2);
   for (Record& record : pending_) {
@@ -216,8 +249,6 @@ Result<void> RecordLog::Sync() {
     AddPiece(pieces, record.head);
     AddPiece(pieces, Bytes(*record.body));
   }
-  if (file_ < 0) file_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
-  if (file_ < 0) return SystemError(path_, "cannot be opened");
   // Always from the synced end: what a failed attempt left there is written over.
   if (!WriteAt(file_, pieces, synced_)) return SystemError(path_, "cannot be written");
   if (::fdatasync(file_) != 0) return SystemError(path_, "cannot be synced");

@@ -20,6 +20,7 @@
 #include <string_view>
 #include <vector>
 
+#include "coordinator/core/journal.h"
 #include "renderer/film/shared_sums.h"
 #include "renderer/util/result.h"
 
@@ -57,9 +58,14 @@ class RecordLog {
 
   // Keeps a record in memory until Sync. Its payload is `head`, then the bytes of `body`.
   void Append(std::string_view head, SharedSums body = {});
+  // From now on, keeps this much of the disk beyond the end of the file, of which only Sync with kReserve
+  // takes. The blocks belong to the file and not to its size, so no other file gets them, a crash leaves them
+  // there, and a reader does not see them. Does nothing on file systems that cannot do it.
+  void KeepReserve(uint64_t bytes);
   // If this succeeds, all records appended so far are on stable storage. If it fails, they stay in memory and
-  // it may be called again. A file that somebody has removed is a failure.
-  Result<void> Sync();
+  // it may be called again. A file that somebody has removed is a failure, and so is a disk that has no room
+  // for the reserve after the records, unless they may use it.
+  Result<void> Sync(Room room = Room::kFree);
   bool has_pending() const { return !pending_.empty(); }
   // Closes the file until the next Sync that has something to write.
   void ReleaseFile();
@@ -74,6 +80,8 @@ class RecordLog {
     uint32_t payload_bytes = 0, payload_crc = 0;
   };
   RecordLog(std::string path, int file, uint32_t version, uint64_t synced);
+  Result<void> OpenFile();
+  Result<void> Allocate();
 
   std::string path_;
   int file_;             // -1: released
@@ -82,6 +90,8 @@ class RecordLog {
   uint64_t synced_;  // bytes of the file on stable storage
   std::vector<Record> pending_;
   uint64_t pending_bytes_ = 0;
+  uint64_t reserve_ = 0;
+  uint64_t allocated_ = 0;  // the disk has room for at least this much of the file
 };
 
 }  // namespace tessera

@@ -1,13 +1,16 @@
 // Calls that change something while the disk of the coordinator takes nothing: the client gets the reason.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <thread>
 
 #include "tests/coordinator/no_file_grows.h"
 #include "tests/coordinator/services_fixture.h"
+#include "tests/small_disk.h"
 
 namespace tessera {
 namespace {
@@ -79,9 +82,10 @@ class FullDisk : public Services {
   proto::JobSpec another;
 };
 
-TEST_F(FullDisk, EveryChangeIsRefusedWithTheReasonWithinSecondsAndChangesNothing) {
+TEST_F(FullDisk, EveryChangeThatFreesNoSpaceIsRefusedWithTheReasonWithinSecondsAndChangesNothing) {
   const uint64_t job = Prepare();
-  const auto changes = Changes(job);
+  auto changes = Changes(job);
+  changes.erase("cancel");
   {
     const NoFileGrows full;
     EXPECT_FALSE(SetPriority(job, 3).ok());  // from now on the coordinator knows of the disk
@@ -135,6 +139,116 @@ TEST_F(FullDisk, AChangeThatFindsTheDiskFullWhileItIsWrittenIsAnsweredAndWritten
       std::this_thread::sleep_for(milliseconds(100));
     EXPECT_TRUE(recovered.ok()) << name << ": " << recovered.error_message();
   }
+}
+
+// On a file system that can be filled.
+class FullFileSystem : public FullDisk {
+ protected:
+  void SetUp() override {
+    if (!disk.is_mounted()) GTEST_SKIP() << "no permission to mount a file system";
+    coordinator.reset();
+    current_dir = "small";
+    Start();
+    coordinator.reset();
+    Start();
+  }
+  uint64_t SubmitSecond() {
+    proto::SubmitAnswer answer;
+    EXPECT_TRUE(Call(*jobs, &proto::Jobs::Stub::Submit, another, answer).ok());
+    return answer.job();
+  }
+  // Returns the first units of a job, whose answer waits for the disk.
+  std::thread ReturnLater(uint64_t job) {
+    return std::thread([this, job] {
+      proto::ResultsAnswer answer;
+      const grpc::Status status = Return(job, 0, {0, 4}, answer);
+      EXPECT_TRUE(status.ok()) << status.error_message();
+    });
+  }
+  void AwaitFullDisk(uint64_t job) {
+    ASSERT_TRUE(Eventually([&] { return Status(job).reason().find("No space left") != std::string::npos; }));
+  }
+  bool HasSums(uint64_t job) const {
+    return std::filesystem::exists(folder / fmt::format("small/spool/{}-0", job));
+  }
+  template <typename Condition>
+  static bool Eventually(Condition condition) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (!condition() && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::sleep_for(milliseconds(20));
+    return condition();
+  }
+  void Restart() {
+    coordinator.reset();
+    Start();
+  }
+  const std::string path = folder / "small";
+  const SmallDisk disk{path};
+};
+
+TEST_F(FullFileSystem, AJobIsCancelledItsSumsAreRemovedAndOthersWaitForTheSpace) {
+  const uint64_t first = Prepare(), second = SubmitSecond();
+  proto::ResultsAnswer answer;
+  ASSERT_TRUE(Return(first, 0, {0, 2}, answer).ok());
+  ASSERT_TRUE(HasSums(first));
+  disk.Fill();
+  std::thread waiting = ReturnLater(second);
+  AwaitFullDisk(second);
+  const grpc::Status cancelled = Change(&proto::Jobs::Stub::Cancel, first);
+  EXPECT_TRUE(cancelled.ok()) << cancelled.error_message();
+  EXPECT_EQ(Status(first).state(), proto::JOB_STATE_CANCELLED);
+  EXPECT_FALSE(HasSums(first));
+  EXPECT_FALSE(SetPriority(second, 3).ok()) << "what frees no space waits";
+  disk.Free();
+  waiting.join();
+  Restart();
+  EXPECT_EQ(Status(first).state(), proto::JOB_STATE_CANCELLED);
+  EXPECT_EQ(Status(second).samples_done(), 64u * 4) << "acknowledged";
+  EXPECT_TRUE(HasSums(second));
+}
+
+TEST_F(FullFileSystem, ACancelledJobWhoseResultsCannotBeWrittenStaysCancelledAfterACrash) {
+  const uint64_t job = Prepare();
+  disk.Fill();
+  std::thread waiting = ReturnLater(job);
+  AwaitFullDisk(job);
+  EXPECT_TRUE(Change(&proto::Jobs::Stub::Cancel, job).ok());
+  // What is on stable storage at this moment is what a crash would leave.
+  std::filesystem::copy(folder / "small", folder / "crashed", std::filesystem::copy_options::recursive);
+  waiting.join();
+  coordinator.reset();
+  current_dir = "crashed";
+  Start();
+  EXPECT_EQ(Status(job).state(), proto::JOB_STATE_CANCELLED);
+}
+
+TEST_F(FullFileSystem, TheWatcherOfACancelledJobLearnsOfItsEnd) {
+  const uint64_t job = Prepare(), second = SubmitSecond();
+  disk.Fill();
+  std::thread waiting = ReturnLater(second);
+  AwaitFullDisk(second);
+  grpc::ClientContext context;
+  SetDeadline(context, kPatience);
+  proto::JobRequest request;
+  request.set_job(job);
+  const auto watch = jobs->Watch(&context, request);
+  EXPECT_TRUE(Change(&proto::Jobs::Stub::Cancel, job).ok());
+  proto::JobStatus status;
+  while (watch->Read(&status)) {
+  }
+  EXPECT_TRUE(watch->Finish().ok());
+  EXPECT_EQ(status.state(), proto::JOB_STATE_CANCELLED);
+  disk.Free();
+  waiting.join();
+}
+
+TEST_F(FullFileSystem, CancellingIsPossibleAfterARestart) {
+  const uint64_t job = Prepare();
+  disk.Fill();
+  Restart();
+  EXPECT_TRUE(Change(&proto::Jobs::Stub::Cancel, job).ok());
+  Restart();
+  EXPECT_EQ(Status(job).state(), proto::JOB_STATE_CANCELLED);
 }
 
 }  // namespace

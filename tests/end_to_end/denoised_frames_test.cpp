@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "tests/end_to_end/denoised_pictures.h"
-#include "tests/end_to_end/small_disk.h"
+#include "tests/small_disk.h"
 
 namespace tessera {
 namespace {

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "tests/end_to_end/farm_fixture.h"
-#include "tests/end_to_end/small_disk.h"
+#include "tests/small_disk.h"
 
 namespace tessera {
 namespace {
@@ -154,13 +154,9 @@ TEST_F(Durability, ControlsOnAFullDiskNameItAndEverythingContinuesWhenThereIsSpa
   const std::string job = Submit(scene, {"--spp", "1500"});
   ASSERT_EQ(Ask({"priority", job, "3"}).code, 0);
   disk.Fill();
-  const std::vector<std::vector<std::string>> controls{{"pause", job},
-                                                       {"resume", job},
-                                                       {"priority", job, "5"},
-                                                       {"cancel", job},
-                                                       {"extend", job, "--spp", "3000"},
-                                                       {"drain", "only"},
-                                                       {"release", "only"}};
+  const std::vector<std::vector<std::string>> controls{
+      {"pause", job},    {"resume", job},    {"priority", job, "5"}, {"extend", job, "--spp", "3000"},
+      {"drain", "only"}, {"release", "only"}};
   for (const std::vector<std::string>& control : controls) {
     const auto start = std::chrono::steady_clock::now();
     const Outcome refused = Ask(control);
@@ -175,6 +171,28 @@ TEST_F(Durability, ControlsOnAFullDiskNameItAndEverythingContinuesWhenThereIsSpa
   EXPECT_EQ(Figure(job, "priority"), 3) << "what was acknowledged holds, what was refused was not done";
   ASSERT_EQ(Ask({"watch", job}).code, 0);
   EXPECT_TRUE(Fetched(job) == oracle);
+}
+
+TEST_F(Durability, AJobCancelledOnAFullDiskMakesRoomForOthers) {
+  const SmallDisk disk(Path("data"));
+  if (!disk.is_mounted()) GTEST_SKIP() << "no permission to mount a file system";
+  const std::string oracle = Oracle(BoxScene(), {"--spp", "16"});
+  StartCoordinator();
+  StartWorker("only");
+  const std::string large = Submit(BoxScene(), kLongRender);
+  AwaitShare(large, 0.05);
+  const std::string small = Submit(BoxScene(), {"--spp", "16"});
+  disk.Fill();
+  ASSERT_TRUE(Eventually([&] { return Ask({"jobs"}).output.find("No space left") != std::string::npos; }));
+  const Outcome cancelled = Ask({"cancel", large});
+  EXPECT_EQ(cancelled.code, 0) << cancelled.errors;
+  EXPECT_THAT(Ask({"status", large}).output, HasSubstr("cancelled"));
+  ASSERT_EQ(Ask({"watch", small}).code, 0) << "in the space of the cancelled job";
+  EXPECT_TRUE(Fetched(small) == oracle);
+  coordinator().Signal(SIGKILL);
+  EXPECT_EQ(coordinator().Wait(), -SIGKILL);
+  StartCoordinator();
+  EXPECT_THAT(Ask({"status", large}).output, HasSubstr("cancelled"));
 }
 
 TEST_F(Durability, StoredFilesFoundDamagedAreSentAgainByTheSubmissionThatNeedsThem) {

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "tests/end_to_end/farm_fixture.h"
-#include "tests/end_to_end/small_disk.h"
+#include "tests/small_disk.h"
 
 namespace tessera {
 namespace {

@@ -66,6 +66,7 @@ void CoordinatorProcess::Crash() {
   crash_point_ = CrashPoint::kNone;
   farm_.reset();
   unsynced_.clear();
+  frees_space_ = false;
   directive_calls_.clear();
   results_calls_.clear();
   after_sync_.clear();
@@ -94,11 +95,16 @@ void CoordinatorProcess::Step() {
   farm_->Advance(now());
   FarmOutput& output = unsynced_.emplace_back(farm_->TakeOutput());
   for (auto& [frame, node] : std::exchange(output.accepted, {})) spool().Append(frame, std::move(node));
-  for (const Fact& fact : output.facts) journal().Append(fact);
+  for (const Fact& fact : output.facts) {
+    journal().Append(fact);
+    frees_space_ = frees_space_ || FreesSpace(fact);
+  }
   NoteLeases(output);
   for (const std::string& line : output.log) world_.Trace(line);
   if (CrashesAt(CrashPoint::kBeforeSync)) return;
   const auto synced = Sync();
+  const bool frees_space = std::exchange(frees_space_, false);
+  if (!synced && frees_space) SyncFacts();
   if (!farm_) return;
   PlanStep(std::max(synced ? farm_->Patience(now()) : kSyncRetry, Instant(1000)));
   if (!synced) return;
@@ -117,6 +123,16 @@ Result<void> CoordinatorProcess::Sync() {
   if (CrashesAt(CrashPoint::kBeforeAnswers)) return {};
   farm_->StorageDelayed(synced ? "" : synced.error().message);
   return synced;
+}
+
+// The end of a job is written to the reserve of the journal, ahead of the results that cannot be written.
+void CoordinatorProcess::SyncFacts() {
+  if (!journal().Sync(Room::kReserve)) return world_.Violation("the end of a job is not written");
+  ++world_.report.ends_on_full_disk;
+  if (CrashesAt(CrashPoint::kBetweenSpoolAndJournal)) return;
+  for (const FarmOutput& output : unsynced_) {
+    for (const FrameId frame : output.dropped) spool().Drop(frame);
+  }
 }
 
 void CoordinatorProcess::Answer(FarmOutput output) {

@@ -73,6 +73,7 @@ class CoordinatorProcess {
   SimulatedJournal& journal() { return directory().contents.journal; }
   SimulatedSpool& spool() { return directory().contents.spool; }
   Result<void> Sync();
+  void SyncFacts();
   bool CrashesAt(CrashPoint point);
   void Answer(FarmOutput output);
   void AnswerResults(const FarmOutput::Results& answer);
@@ -96,6 +97,7 @@ class CoordinatorProcess {
   Instant step_at_ = Instant::max();
   uint64_t call_next_ = 1;
   std::vector<FarmOutput> unsynced_;
+  bool frees_space_ = false;  // a fact since the last attempt to sync does
   std::map<CallId, std::function<void(const WorkerDirective&)>> directive_calls_;
   std::map<CallId, ResultsCall> results_calls_;
   std::vector<std::function<void()>> after_sync_;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "coordinator/core/schedule/policy.h"
 #include "tests/simulation/scale_farm.h"
 
@@ -57,6 +59,26 @@ TEST(Simulation, JobsOfWhichAWorkerNeverEndsThePreparationAreDoneByOthers) {
     has_waited |= report.ended_s > Seconds(kPreparationDurationMax);
   }
   EXPECT_TRUE(has_waited);
+}
+
+// The end is written before the results that wait, and the coordinator may crash between the two.
+TEST(Simulation, JobsAreCancelledWhileTheDiskIsFullAndOthersLoseNothing) {
+  int ends_on_full_disk = 0;
+  for (uint64_t seed = 1; seed <= 100; ++seed) {
+    SimulationOptions options = DrawOptions(seed);
+    options.jobs = std::max(options.jobs, 2);
+    options.cancel_one = true;
+    options.faults.clear();
+    for (double at_s = 1; at_s < options.faults_s; at_s += 12) {
+      options.faults.push_back({at_s, FaultKindOf("full_disk")});
+      for (const double later_s : {1, 4, 7}) options.faults.push_back({at_s + later_s, FaultKindOf("crash")});
+    }
+    const SimulationReport report = Simulation(seed, options).Run();
+    for (const std::string& violation : report.violations)
+      ADD_FAILURE() << "seed " << seed << " at " << violation;
+    ends_on_full_disk += report.ends_on_full_disk;
+  }
+  EXPECT_GT(ends_on_full_disk, 10);
 }
 
 class Scale : public testing::TestWithParam<int> {};

@@ -40,6 +40,7 @@ struct SimulationReport {
   double ended_s = 0;                   // when the last job ended
   uint64_t samples_rendered = 0, samples_needed = 0;
   int results = 0, refused = 0, duplicates = 0, crashes = 0;
+  int ends_on_full_disk = 0;  // of jobs that were not finished
 };
 
 class World {

@@ -8,6 +8,7 @@
 
 #include "renderer/util/file.h"
 #include "tests/coordinator/store/temporary_dir.h"
+#include "tests/small_disk.h"
 
 namespace tessera {
 namespace {
@@ -204,6 +205,93 @@ TEST(FileJournal, IsLargeWhenItHasTwiceTheSizeOfWhatCounts) {
   stage.journal->Append(fact);
   ASSERT_TRUE(stage.journal->Sync());
   EXPECT_TRUE(stage.journal->IsLarge());
+}
+
+// A journal on a disk that can be filled.
+class FullDiskOfJournal : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!disk.is_mounted()) GTEST_SKIP() << "no permission to mount a file system";
+    Open();
+  }
+  // As a start does, which reads the facts.
+  void Open() {
+    facts.clear();
+    journal.reset();
+    auto opened = FileJournal::Open(disk_path + "/journal", [&](const Fact& fact) { facts.push_back(fact); });
+    ASSERT_TRUE(opened) << opened.error().message;
+    journal = std::move(*opened);
+  }
+  Result<void> Write(uint64_t job, size_t reason_bytes, Room room) {
+    journal->Append(JobEnded{JobId{job}, JobState::kCancelled, std::string(reason_bytes, 'x')});
+    return journal->Sync(room);
+  }
+  std::vector<uint64_t> JobsRead() {
+    Open();
+    std::vector<uint64_t> jobs;
+    for (const Fact& fact : facts) jobs.push_back(Number(std::get<JobEnded>(fact).job));
+    return jobs;
+  }
+  // Fills the disk, and the journal as far as that is possible without its reserve: with facts of job 1.
+  void FillAll() {
+    disk.Fill();
+    while (Write(1, 50'000, Room::kFree)) {
+    }
+  }
+
+  TemporaryDir directory;
+  std::string disk_path = directory / "disk";
+  SmallDisk disk{disk_path};
+  std::unique_ptr<FileJournal> journal;
+  std::vector<Fact> facts;
+};
+
+TEST_F(FullDiskOfJournal, ItsReserveTakesWhatFreesSpaceAndNothingElse) {
+  FillAll();
+  EXPECT_THAT(Write(2, 0, Room::kFree).error().message, HasSubstr("No space left"));
+  ASSERT_TRUE(Write(3, 0, Room::kReserve)) << "with what waits before it";
+  EXPECT_FALSE(Write(4, 0, Room::kFree));
+  std::vector<uint64_t> jobs = JobsRead();
+  std::erase(jobs, 1);
+  EXPECT_THAT(jobs, ElementsAre(2, 3));
+}
+
+TEST_F(FullDiskOfJournal, ItsReserveIsThereForTheNextProcessAndEndsOnce) {
+  FillAll();
+  Open();
+  EXPECT_FALSE(Write(2, 50'000, Room::kFree));
+  EXPECT_TRUE(Write(3, 500'000, Room::kReserve));
+  Open();
+  EXPECT_TRUE(Write(4, 300'000, Room::kReserve));
+  EXPECT_FALSE(Write(5, 1'000'000, Room::kReserve));
+  std::vector<uint64_t> jobs = JobsRead();
+  std::erase(jobs, 1);
+  EXPECT_THAT(jobs, ElementsAre(2, 3, 4));
+}
+
+TEST_F(FullDiskOfJournal, ItsReserveIsKeptAgainWhenThereIsSpaceAndAfterAReplacement) {
+  FillAll();
+  ASSERT_TRUE(Write(2, 800'000, Room::kReserve));
+  disk.Free();
+  ASSERT_TRUE(Write(3, 0, Room::kFree));
+  FillAll();
+  ASSERT_TRUE(Write(4, 800'000, Room::kReserve));
+  disk.Free();
+  ASSERT_TRUE(journal->Replace({JobEnded{JobId{5}, JobState::kFailed, ""}}));
+  FillAll();
+  ASSERT_TRUE(Write(6, 800'000, Room::kReserve));
+  EXPECT_EQ(JobsRead().back(), 6u);
+}
+
+// The reserve is blocks of the file, so it goes with a tail that is cut off, and is allocated again.
+TEST_F(FullDiskOfJournal, ItsReserveSurvivesATornTail) {
+  ASSERT_TRUE(Write(1, 0, Room::kFree));
+  journal.reset();
+  std::ofstream(disk_path + "/journal", std::ios::app) << "garbage";
+  disk.Fill();
+  Open();
+  EXPECT_TRUE(Write(2, 500'000, Room::kReserve));
+  EXPECT_THAT(JobsRead(), ElementsAre(1, 2));
 }
 
 TEST(FileJournal, OtherFilesAreRefused) {
