@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -104,6 +105,12 @@ OIIO::TypeDesc TypeDescOf(ValueType type) {
   return OIIO::TypeDesc::FLOAT;
 }
 
+// Whether the rows and columns have numbers that the library can count: a TIFF file may begin anywhere.
+bool CanBeCounted(const OIIO::ImageSpec& spec) {
+  constexpr int64_t kMax = std::numeric_limits<int>::max();
+  return int64_t{spec.x} + spec.width <= kMax && int64_t{spec.y} + spec.height <= kMax;
+}
+
 void Describe(OpenPicture& picture, PictureInfo& info) {
   const OIIO::ImageSpec& spec = picture.input->spec();
   info.width = spec.width;
@@ -136,6 +143,10 @@ OpenPicture* Open(const PictureFile& file, PictureInfo& info, Reason& reason) {
     configuration.attribute("oiio:UnassociatedAlpha", 1);
     if (!picture->input->open(file.name, spec, configuration)) {
       Explain(picture->input->geterror(), reason);
+      return false;
+    }
+    if (!CanBeCounted(picture->input->spec())) {
+      Explain("its position is out of range", reason);
       return false;
     }
     Describe(*picture, info);

@@ -81,6 +81,31 @@ TEST(DamagedImage, ATiffFileWithoutMostOfItsRowsIsRefused) {
   EXPECT_THAT(image.error().message, testing::HasSubstr("a.tif: damaged TIFF picture"));
 }
 
+// A TIFF file of 2 x 200 pixels whose first row has this number.
+std::string TiffAtRow(int row) {
+  OIIO::ImageSpec spec(2, 200, 3, OIIO::TypeDesc::UINT8);
+  spec.y = row;
+  std::vector<unsigned char> file;
+  OIIO::Filesystem::IOVecOutput proxy(file);
+  const auto output = OIIO::ImageOutput::create("tiff");
+  output->set_ioproxy(&proxy);
+  EXPECT_TRUE(output->open("a.tif", spec) &&
+              output->write_image(OIIO::TypeDesc::UINT8, Pattern8(2, 200, 3).data()) && output->close());
+  return {file.begin(), file.end()};
+}
+
+TEST(DamagedImage, ATiffFileWhoseRowsHaveNumbersBeyondTheLargestIsRefused) {
+  for (const int row : {5, 1 << 30}) {
+    const Result<Image> image = DecodeImage(TiffAtRow(row), "a.tif", {});
+    ASSERT_TRUE(image) << image.error().message;
+    EXPECT_EQ(image->bytes, Pattern8(2, 200, 3)) << row;
+  }
+  constexpr int kLargestFloat = 2'147'483'520;  // that is an int
+  const Result<Image> image = DecodeImage(TiffAtRow(kLargestFloat), "a.tif", {});
+  ASSERT_FALSE(image);
+  EXPECT_EQ(image.error().message, "a.tif: damaged TIFF picture: its position is out of range");
+}
+
 TEST(DamagedImage, CompressedBmpFilesAreRefused) {
   for (const char compression : {1, 2}) {  // runs of 8 and of 4 bits, here without the palette that they need
     std::string bmp = Encode("bmp", 24, 10, 3, Pattern8(24, 10, 3));
