@@ -19,7 +19,7 @@ namespace tessera {
 namespace {
 
 constexpr size_t kParentSizeMax = 60;  // bytes: the path of a socket has at most 107
-constexpr const char* kPrefix = "/tessera-local-";
+constexpr const char* kPrefix = "tessera-local-";
 constexpr time_t kFreshSeconds = 60;  // a folder that was just made may not be locked yet
 
 void RemoveAll(const std::string& path) {
@@ -41,7 +41,8 @@ void RemoveAbandoned(const std::string& parent) {
   if (!paths) return;
   for (const std::string& path : *paths) {
     struct stat status {};
-    if (!path.starts_with(parent + kPrefix) || ::lstat(path.c_str(), &status) != 0) continue;
+    const std::string name = std::filesystem::path(path).filename().string();
+    if (!name.starts_with(kPrefix) || ::lstat(path.c_str(), &status) != 0) continue;
     const bool is_old = std::time(nullptr) - status.st_mtime > kFreshSeconds;
     if (!S_ISDIR(status.st_mode) || status.st_uid != ::geteuid() || !is_old) continue;
     const int lock = Lock(path);
@@ -58,7 +59,7 @@ Result<TemporaryFolder> TemporaryFolder::Make() {
   const bool usable = set.starts_with('/') && set.size() <= kParentSizeMax;
   const std::string parent = usable ? set : "/tmp";
   RemoveAbandoned(parent);
-  std::string path = parent + kPrefix + "XXXXXX";
+  std::string path = fmt::format("{}/{}XXXXXX", parent, kPrefix);
   if (::mkdtemp(path.data()) == nullptr) {
     return Failed(fmt::format("{}: cannot create a temporary folder: {}", path, std::strerror(errno)));
   }

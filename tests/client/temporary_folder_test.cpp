@@ -75,6 +75,13 @@ TEST_F(TemporaryFolders, ThatKilledProcessesLeftAreRemovedByTheNext) {
   EXPECT_TRUE(fs::exists(first->path())) << "it is in use";
 }
 
+TEST_F(TemporaryFolders, AreFoundAgainInAFolderWhoseNameEndsWithASlash) {
+  const std::string left = Leave("tessera-local-abcdef");
+  ::setenv("TMPDIR", (parent_ + "/").c_str(), 1);
+  ASSERT_TRUE(TemporaryFolder::Make());
+  EXPECT_FALSE(fs::exists(left));
+}
+
 TEST_F(TemporaryFolders, OneThatWasJustMadeIsLeftAlone) {
   const std::string fresh = parent_ + "/tessera-local-abcdef";
   fs::create_directory(fresh);
