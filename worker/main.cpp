@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kProgram = "tessera-worker";
 
 Result<int> Run(const std::vector<std::string>& arguments, std::stop_token termination) {
-  const auto parsed = ParseWorkerCommandLine(arguments);
+  const auto parsed = ParseWorkerCommandLine(arguments, termination);
   if (!parsed) return parsed.error();
   if (!parsed->answer.empty()) {
     fmt::print("{}", parsed->answer);

@@ -38,9 +38,10 @@ Result<void> SetSceneMemory(uint64_t& memory_bytes, const std::string& word) {
   return {};
 }
 
-Result<void> SetToken(WorkerOptions& options, const std::string& source, const std::string& word) {
-  const auto text = WordOrInput(word);
-  if (!text) return BadInput(source + ": " + text.error().message);
+Result<void> SetToken(WorkerOptions& options, const std::string& source, const std::string& word,
+                      const std::stop_token& termination) {
+  const auto text = WordOrInput(word, termination);
+  if (!text) return Error{text.error().kind, source + ": " + text.error().message};
   auto token = JoinToken::Parse(*text);
   if (!token) return BadInput(source + ": " + token.error().message);
   options.join = std::move(*token);
@@ -54,16 +55,21 @@ Result<void> SetLoadTime(std::chrono::seconds& time, const std::string& word) {
   return {};
 }
 
-void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
+// What is checked when all flags are known.
+struct FlagWords {
+  std::string coordinator, join;
+};
+
+void AddFlags(CLI::App& app, WorkerOptions& options, FlagWords& words) {
   AddText(app, "--coordinator", "ADDR",
           WithDefault("Address of the coordinator: HOST:PORT or unix:PATH", "$TESSERA_COORDINATOR"),
-          coordinator);
-  AddWord(app, "--join", "TOKEN",
+          words.coordinator);
+  AddText(app, "--join", "TOKEN",
           WithDefault(
               "Join the farm of this token, unless this worker has done so before (see tessera-coordinator "
               "token); -: read it from standard input",
               "$TESSERA_JOIN_TOKEN"),
-          [&options](const std::string& word) { return SetToken(options, "--join", word); });
+          words.join);
   AddText(app, "--state-dir", "DIR",
           WithDefault("Folder of the keys and certificates of this worker",
                       "~/.local/state/tessera/worker/farms"),
@@ -108,19 +114,23 @@ void AddFlags(CLI::App& app, WorkerOptions& options, std::string& coordinator) {
 }
 
 // Certificates of an organisation come before a token, as flags and in the environment.
-Result<void> AddEnvironment(WorkerOptions& options) {
+Result<void> AddEnvironment(WorkerOptions& options, const std::stop_token& termination) {
   if (options.join || options.tls.IsUsed()) return {};
   options.tls = {Environment("TESSERA_TLS_CERT"), Environment("TESSERA_TLS_KEY"),
                  Environment("TESSERA_TLS_CA")};
   const std::string token = Environment("TESSERA_JOIN_TOKEN");
   if (token.empty() || options.tls.IsUsed() || options.insecure) return {};
-  return SetToken(options, "$TESSERA_JOIN_TOKEN", token);
+  return SetToken(options, "$TESSERA_JOIN_TOKEN", token, termination);
 }
 
-Result<WorkerOptions> Complete(WorkerOptions options, const std::string& coordinator) {
-  if (auto added = AddEnvironment(options); !added) return added.error();
+Result<WorkerOptions> Complete(WorkerOptions options, const FlagWords& words,
+                               const std::stop_token& termination) {
+  if (!words.join.empty()) {
+    if (auto set = SetToken(options, "--join", words.join, termination); !set) return set.error();
+  }
+  if (auto added = AddEnvironment(options, termination); !added) return added.error();
   // A token names its coordinator, whatever the environment says.
-  const std::string text = options.join ? options.join->address : coordinator;
+  const std::string text = options.join ? options.join->address : words.coordinator;
   if (!text.empty()) {
     auto address = ParseAddress(text, "--coordinator");
     if (!address) return address.error();
@@ -135,16 +145,17 @@ Result<WorkerOptions> Complete(WorkerOptions options, const std::string& coordin
 
 }  // namespace
 
-Result<CommandLineOf<WorkerOptions>> ParseWorkerCommandLine(const std::vector<std::string>& arguments) {
+Result<CommandLineOf<WorkerOptions>> ParseWorkerCommandLine(const std::vector<std::string>& arguments,
+                                                            const std::stop_token& termination) {
   CLI::App app("Render for a Tessera farm.", "tessera-worker");
   WorkerOptions options;
   options.load_limits.memory_bytes = DefaultSceneMemory();
-  std::string coordinator = Environment("TESSERA_COORDINATOR");
-  AddFlags(app, options, coordinator);
+  FlagWords words{Environment("TESSERA_COORDINATOR"), {}};
+  AddFlags(app, options, words);
   auto answer = ParseArguments(app, arguments);
   if (!answer) return answer.error();
   if (!answer->empty()) return CommandLineOf<WorkerOptions>{{}, std::move(*answer)};
-  auto complete = Complete(std::move(options), coordinator);
+  auto complete = Complete(std::move(options), words, termination);
   if (!complete) return complete.error();
   return CommandLineOf<WorkerOptions>{std::move(*complete), {}};
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -43,7 +44,9 @@ struct WorkerOptions {
   std::string log_level = kLogLevelDefault;
 };
 
-// `arguments` without the program's name.
-Result<CommandLineOf<WorkerOptions>> ParseWorkerCommandLine(const std::vector<std::string>& arguments);
+// `arguments` without the program's name. A stop of the token ends the wait for a join token on standard
+// input.
+Result<CommandLineOf<WorkerOptions>> ParseWorkerCommandLine(const std::vector<std::string>& arguments,
+                                                            const std::stop_token& termination = {});
 
 }  // namespace tessera

@@ -36,9 +36,9 @@ Result<void> CheckLogin(const LoginOptions& options) {
   return BadInput(fmt::format("--farm {}: use letters, digits and \". _ -\"", options.farm));
 }
 
-Result<int> RunLogin(const LoginOptions& options, Cancellation&) {
-  const auto token = WordOrInput(options.token);
-  if (!token) return BadInput("TOKEN: " + token.error().message);
+Result<int> RunLogin(const LoginOptions& options, Cancellation& cancellation) {
+  const auto token = WordOrInput(options.token, cancellation.token());
+  if (!token) return Error{token.error().kind, "TOKEN: " + token.error().message};
   const auto done = LogIn(*token, options.farm, options.name);
   if (!done) return done.error();
   PrintNote("logged in to {} as {}; kept as \"{}\" in {}\n", done->login.address, done->member,

@@ -1,6 +1,7 @@
 #include "proto/shell/secret_words.h"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,15 +18,19 @@ constexpr std::string_view kTokenStart = "tessera-";
 constexpr size_t kTokenRestMin = 64;
 // A token has some hundred.
 constexpr size_t kLineBytesMax = 4096;
+constexpr int kStopProbe_ms = 100;
 
 bool IsTokenCharacter(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
 }
 
 // Reads no byte after the line, which may be for somebody else.
-Result<std::string> ReadLine(int file) {
+Result<std::string> ReadLine(int file, const std::stop_token& stop) {
   std::string line;
   while (line.size() < kLineBytesMax) {
+    if (stop.stop_requested()) return Error{ErrorKind::kInterrupted, "interrupted"};
+    pollfd event{file, POLLIN, 0};
+    if (::poll(&event, 1, kStopProbe_ms) == 0) continue;
     char c = 0;
     const ssize_t count = ::read(file, &c, 1);
     if (count < 0 && errno == EINTR) continue;
@@ -48,9 +53,9 @@ void HideTokens(int argc, char** argv) {
   }
 }
 
-Result<std::string> WordOrInput(const std::string& word) {
+Result<std::string> WordOrInput(const std::string& word, const std::stop_token& stop) {
   if (word != "-") return word;
-  const auto line = ReadLine(STDIN_FILENO);
+  const auto line = ReadLine(STDIN_FILENO, stop);
   if (!line) return line.error();
   constexpr const char* kSpace = " \t\r";
   const size_t begin = line->find_first_not_of(kSpace);

@@ -2,6 +2,7 @@
 // the shell keeps them in its history, so a token can also be given on standard input.
 #pragma once
 
+#include <stop_token>
 #include <string>
 
 #include "renderer/util/result.h"
@@ -13,7 +14,8 @@ namespace tessera {
 void HideTokens(int argc, char** argv);
 
 // The word itself, or, if it is "-", the first line of standard input without white space at its ends. An
-// error if there is no line, or if it cannot be a token.
-Result<std::string> WordOrInput(const std::string& word);
+// error if there is no line, if it cannot be a token, or (kInterrupted) if a stop is requested while it is
+// awaited.
+Result<std::string> WordOrInput(const std::string& word, const std::stop_token& stop);
 
 }  // namespace tessera
