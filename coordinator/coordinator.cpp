@@ -177,8 +177,8 @@ Result<void> Coordinator::Parts::ServeWeb(const CoordinatorOptions& options, con
   };
   if (options.http || options.https) {
     api = std::make_shared<WebApi>(
-        MakeWebFarm({*gate, blobs, pictures, job_log, downloads, files, blob_service->load(),
-                     options.data_dir, policy, options.insecure, [this] { return LookAtAll(); }}));
+        MakeWebFarm({*gate, blobs, pictures, job_log, downloads, files, blob_service->load(), policy,
+                     options.insecure, [this] { return LookAtAll(); }}));
   }
   if (options.http) {
     if (auto started = start(*options.http, {}, {}, web); !started) return started;
@@ -200,7 +200,7 @@ Result<void> Coordinator::Parts::Serve(const CoordinatorOptions& options, Access
                                     [this](std::string_view peer) { pending->Identified(peer); });
   work = std::make_unique<WorkService>(*gate);
   blob_service = std::make_unique<BlobService>(*gate, blobs, files);
-  jobs = std::make_unique<JobsService>(*gate, blobs, pictures, job_log, options.data_dir, files);
+  jobs = std::make_unique<JobsService>(*gate, blobs, pictures, job_log, files);
   if (auto serving = ServeWeb(options, web_policy); !serving) return serving;
   auto listener = Listener::Open(options.listen);
   if (!listener) return listener.error();

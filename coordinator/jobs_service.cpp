@@ -94,13 +94,13 @@ grpc::internal::MethodHandler* HandlerOf(const CallGate& gate, const WorkerChang
 }  // namespace
 
 JobsService::JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures,
-                         const class JobLog& log, const std::string& data_dir, FileThreads& threads)
+                         const class JobLog& log, FileThreads& threads)
     : gate_(gate),
       blobs_(blobs),
       log_(log),
       threads_(threads),
       changes_(blobs, threads),
-      pictures_(gate, pictures, data_dir, threads.brief) {
+      pictures_(gate, pictures, threads.brief) {
   const auto serve = [this](auto method, const CallRule& rule) {
     MarkMethodCallback(MethodIndex(rule), GuardedMethod(this, rule, method));
   };

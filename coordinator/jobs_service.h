@@ -17,7 +17,7 @@ class JobsService final : public proto::Jobs::Service {
  public:
   // The threads must run until every call has ended.
   JobsService(const CallGate& gate, const BlobStore& blobs, const PictureStore& pictures,
-              const class JobLog& log, const std::string& data_dir, FileThreads& threads);
+              const class JobLog& log, FileThreads& threads);
   // Finishes what runs in the background. Call it before the server is destroyed, so that every call is
   // answered.
   void Stop() { pictures_.Stop(); }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <exception>
 #include <memory>
 #include <utility>
 
@@ -14,7 +15,7 @@ namespace tessera {
 namespace {
 
 // Of a job that has ended.
-Result<std::string> NothingRendered(JobId job, int frame_number) {
+Error NothingRendered(JobId job, int frame_number) {
   return BadInput(fmt::format("nothing was rendered of frame {} of job {}", frame_number, Number(job)));
 }
 
@@ -26,6 +27,9 @@ grpc::Status NotFinished(const JobStatus& status, int frame_number) {
 }
 
 }  // namespace
+
+PictureFetches::PictureFetches(const CallGate& gate, const PictureStore& pictures, TaskPool& brief)
+    : gate_(gate), pictures_(pictures), streams_{gate.path().directory, brief} {}
 
 grpc::Status PictureFetches::BeingWritten() {
   return TryAgain("a picture of the job is being written");
@@ -65,9 +69,10 @@ grpc::Status PictureFetches::Begin(CoreContext& core, PictureStream* stream, Fra
   const int number = core.farm.Spec(id.job)->frames[id.frame].number;
   if (preview && HasEnded(status->state)) {
     if (core.farm.IsMovingSums(id.job)) return BeingWritten();
-    return SendLater(stream, [=, this] {
-      auto bytes = pictures_.ReadPartial(id.job, id.frame);
-      return bytes ? bytes : NothingRendered(id.job, number);
+    return SendLater(stream, [=, this]() -> Result<StoredPicture> {
+      auto picture = pictures_.Open(id.job, id.frame, std::nullopt);
+      if (!picture && picture.error().kind != ErrorKind::kInterrupted) return NothingRendered(id.job, number);
+      return picture;
     });
   }
   auto picture = preview ? core.farm.Preview(id.job, id.frame) : std::nullopt;
@@ -76,19 +81,28 @@ grpc::Status PictureFetches::Begin(CoreContext& core, PictureStream* stream, Fra
   return SendLater(stream, [=] { return EncodePreview(*shared); });
 }
 
-grpc::Status PictureFetches::SendLater(PictureStream* stream, std::function<Result<std::string>()> make,
+template <typename Make>
+grpc::Status PictureFetches::SendLater(PictureStream* stream, Make make,
                                        std::function<void(const std::string& reason)> refuse) {
   auto taken = streams_.waiting.Take(stream->caller());
   if (!taken) return TryAgain(taken.error().message);
   // Shared, as tasks are copied.
   const auto place = std::make_shared<MemberPlaces::Place>(std::move(*taken));
   background_.Post([=, this, make = std::move(make), refuse = std::move(refuse)] {
-    const bool is_wanted = !stream->is_cancelled();
-    auto bytes = is_wanted ? GuardedResult(make) : Result<std::string>(Failed("nobody reads the picture"));
-    if (is_wanted && !bytes && refuse) {
-      refuse(bytes.error().message);
+    decltype(make()) picture = Failed("nobody reads the picture");
+    bool is_damaged = false;
+    try {
+      if (!stream->is_cancelled()) {
+        picture = make();
+        is_damaged = !picture && picture.error().kind != ErrorKind::kInterrupted;
+      }
+    } catch (const std::exception& e) {
+      picture = Failed(ReasonOf(e));
+    }
+    if (is_damaged && refuse) {
+      refuse(picture.error().message);
     } else {
-      stream->Send(std::move(bytes));
+      stream->Send(std::move(picture));
     }
     *place = {};
   });
@@ -98,9 +112,9 @@ grpc::Status PictureFetches::SendLater(PictureStream* stream, std::function<Resu
 // What was damaged since it was written is not sent. It is made again if that is possible.
 grpc::Status PictureFetches::SendFile(PictureStream* stream, FrameId id, const PictureFile& file) {
   const auto read = [=, this] {
-    auto bytes = pictures_.Read(id.job, id.frame, file);
-    if (bytes) gate_.core().Post([id](CoreContext& core) { core.farm.PictureIntact(id); });
-    return bytes;
+    auto picture = pictures_.Open(id.job, id.frame, file);
+    if (picture) gate_.core().Post([id](CoreContext& core) { core.farm.PictureIntact(id); });
+    return picture;
   };
   const auto refuse = [=, this](const std::string& reason) {
     gate_.core().Post([=](CoreContext& core) {

@@ -18,10 +18,8 @@ class CallGate;
 
 class PictureFetches {
  public:
-  // `folder`: for temporary files. `brief`: reads them, and must run until every call has ended.
-  PictureFetches(const CallGate& gate, const PictureStore& pictures, const std::string& folder,
-                 TaskPool& brief)
-      : gate_(gate), pictures_(pictures), streams_{folder, brief} {}
+  // `brief`: reads files, and must run until every call has ended.
+  PictureFetches(const CallGate& gate, const PictureStore& pictures, TaskPool& brief);
   // Finishes what runs in the background.
   void Stop() { background_.Stop(); }
 
@@ -33,9 +31,11 @@ class PictureFetches {
  private:
   // Passes the stream on to whoever sends the picture, or returns why there is none.
   grpc::Status Begin(CoreContext& core, PictureStream* stream, FrameId id, bool preview);
-  // Makes or reads the picture of a stream in the background and sends it. `refuse` is called with the reason
-  // if there is none; without it the stream gets the reason. An error if too many wait.
-  grpc::Status SendLater(PictureStream* stream, std::function<Result<std::string>()> make,
+  // Makes or opens the picture of a stream in the background and sends it: `make` returns a Result of its
+  // bytes or its file. `refuse` is called with the reason if it is damaged; without it, or if memory or
+  // descriptors are lacking, the stream gets the reason. An error if too many wait.
+  template <typename Make>
+  grpc::Status SendLater(PictureStream* stream, Make make,
                          std::function<void(const std::string& reason)> refuse = nullptr);
   grpc::Status SendFile(PictureStream* stream, FrameId id, const PictureFile& file);
 

@@ -1,11 +1,6 @@
 #include "coordinator/picture_stream.h"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include "coordinator/guarded.h"
@@ -15,21 +10,6 @@
 #include "renderer/util/digest.h"
 
 namespace tessera {
-namespace {
-
-bool ReadAllAt(int file, uint64_t offset, std::string& bytes) {
-  for (size_t done = 0; done < bytes.size();) {
-    const ssize_t size =
-        ::pread(file, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
-    if (size < 0 && errno == EINTR) continue;
-    if (size <= 0) return false;
-    done += static_cast<size_t>(size);
-  }
-  return true;
-}
-
-}  // namespace
-
 PictureStream::PictureStream(PictureStreams& streams, LastingCall call)
     : streams_(streams), call_(std::move(call)), watched_(streams.stall_watch.Watch(call_.context())) {}
 
@@ -44,8 +24,20 @@ void PictureStream::Refuse(const grpc::Status& status) {
 }
 
 void PictureStream::Send(Result<std::string> bytes) {
-  if (!bytes) return Refuse(ToStatus(bytes.error()));
-  const auto kept = GuardedResult([&] { return Store(std::move(*bytes)); });
+  SendStored(std::move(bytes));
+}
+
+void PictureStream::Send(Result<StoredPicture> picture) {
+  SendStored(std::move(picture));
+}
+
+template <typename Picture>
+void PictureStream::SendStored(Result<Picture> picture) {
+  if (!picture) {
+    const Error& error = picture.error();
+    return Refuse(error.kind == ErrorKind::kInterrupted ? TryAgain(error.message) : ToStatus(error));
+  }
+  const auto kept = GuardedResult([&] { return Store(std::move(*picture)); });
   if (!kept) return Refuse({grpc::StatusCode::RESOURCE_EXHAUSTED, kept.error().message});
   SendNext();
 }
@@ -58,11 +50,17 @@ Result<void> PictureStream::Store(std::string bytes) {
     bytes_ = std::move(bytes);
     return {};
   }
-  auto file = OpenNamelessFile(streams_.folder);
+  auto file = streams_.directory.KeepForSending(bytes);
   if (!file) return file.error();
   file_ = std::move(*file);
-  if (!WriteAll(file_.number(), bytes))
-    return Failed(fmt::format("no room for a copy of the picture: {}", std::strerror(errno)));
+  return {};
+}
+
+Result<void> PictureStream::Store(StoredPicture picture) {
+  size_ = picture.file.size();
+  chunk_.set_size(size_);
+  chunk_.set_digest(WriteDigest(picture.digest));
+  file_ = std::move(picture.file);
   return {};
 }
 
@@ -79,9 +77,10 @@ grpc::Status PictureStream::ReadNext() {
   if (!file_) {
     data = std::move(bytes_);
   } else {
-    data.resize(std::min(size_ - sent_, static_cast<uint64_t>(kChunkBytesMax)));
-    if (!ReadAllAt(file_.number(), sent_, data))
-      return {grpc::StatusCode::UNAVAILABLE, "the copy of the picture cannot be read"};
+    const uint64_t size = std::min(size_ - sent_, static_cast<uint64_t>(kChunkBytesMax));
+    data.resize(size);
+    if (const auto read = file_->Read(sent_, data); !read || data.size() != size)
+      return {grpc::StatusCode::UNAVAILABLE, "the file of the picture cannot be read"};
   }
   sent_ += data.size();
   return grpc::Status::OK;

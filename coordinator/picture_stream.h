@@ -3,22 +3,25 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "coordinator/member_places.h"
 #include "coordinator/open_calls.h"
 #include "coordinator/stall_watch.h"
+#include "coordinator/store/data_dir.h"
+#include "coordinator/store/picture_store.h"
 #include "coordinator/task_pool.h"
 #include "proto/jobs.grpc.pb.h"
-#include "renderer/util/file_descriptor.h"
+#include "renderer/util/readable_file.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
 
 // What the streams of a coordinator share.
 struct PictureStreams {
-  std::string folder;  // for temporary files
-  TaskPool& threads;   // for reading them
+  const DataDir& directory;  // for temporary files
+  TaskPool& threads;         // for reading files
   StallWatch stall_watch{};
   // Each stream has a file and a chunk.
   MemberPlaces open{{64, 16}, "pictures are being fetched"};
@@ -28,8 +31,7 @@ struct PictureStreams {
 };
 
 // Deletes itself when the call is over. Exactly one of Refuse and Send is called, once, from any thread.
-// Holds no more than a chunk in memory while it sends: a larger picture goes to a temporary file without a
-// name.
+// Holds no more than a chunk in memory while it sends: larger bytes go to a temporary file.
 class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk> {
  public:
   PictureStream(PictureStreams& streams, LastingCall call);
@@ -39,12 +41,17 @@ class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk>
   // Whether the client has gone: nobody will read the picture.
   bool is_cancelled() const { return is_cancelled_; }
   void Refuse(const grpc::Status& status);
-  // Sends the bytes of a picture, or the reason why there are none.
+  // Sends a picture, or the reason why there is none.
   void Send(Result<std::string> bytes);
+  void Send(Result<StoredPicture> picture);
 
  private:
-  // Keeps the bytes until they are sent, in memory or in a file.
+  // Keeps the picture until it is sent, in memory or in a file.
   Result<void> Store(std::string bytes);
+  Result<void> Store(StoredPicture picture);
+  // `picture`: bytes or a file.
+  template <typename Picture>
+  void SendStored(Result<Picture> picture);
   void SendNext();
   grpc::Status ReadNext();
   void OnWriteDone(bool ok) override;
@@ -56,8 +63,8 @@ class PictureStream final : public grpc::ServerWriteReactor<proto::PictureChunk>
   const LastingCall call_;
   const std::shared_ptr<StallWatch::Call> watched_;
   std::atomic<bool> is_cancelled_{false};
-  std::string bytes_;  // unless they are in the file
-  FileDescriptor file_;
+  std::string bytes_;  // unless they are in a file
+  std::optional<ReadableFile> file_;
   uint64_t size_ = 0, sent_ = 0;
   proto::PictureChunk chunk_;
 };

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "coordinator/ask_core.h"
 #include "coordinator/guarded.h"
 #include "coordinator/job_changes.h"
 #include "coordinator/missing_blobs.h"
 #include "coordinator/submission.h"
 #include "coordinator/web/api/routes.h"
+#include "coordinator/web_pictures.h"
 #include "coordinator/web_upload.h"
 #include "coordinator/worker_changes.h"
 #include "proto/shell/system.h"
@@ -68,9 +68,7 @@ class WebCalls {
   void ChangeJob(const WebCaller& caller, const JobChange& change, const WebDone<JobStatus>& done) const;
   void ChangeWorkers(const WebCaller& caller, std::string_view name, const std::string& which,
                      const WebDone<std::vector<WorkerStatus>>& done) const;
-  WebResult<FrameState> Frame(JobId job, uint32_t frame) const;
   WebResult<JobLogPage> Log(JobId job, uint64_t after, size_t limit) const;
-  WebResult<std::string> Read(JobId job, uint32_t frame, const std::optional<PictureFile>& file) const;
   void OrderJob(const WebCaller& caller, JobOrder order, const WebDone<JobStatus>& done) const;
   void FindMissing(const std::vector<Digest>& digests, const WebDone<std::map<Digest, uint64_t>>& done) const;
   std::shared_ptr<BodySink> ReceiveBlob(const WebCaller& caller, const Digest& digest, uint64_t size,
@@ -201,48 +199,10 @@ void WebCalls::ChangeWorkers(const WebCaller& caller, std::string_view name, con
                          [workers = workers](const auto& changed) { *workers = changed; });
 }
 
-WebResult<FrameState> WebCalls::Frame(JobId job, uint32_t frame) const {
-  using Clock = std::chrono::steady_clock;
-  auto state = AskCore(core(), [job, frame](CoreContext& context) -> std::optional<FrameState> {
-    const auto start = Clock::now();
-    const auto status = context.farm.Status(context.now, job);
-    if (!status || frame >= status->frames_total) return std::nullopt;
-    FrameState found{*status, context.farm.Spec(job), {}, context.farm.FinishedFile(job, frame), {}};
-    if (!found.file) {
-      if (auto preview = context.farm.Preview(job, frame)) found.snapshot = std::move(preview->snapshot);
-    }
-    found.cost = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start);
-    return found;
-  });
-  if (!state) return WebError{503, "the coordinator is busy"};
-  if (!*state) return WebError{404, fmt::format("there is no frame {} of job {}", frame, Number(job))};
-  return std::move(**state);
-}
-
 WebResult<JobLogPage> WebCalls::Log(JobId job, uint64_t after, size_t limit) const {
   auto page = parts_.job_log.Read(job, after, limit);
   if (!page) return WebError{404, fmt::format("there is no job {}", Number(job))};
   return std::move(*page);
-}
-
-// What was damaged since it was written is not shown. It is made again if that is possible.
-WebResult<std::string> WebCalls::Read(JobId job, uint32_t frame,
-                                      const std::optional<PictureFile>& file) const {
-  if (!file) {
-    auto partial = GuardedResult([&] { return parts_.pictures.ReadPartial(job, frame); });
-    if (partial) return std::move(*partial);
-    return WebError{409, fmt::format("nothing was rendered of frame {} of job {}", frame, Number(job))};
-  }
-  auto bytes = GuardedResult([&] { return parts_.pictures.Read(job, frame, *file); });
-  const FrameId id{job, frame};
-  if (bytes) {
-    core().Post([id](CoreContext& context) { context.farm.PictureIntact(id); });
-    return std::move(*bytes);
-  }
-  core().Post([id, reason = bytes.error().message](CoreContext& context) {
-    context.farm.PictureDamaged(id, reason);
-  });
-  return WebError{503, bytes.error().message + "; it is made again if that is possible"};
 }
 
 // The files of the package may have to be read.
@@ -280,10 +240,13 @@ void WebCalls::FindMissing(const std::vector<Digest>& digests,
 WebFarm MakeWebFarm(WebCallParts parts) {
   WebFarm farm;
   farm.look = parts.look;
-  farm.folder = parts.folder;
+  farm.keep = [&directory = parts.gate.path().directory](std::string_view bytes) {
+    return directory.KeepForSending(bytes);
+  };
   farm.run_later = [&background = parts.background](std::function<void()> task) {
     background.Post(std::move(task));
   };
+  const WebPictures pictures(parts.gate.core(), parts.pictures);
   const auto calls = std::make_shared<const WebCalls>(std::move(parts));
   farm.admit = [calls](const auto& caller, auto call) { return calls->Admit(caller, call); };
   farm.reach = [calls](const auto& visitor, auto call) { return calls->Reach(visitor, call); };
@@ -297,9 +260,14 @@ WebFarm MakeWebFarm(WebCallParts parts) {
   farm.change_workers = [calls](const auto& caller, auto call, const auto& which, const auto& done) {
     calls->ChangeWorkers(caller, call, which, done);
   };
-  farm.frame = [calls](JobId job, uint32_t frame) { return calls->Frame(job, frame); };
+  farm.frame = [pictures](JobId job, uint32_t frame) { return pictures.Frame(job, frame); };
   farm.log = [calls](JobId job, uint64_t after, size_t limit) { return calls->Log(job, after, limit); };
-  farm.read = [calls](JobId job, uint32_t frame, const auto& file) { return calls->Read(job, frame, file); };
+  farm.read = [pictures](JobId job, uint32_t frame, const auto& file) {
+    return pictures.Read(job, frame, file);
+  };
+  farm.open = [pictures](JobId job, uint32_t frame, const auto& file) {
+    return pictures.Open(job, frame, file);
+  };
   farm.order_job = [calls](const auto& caller, const auto& order, const auto& done) {
     calls->OrderJob(caller, order, done);
   };

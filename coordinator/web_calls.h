@@ -26,7 +26,6 @@ struct WebCallParts {
   TaskPool& background;
   FileThreads& files;
   TransferLoad& transfers;
-  std::string folder;  // for temporary files
   AccessPolicy policy;
   // Whether programs of other users of this machine may do everything, as they may with the plain port of
   // gRPC.

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 #include <vector>
 
 #include "proto/shell/pause.h"
@@ -45,6 +46,20 @@ bool TakeLock(int file) {
 
 // For the records that follow a job's.
 constexpr uint64_t kSpaceMin = uint64_t{64} << 10;
+// What is being sent leaves this part of the disk free, and at most this many bytes: half of what scene files
+// leave, so that there is room for it on a disk that they fill.
+constexpr uint64_t kSendingReserveDivisor = 40, kSendingReserveMax = uint64_t{1} << 29;
+
+struct Space {
+  uint64_t total = 0, free = 0;  // bytes
+};
+
+// Returns nullopt if it is not known.
+std::optional<Space> SpaceOf(const std::string& path) {
+  struct statvfs space {};
+  if (::statvfs(path.c_str(), &space) != 0) return std::nullopt;
+  return Space{uint64_t{space.f_blocks} * space.f_frsize, uint64_t{space.f_bavail} * space.f_frsize};
+}
 
 Result<void> CheckVersion(const std::string& path) {
   const std::string file = path + "/version";
@@ -128,14 +143,26 @@ Result<void> DataDir::MarkUsed() const {
 }
 
 Result<void> DataDir::CheckSpace(uint64_t bytes) const {
-  struct statvfs space {};
-  if (::statvfs(path_.c_str(), &space) != 0) return {};
-  const uint64_t free = uint64_t{space.f_bavail} * space.f_frsize;
-  if (bytes + kSpaceMin <= free) return {};
+  const auto space = SpaceOf(path_);
+  if (!space || bytes + kSpaceMin <= space->free) return {};
   return Failed(
       fmt::format("{}: No space left on device: the file system of the coordinator's data has {} bytes left; "
                   "free some space there and try again",
-                  path_, free));
+                  path_, space->free));
+}
+
+Result<ReadableFile> DataDir::KeepForSending(std::string_view bytes) const {
+  if (const auto space = SpaceOf(path_)) {
+    const uint64_t reserve = std::min(space->total / kSendingReserveDivisor, kSendingReserveMax);
+    if (bytes.size() + reserve > space->free) {
+      return Failed(fmt::format(
+          "{}: no room for a copy of {} bytes to send: the file system of the coordinator's data has {} "
+          "bytes left, of which {} are reserved for the journal and for results; free some space there and "
+          "try again",
+          path_, bytes.size(), space->free, reserve));
+    }
+  }
+  return ReadableFile::Nameless(path_, bytes);
 }
 
 DataDir::DataDir(DataDir&& other) noexcept

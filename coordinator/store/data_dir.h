@@ -12,7 +12,9 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
+#include "renderer/util/readable_file.h"
 #include "renderer/util/result.h"
 
 namespace tessera {
@@ -37,6 +39,9 @@ class DataDir {
   Result<void> MarkUsed() const;
   // An error that names the file system if `bytes` more would hardly fit on it.
   Result<void> CheckSpace(uint64_t bytes) const;
+  // Keeps bytes that are being sent to somebody in a file without a name: a slow reader takes no memory. An
+  // error if the disk would not be left enough for the journal and for results.
+  Result<ReadableFile> KeepForSending(std::string_view bytes) const;
 
   std::string JournalPath() const { return path_ + "/journal"; }
   std::string SpoolPath() const { return path_ + "/spool"; }

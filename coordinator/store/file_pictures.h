@@ -14,6 +14,8 @@ class FilePictures final : public PictureStore {
   Result<void> Write(JobId job, uint32_t frame, std::string_view bytes) override;
   Result<std::string> Read(JobId job, uint32_t frame, const PictureFile& file) const override;
   Result<std::string> ReadPartial(JobId job, uint32_t frame) const override;
+  Result<StoredPicture> Open(JobId job, uint32_t frame,
+                             const std::optional<PictureFile>& file) const override;
   Result<void> Probe(JobId job, uint32_t frame, const PictureFile& file) const override;
   void Remove(JobId job) override;
 

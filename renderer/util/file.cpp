@@ -13,6 +13,7 @@
 #include <random>
 
 #include "renderer/util/file_descriptor.h"
+#include "renderer/util/readable_file.h"
 
 namespace tessera {
 
@@ -21,26 +22,15 @@ Error SystemError(const std::string& path, const char* what) {
 }
 
 Result<std::string> ReadFile(const std::string& path, uint64_t size_max) {
-  // Not blocking: a pipe must be refused, not waited for.
-  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file) return BadInput(fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
-  struct stat status {};
-  if (::fstat(file.number(), &status) != 0) return SystemError(path, "cannot be examined");
-  if (!S_ISREG(status.st_mode)) return BadInput(fmt::format("{}: is not a regular file", path));
-  const uint64_t size = static_cast<uint64_t>(status.st_size);
-  if (size > size_max) {
-    return BadInput(fmt::format("{}: holds {} bytes, more than the limit of {}", path, size, size_max));
+  const auto file = ReadableFile::Open(path);
+  if (!file) return file.error();
+  if (file->size() > size_max) {
+    return BadInput(
+        fmt::format("{}: holds {} bytes, more than the limit of {}", path, file->size(), size_max));
   }
-  std::string bytes(size, '\0');
-  size_t filled = 0;
-  while (filled < bytes.size()) {
-    const ssize_t got = ::read(file.number(), bytes.data() + filled, bytes.size() - filled);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return SystemError(path, "cannot be read");
-    if (got == 0) break;
-    filled += static_cast<size_t>(got);
-  }
-  bytes.resize(filled);
+  std::string bytes(file->size(), '\0');
+  if (const auto read = file->Read(0, bytes); !read)
+    return Failed(fmt::format("{}: cannot be read: {}", path, read.error().message));
   return bytes;
 }
 

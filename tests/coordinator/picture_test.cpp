@@ -5,9 +5,12 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <random>
 #include <thread>
 
 #include "renderer/util/file.h"
+#include "tests/coordinator/no_file_grows.h"
+#include "tests/coordinator/no_new_files.h"
 #include "tests/coordinator/services_fixture.h"
 
 namespace tessera {
@@ -41,6 +44,33 @@ class Pictures : public Services {
     }
     return status;
   }
+  // A job whose picture has more bytes than a chunk: no two pixels are alike.
+  void RenderLarge() {
+    proto::JobSpec message = PrepareJob();
+    JobSpec spec = *ReadJobSpec(message);
+    FrameSpec& frame = spec.frames[0].spec;
+    frame.width = 512;
+    frame.height = 256;
+    frame.crop = {0, 0, frame.width, frame.height};
+    frame.tile_size = 64;
+    message.Clear();
+    Write(spec, message);
+    scene_key = SceneKey(spec.package, "scene.pbrt", "", frame);
+    proto::SubmitAnswer submitted;
+    ASSERT_TRUE(Call(*jobs, &proto::Jobs::Stub::Submit, message, submitted).ok());
+    job = submitted.job();
+    std::minstd_rand random(1);
+    std::uniform_real_distribution<float> values;
+    for (uint32_t tile = 0; tile < static_cast<uint32_t>(frame.TileCount()); ++tile) {
+      RadianceTile radiance{frame.TileBounds(static_cast<int>(tile)), {0, 4}, {4}, {}};
+      for (int pixel = 0; pixel < 64 * 64; ++pixel) {
+        for (int c = 0; c < 3; ++c) radiance.sums.push_back(4 * values(random));
+        radiance.sums.push_back(4);
+      }
+      proto::ResultsAnswer answer;
+      ASSERT_TRUE(Return(ResultOf(job, tile, {0, 4}, EncodeRadianceTile(radiance)), answer).ok());
+    }
+  }
   std::string Path() const { return folder / ("data/pictures/" + std::to_string(job) + "/0.exr"); }
   void Cut() const { std::filesystem::resize_file(Path(), std::filesystem::file_size(Path()) / 2); }
   void Flip() const {
@@ -64,6 +94,36 @@ TEST_F(Pictures, ADamagedPictureIsMadeAgainAndNeverSent) {
     EXPECT_TRUE(bytes == picture);
     EXPECT_EQ(Status(job).state(), proto::JOB_STATE_FINISHED);
   }
+}
+
+TEST_F(Pictures, AFinishedPictureOfAnySizeIsSentFromAFullDisk) {
+  RenderLarge();
+  std::string picture;
+  ASSERT_TRUE(FetchSoon(picture).ok());
+  ASSERT_GT(picture.size(), static_cast<size_t>(kChunkBytesMax));
+  const NoFileGrows full;
+  std::string bytes;
+  const grpc::Status status = Fetch(job, false, bytes);
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_TRUE(bytes == picture);
+}
+
+TEST_F(Pictures, APictureThatCannotBeOpenedForLackOfDescriptorsIsNotLost) {
+  const std::string picture = Finish();
+  coordinator.reset();
+  std::filesystem::remove_all(folder / "data/spool");
+  Start();
+  std::string bytes;
+  ASSERT_TRUE(FetchSoon(bytes).ok()) << "from now on there is a connection";
+  {
+    const NoNewFiles none;
+    const grpc::Status status = Fetch(job, false, bytes);
+    EXPECT_EQ(status.error_code(), StatusCode::UNAVAILABLE) << status.error_message();
+    EXPECT_THAT(status.error_message(), HasSubstr("Too many open files"));
+  }
+  EXPECT_EQ(Status(job).reason(), "") << "it is not lost";
+  ASSERT_TRUE(FetchSoon(bytes).ok());
+  EXPECT_TRUE(bytes == picture);
 }
 
 TEST_F(Pictures, APictureThatWasCutOrRemovedIsMadeAgainAfterAStart) {

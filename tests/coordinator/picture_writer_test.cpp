@@ -39,6 +39,9 @@ class MemoryPictures : public PictureStore {
     if (found == files_.end()) return Failed("there is no such picture");
     return found->second;
   }
+  Result<StoredPicture> Open(JobId, uint32_t, const std::optional<PictureFile>&) const override {
+    return Failed("pictures are in memory");
+  }
   Result<void> Probe(JobId, uint32_t, const PictureFile&) const override { return {}; }
   void Remove(JobId job) override {
     const std::lock_guard lock(mutex_);

@@ -137,6 +137,22 @@ TEST_F(WebInterface, OnAFullDiskThePageShowsTheFarmAndTheReason) {
   EXPECT_TRUE(ComesTrue([&] { return StatusOf(JobPath(job, "/resume")) == 200; })) << "there is space again";
 }
 
+TEST_F(WebInterface, AFinishedPictureIsDownloadedFromAFullDiskAsItIs) {
+  const uint64_t job = Submit();
+  proto::ResultsAnswer answer;
+  for (const uint32_t tile : {0u, 1u}) ASSERT_TRUE(Return(job, tile, {0, 4}, answer, 0.3f).ok());
+  std::string file;
+  ASSERT_TRUE(ComesTrue([&] {
+    file.clear();
+    return Fetch(job, false, file).ok();
+  }));
+  const NoFileGrows full;
+  const auto download = client->Get("/api/v1/" + JobPath(job, "/picture.exr"));
+  EXPECT_EQ(download->status, 200);
+  EXPECT_TRUE(download->body == file);
+  EXPECT_EQ(client->Get("/api/v1/" + JobPath(job, "/picture.png"))->status, 503) << "it has to be made";
+}
+
 TEST_F(WebInterface, ASmallPictureIsMadeSoonAfterItIsFirstAskedFor) {
   const uint64_t job = Submit();
   proto::ResultsAnswer answer;

@@ -38,4 +38,15 @@ WebResult<std::string> EncodedPicture(const WebFarm& farm, FrameId frame, const 
   return colors.Png();
 }
 
+WebResult<ReadableFile> OpenPicture(const WebFarm& farm, FrameId frame, const FrameState& state,
+                                    bool is_png) {
+  const bool is_written = !state.snapshot && (state.file || HasEnded(state.status.state));
+  if (!is_png && is_written) return farm.open(frame.job, frame.frame, state.file);
+  const auto bytes = EncodedPicture(farm, frame, state, is_png);
+  if (const auto* const error = std::get_if<WebError>(&bytes)) return *error;
+  auto kept = farm.keep(std::get<std::string>(bytes));
+  if (!kept) return WebError{503, kept.error().message};
+  return std::move(*kept);
+}
+
 }  // namespace tessera

@@ -13,4 +13,7 @@ namespace tessera {
 WebResult<std::string> EncodedPicture(const WebFarm& farm, FrameId frame, const FrameState& state,
                                       bool is_png);
 
+// The same as a file to be sent. The EXR file of a finished frame is sent as it is, without a copy.
+WebResult<ReadableFile> OpenPicture(const WebFarm& farm, FrameId frame, const FrameState& state, bool is_png);
+
 }  // namespace tessera

@@ -341,13 +341,13 @@ HttpResponse WebApi::Download(FrameId frame, bool is_png) const {
   const auto asked = farm_.frame(frame.job, frame.frame);
   if (const auto* const error = std::get_if<WebError>(&asked)) return Refuse(*error);
   const FrameState& state = std::get<FrameState>(asked);
-  auto bytes = EncodedPicture(farm_, frame, state, is_png);
-  if (const auto* const error = std::get_if<WebError>(&bytes)) return Refuse(*error);
-  const std::string& file = std::get<std::string>(bytes);
-  auto stream = FileStream::Make(farm_.folder, file);
-  if (!stream) return HttpResponse::JsonError(503, stream.error().message);
-  HttpResponse response = HttpResponse::Stream(is_png ? "image/png" : "image/x-exr", std::move(*stream));
-  response.stream_size = file.size();
+  auto opened = OpenPicture(farm_, frame, state, is_png);
+  if (const auto* const error = std::get_if<WebError>(&opened)) return Refuse(*error);
+  auto& file = std::get<ReadableFile>(opened);
+  const uint64_t size = file.size();
+  HttpResponse response = HttpResponse::Stream(is_png ? "image/png" : "image/x-exr",
+                                               std::make_shared<FileStream>(std::move(file)));
+  response.stream_size = size;
   const int32_t number = state.spec->frames[frame.frame].number;
   const std::string suffix = state.spec->frames.size() > 1 ? fmt::format(".{:04}", number) : "";
   response.file_name = fmt::format("job-{}{}{}", Number(frame.job), suffix, is_png ? ".png" : ".exr");

@@ -16,6 +16,8 @@
 #include "coordinator/web/http_response.h"
 #include "coordinator/web/web_gate.h"
 #include "renderer/film/frame_snapshot.h"
+#include "renderer/util/readable_file.h"
+#include "renderer/util/result.h"
 
 namespace tessera {
 
@@ -93,6 +95,11 @@ struct WebFarm {
   // The bytes of the EXR file of a frame; without `file`, what was written of one whose job ended early.
   std::function<WebResult<std::string>(JobId job, uint32_t frame, const std::optional<PictureFile>& file)>
       read;
+  // The same file, to be sent in pieces.
+  std::function<WebResult<ReadableFile>(JobId job, uint32_t frame, const std::optional<PictureFile>& file)>
+      open;
+  // Keeps bytes that are being sent in a file: a slow reader takes no memory. An error if there is no room.
+  std::function<Result<ReadableFile>(std::string_view bytes)> keep;
   // Those of these blobs that the farm lacks, each with the number of its first bytes that need not be sent
   // again.
   std::function<void(const std::vector<Digest>& digests, WebDone<std::map<Digest, uint64_t>> done)>
@@ -103,7 +110,6 @@ struct WebFarm {
       receive_blob;
   // Runs a task that may take long on another thread.
   std::function<void(std::function<void()> task)> run_later;
-  std::string folder;  // for temporary files
 };
 
 }  // namespace tessera

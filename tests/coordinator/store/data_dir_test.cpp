@@ -10,6 +10,7 @@
 
 #include "proto/shell/pause.h"
 #include "tests/coordinator/store/temporary_dir.h"
+#include "tests/small_disk.h"
 
 namespace tessera {
 namespace {
@@ -86,6 +87,32 @@ TEST(DataDir, ADirectoryOfAnotherVersionIsRefusedAndLeftAlone) {
   ASSERT_FALSE(opened);
   EXPECT_THAT(opened.error().message,
               testing::AllOf(HasSubstr("tessera-data 1"), HasSubstr("another --data-dir")));
+}
+
+TEST(DataDir, WhatIsBeingSentIsKeptWithoutANameAndLeavesRoomForResults) {
+  const TemporaryDir directory;
+  const SmallDisk disk(directory / "small");
+  if (!disk.is_mounted()) GTEST_SKIP() << "no permission to mount a file system";
+  const auto data = DataDir::Open(directory / "small/data");
+  ASSERT_TRUE(data);
+  const auto files = [&] {
+    return std::distance(std::filesystem::directory_iterator(directory / "small/data"), {});
+  };
+  const auto files_before = files();
+  const uint64_t total = std::filesystem::space(directory / "small").capacity;
+  const std::string most(total * 3 / 4, 'x'), rest(total / 4 - total / 100, 'x');
+  {
+    const auto kept = data->KeepForSending(most);
+    ASSERT_TRUE(kept) << kept.error().message;
+    EXPECT_EQ(kept->size(), most.size());
+    EXPECT_EQ(files(), files_before);
+    EXPECT_TRUE(data->CheckSpace(0));
+    const auto refused = data->KeepForSending(rest);
+    ASSERT_FALSE(refused) << "it would fit, and leave a hundredth of the disk";
+    EXPECT_THAT(refused.error().message,
+                testing::AllOf(HasSubstr("small/data: no room for a copy of"), HasSubstr("to send")));
+  }
+  EXPECT_TRUE(data->KeepForSending(rest)) << "the room is free again";
 }
 
 }  // namespace

@@ -10,10 +10,11 @@ namespace {
 
 TEST(FileStream, SendsWhatItWasGiven) {
   const std::string bytes(700'000, 'x');
-  const auto stream = FileStream::Make("/tmp", bytes);
-  ASSERT_TRUE(stream) << stream.error().message;
+  auto file = ReadableFile::Nameless("/tmp", bytes);
+  ASSERT_TRUE(file) << file.error().message;
+  FileStream stream(std::move(*file));
   std::vector<BodyStream::Part> parts;
-  while ((*stream)->Take(parts) == BodyStream::Next::kParts) {
+  while (stream.Take(parts) == BodyStream::Next::kParts) {
   }
   std::string sent;
   for (const auto& part : parts) sent += *part;
@@ -21,7 +22,7 @@ TEST(FileStream, SendsWhatItWasGiven) {
 }
 
 TEST(FileStream, AFileThatCannotBeReadEndsTheDownloadWithALine) {
-  FileStream stream(FileDescriptor(::open("/dev/null", O_WRONLY | O_CLOEXEC)), 100);
+  FileStream stream(ReadableFile(FileDescriptor(::open("/dev/null", O_WRONLY | O_CLOEXEC)), 100));
   std::vector<BodyStream::Part> parts;
   testing::internal::CaptureStdout();
   EXPECT_EQ(stream.Take(parts), BodyStream::Next::kEnd);

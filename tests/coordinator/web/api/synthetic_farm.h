@@ -92,10 +92,11 @@ inline WebFarm SyntheticFarm(size_t jobs, size_t workers) {
     return page;
   };
   farm.read = [](JobId, uint32_t, const auto&) { return WebError{404, "there is no such frame"}; };
+  farm.open = [](JobId, uint32_t, const auto&) { return WebError{404, "there is no such frame"}; };
+  farm.keep = [](std::string_view bytes) { return ReadableFile::Nameless("/tmp", bytes); };
   farm.order_job = [](const auto&, const auto&, auto done) { done(WebError{503, "nothing is rendered"}); };
   farm.find_missing = [](const auto&, auto done) { done(std::map<Digest, uint64_t>()); };
   farm.run_later = [](auto task) { task(); };
-  farm.folder = "/tmp";
   return farm;
 }
 
