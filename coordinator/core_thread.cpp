@@ -93,7 +93,8 @@ std::vector<CoreThread::Event> CoreThread::WaitForEvents(Instant patience) {
 }
 
 void CoreThread::Run() {
-  parts_.farm->Begin(Now());
+  parts_.farm->Begin(
+      Now(), std::chrono::duration_cast<milliseconds>(std::chrono::system_clock::now().time_since_epoch()));
   while (true) {
     std::vector<Event> events = WaitForEvents(Patience(Now()));
     const Instant now = Now();

@@ -1,5 +1,9 @@
 #include "coordinator/core/fact.h"
 
+#include <algorithm>
+#include <bit>
+#include <iterator>
+
 #include "coordinator/core/byte_codec.h"
 #include "coordinator/core/job_codec.h"
 #include "coordinator/core/membership_codec.h"
@@ -25,6 +29,7 @@ enum class Kind : uint32_t {
   kFrameFinished = 25,
   kVoteRecorded = 26,
   kJobOrdered = 27,
+  kJobTimed = 28,
   kTokenIssued = 40,
   kTokenRevoked = 41,
   kMemberJoined = 42,
@@ -33,6 +38,13 @@ enum class Kind : uint32_t {
   kJobOwned = 45,
   kAuthorityChosen = 46,
 };
+
+// Any time that a clock shows: differences of such times cannot overflow.
+constexpr int64_t kTimeMax_ms = int64_t{1} << 50;
+constexpr double kSecondsMax = 1e15;
+constexpr bool IsTimeOfJob(int64_t time_ms) {
+  return time_ms >= -kTimeMax_ms && time_ms <= kTimeMax_ms;
+}
 
 void Add(ByteWriter& out, const JobSubmitted& fact) {
   out.Add32(static_cast<uint32_t>(Kind::kJobSubmitted));
@@ -165,6 +177,41 @@ void Add(ByteWriter& out, const AuthorityChosen& fact) {
   AddDigest(out, fact.fingerprint);
 }
 
+// The parts of JobTimes, in the order in which they are written.
+constexpr double JobTimes::*kTimes[] = {&JobTimes::render_s, &JobTimes::waste_s,   &JobTimes::other_s,
+                                        &JobTimes::fetch_s,  &JobTimes::load_s,    &JobTimes::idle_s,
+                                        &JobTimes::tail_s,   &JobTimes::writing_s, &JobTimes::overhead_s,
+                                        &JobTimes::merge_s,  &JobTimes::journal_s, &JobTimes::picture_s};
+static_assert(std::size(kTimes) * sizeof(double) == sizeof(JobTimes));
+
+void Add(ByteWriter& out, const JobTimed& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kJobTimed));
+  out.Add64(Number(fact.job));
+  out.Add64(static_cast<uint64_t>(fact.began_ms));
+  out.Add32(fact.ended_ms ? 1 : 0);
+  if (!fact.ended_ms) return;
+  out.Add64(static_cast<uint64_t>(*fact.ended_ms));
+  // In this order: what is not a number becomes 0.
+  for (const auto part : kTimes)
+    out.Add64(std::bit_cast<uint64_t>(std::min(std::max(0.0, fact.times.*part), kSecondsMax)));
+}
+
+std::optional<Fact> ReadJobTimed(ByteReader& in) {
+  JobTimed fact;
+  fact.job = JobId{in.Read64()};
+  fact.began_ms = static_cast<int64_t>(in.Read64());
+  const uint32_t has_ended = in.Read32();
+  if (has_ended > 1 || !IsTimeOfJob(fact.began_ms)) return std::nullopt;
+  if (has_ended == 0) return fact;
+  fact.ended_ms = static_cast<int64_t>(in.Read64());
+  if (!IsTimeOfJob(*fact.ended_ms)) return std::nullopt;
+  for (const auto part : kTimes) {
+    fact.times.*part = std::bit_cast<double>(in.Read64());
+    if (!(fact.times.*part >= 0 && fact.times.*part <= kSecondsMax)) return std::nullopt;
+  }
+  return fact;
+}
+
 // Returns nullopt for facts that are not about members.
 std::optional<Fact> ReadMembershipFact(Kind kind, ByteReader& in) {
   switch (kind) {
@@ -263,6 +310,7 @@ std::optional<Fact> ReadFact(ByteReader& in) {
       return JobSubmitted{job, std::make_shared<const JobSpec>(std::move(spec))};
     }
     case Kind::kJobOrdered: return ReadJobOrdered(in);
+    case Kind::kJobTimed: return ReadJobTimed(in);
     case Kind::kFrameFinishedWithoutSize:
     case Kind::kFrameFinished: return ReadFrameFinished(in, kind == Kind::kFrameFinished);
     case Kind::kJobEnded: {

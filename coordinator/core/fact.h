@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -36,6 +37,16 @@ struct JobOrdered {
 struct JobOwned {
   JobId job{};
   JobOwner owner;
+};
+
+// When the job was submitted and, if it has, ended, in milliseconds since 1970. What it waited between its
+// end and an extension does not count: such a job began later. Jobs of earlier releases have no such fact.
+// The last one holds; it may come before the fact of the job.
+struct JobTimed {
+  JobId job{};
+  int64_t began_ms = 0;
+  std::optional<int64_t> ended_ms;
+  JobTimes times;  // of a job that has ended
 };
 
 // The file of the frame is written and synced; it replaces an earlier one.
@@ -136,7 +147,7 @@ struct AuthorityChosen {
 using Fact = std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended,
                           JobsForgotten, FrameResumed, JobPaused, JobPriorityChanged, WorkerQuarantined,
                           VoteRecorded, UnitsCounted, TokenIssued, TokenRevoked, MemberJoined, MemberRenewed,
-                          MemberRevoked, JobOwned, AuthorityChosen, JobOrdered>;
+                          MemberRevoked, JobOwned, AuthorityChosen, JobOrdered, JobTimed>;
 
 // Whether files may be removed when the fact is on stable storage: the sums of a job that is not finished.
 bool FreesSpace(const Fact& fact);

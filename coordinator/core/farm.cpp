@@ -184,6 +184,7 @@ Result<JobId> Farm::Order(Instant now, std::shared_ptr<const JobOrder> order, co
   job.clock.begun = counters();
   preparations_.Add(job);
   if (owner != JobOwner{}) state_.output.facts.emplace_back(JobOwned{job.id, owner});
+  state_.output.facts.emplace_back(TimedOf(state_, job));
   state_.output.facts.emplace_back(JobOrdered{job.id, order});
   Log(fmt::format("job_ordered job={} name={} owner={} priority={}", Number(job.id), LogText(order->name),
                   LogText(owner.name), order->priority));
@@ -198,6 +199,7 @@ Result<JobId> Farm::Submit(Instant now, std::shared_ptr<const JobSpec> spec, con
   job.clock.begun = counters();
   state_.scheduler.AddJob(job);
   if (owner != JobOwner{}) state_.output.facts.emplace_back(JobOwned{job.id, owner});
+  state_.output.facts.emplace_back(TimedOf(state_, job));
   state_.output.facts.emplace_back(JobSubmitted{job.id, spec});
   Log(fmt::format("job_submitted job={} name={} owner={} priority={} frames={} samples={}", Number(job.id),
                   LogText(spec->name), LogText(owner.name), spec->priority, spec->frames.size(),

@@ -37,7 +37,9 @@ class Farm {
   void Restore(const Fact& fact) { recovery_.Restore(fact); }
   SpoolUse FoundInSpool(FrameId frame, bool begun) { return recovery_.FoundInSpool(frame, begun); }
   void RestoreNode(FrameId frame, TileNode node) { recovery_.RestoreNode(frame, std::move(node)); }
-  void Begin(Instant now) {
+  // `since_1970`: the time of day, which counts in facts alone.
+  void Begin(Instant now, std::chrono::milliseconds since_1970 = {}) {
+    state_.since_1970 = since_1970 - std::chrono::duration_cast<std::chrono::milliseconds>(now);
     recovery_.Begin(now);
     preparations_.Begin();
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coordinator/core/extension.h"
+#include "coordinator/core/job_report.h"
 #include "coordinator/core/result_acceptance.h"
 #include "renderer/text/unicode.h"
 
@@ -33,6 +34,7 @@ void FarmRecovery::Restore(const Fact& fact) {
       Overloaded{
           [](const CoordinatorStarted&) {},
           [&](const JobOwned& each) { owners_[each.job] = each.owner; },
+          [&](const JobTimed& each) { times_.insert_or_assign(each.job, each); },
           [&](const JobOrdered& each) {
             const auto owner = owners_.extract(each.job);
             state_.jobs.Add(each.job, each.order).owner = owner ? owner.mapped() : JobOwner{};
@@ -86,12 +88,7 @@ void FarmRecovery::Restore(const Fact& fact) {
               job.results.units_suspect = each.suspect;
             });
           },
-          [&](const TokenIssued& each) { state_.membership.Restore(each); },
-          [&](const TokenRevoked& each) { state_.membership.Restore(each); },
-          [&](const MemberJoined& each) { state_.membership.Restore(each); },
-          [&](const MemberRenewed& each) { state_.membership.Restore(each); },
-          [&](const MemberRevoked& each) { state_.membership.Restore(each); },
-          [&](const AuthorityChosen& each) { state_.membership.Restore(each); },
+          [&](const auto& of_members) { state_.membership.Restore(of_members); },
       },
       fact);
 }
@@ -159,18 +156,39 @@ void FarmRecovery::RestoreCounts(Job& job) {
   }
 }
 
+// A clock that was set back makes no job begin in the future or end before it began.
+void FarmRecovery::RestoreTimes(Instant now, Job& job) const {
+  const auto timed = times_.find(job.id);
+  if (timed == times_.end()) {
+    job.began = job.ended = now;
+    return;
+  }
+  const auto& [id, began_ms, ended_ms, times] = timed->second;
+  const auto since = [&](int64_t at_ms, int64_t until_ms) {
+    return std::chrono::milliseconds(std::max<int64_t>(0, until_ms - at_ms));
+  };
+  job.began = now - since(began_ms, state_.UnixTime_ms(now));
+  job.ended = job.began;
+  if (!HasEnded(job.state) || !ended_ms) return;
+  job.ended += since(began_ms, *ended_ms);
+  job.former_times = times;
+}
+
 void FarmRecovery::Begin(Instant now) {
   RestoreKeptSums();
   for (const WorkerBlock& block : std::exchange(blocks_, {})) state_.scheduler.RestoreBlock(now, block);
-  for (auto& [id, job] : state_.jobs.all()) RestoreCounts(job);
+  for (auto& [id, job] : state_.jobs.all()) {
+    RestoreCounts(job);
+    RestoreTimes(now, job);
+  }
   for (const JobId id : std::set<JobId>(state_.jobs.open())) Resume(now, state_.jobs.At(id));
   votes_.clear();
   owners_.clear();
+  times_.clear();
   end_.ForgetOldest();
 }
 
 void FarmRecovery::Resume(Instant now, Job& job) {
-  job.began = now;
   job.clock.begun = state_.scheduler.counters();
   if (job.order != nullptr) return;  // Preparations
   std::set<uint32_t> finished;
@@ -210,7 +228,8 @@ void FarmRecovery::ResumeFrame(Job& job, uint32_t frame, const Merger& merger) {
 }
 
 // The job as it was submitted, then what it was extended to, with the frames that were finished before.
-void FarmRecovery::AppendHistory(const Job& job, std::vector<Fact>& facts) {
+void FarmRecovery::AppendHistory(const Job& job, std::vector<Fact>& facts) const {
+  facts.emplace_back(TimedOf(state_, job));
   if (job.owner != JobOwner{}) facts.emplace_back(JobOwned{job.id, job.owner});
   if (job.order != nullptr) {
     facts.emplace_back(JobOrdered{job.id, job.order});

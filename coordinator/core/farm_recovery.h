@@ -39,9 +39,10 @@ class FarmRecovery {
   void RestoreVote(Job& job, const VoteRecorded& fact);
   void RestoreKeptSums();
   void RestoreCounts(Job& job);
+  void RestoreTimes(Instant now, Job& job) const;
   void Resume(Instant now, Job& job);
   void ResumeFrame(Job& job, uint32_t frame, const Merger& merger);
-  static void AppendHistory(const Job& job, std::vector<Fact>& facts);
+  void AppendHistory(const Job& job, std::vector<Fact>& facts) const;
   static void AppendControl(const Job& job, std::vector<Fact>& facts);
 
   FarmState& state_;
@@ -50,6 +51,7 @@ class FarmRecovery {
   JobExtension& extension_;
   // Until Begin.
   std::map<JobId, JobOwner> owners_;  // of jobs that are not submitted yet
+  std::map<JobId, JobTimed> times_;
   std::vector<WorkerBlock> blocks_;
   std::map<JobId, Votes> votes_;
   std::vector<FrameId> finished_;  // in the order they were

@@ -1,6 +1,7 @@
 // What the parts of the farm work on together.
 #pragma once
 
+#include <chrono>
 #include <string>
 
 #include "coordinator/core/farm_output.h"
@@ -24,9 +25,15 @@ struct FarmState {
   JobTable jobs;
   Scheduler scheduler;
   KeptSums kept_sums;
-  std::string storage_reason;  // why the journal or the spool cannot be written now, or empty
+  std::chrono::milliseconds since_1970{};  // of Instant{0}
+  std::string storage_reason;              // why the journal or the spool cannot be written now, or empty
   FarmOutput output;
   MembershipLedger membership;
+
+  // Times of facts: every process has its own Instant{0}.
+  int64_t UnixTime_ms(Instant at) const {
+    return (since_1970 + std::chrono::duration_cast<std::chrono::milliseconds>(at)).count();
+  }
 
   void Tell(MessageLevel level, JobId job, std::string text) {
     output.messages.push_back({job, level, std::move(text)});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "coordinator/core/job_report.h"
 #include "coordinator/core/schedule/policy.h"
 #include "renderer/text/unicode.h"
 #include "renderer/util/check.h"
@@ -30,6 +31,8 @@ void JobEnd::End(Instant now, Job& job, JobState end, const std::string& reason)
   if (end != JobState::kFinished) DropSums(job);
   state_.jobs.MarkEnded(job.id);
   state_.scheduler.RemoveJob(job);
+  // First the time: a crash between them leaves an open job with the time that it began.
+  state_.output.facts.emplace_back(TimedOf(state_, job));
   state_.output.facts.emplace_back(JobEnded{job.id, end, reason});
   state_.output.log.push_back(fmt::format(
       "job_ended job={} state={} elapsed_s={:.3f} samples_accepted={} reason={}", Number(job.id),

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coordinator/core/extension.h"
+#include "coordinator/core/job_report.h"
 #include "renderer/util/check.h"
 
 namespace tessera {
@@ -68,6 +69,7 @@ Result<void> JobExtension::Extend(Instant now, Job& job, uint32_t samples_per_pi
   ExtendFrames(job, *spec);
   if (HasEnded(job.state)) {
     job.began = now - (job.ended - job.began);
+    job.former_times.reset();
     job.clock = {};  // what was rendered before is in the report before
     job.clock.begun = state_.scheduler.counters();
     job.state = JobState::kWaiting;
@@ -78,6 +80,7 @@ Result<void> JobExtension::Extend(Instant now, Job& job, uint32_t samples_per_pi
     state_.scheduler.ExtendJob(job, std::move(spec));
   }
   state_.output.facts.emplace_back(JobExtended{job.id, samples_per_pixel});
+  state_.output.facts.emplace_back(TimedOf(state_, job));
   state_.output.log.push_back(fmt::format("job_extended job={} samples_per_pixel={} samples={}",
                                           Number(job.id), samples_per_pixel, job.results.samples_total));
   return {};

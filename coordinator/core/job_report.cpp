@@ -23,6 +23,7 @@ std::string PausedReason(const std::string& also) {
 // Differences of the farm's counters between the moments of the job, and what was rendered for the job
 // itself.
 JobTimes TimesOf(const FarmState& state, const Job& job) {
+  if (job.former_times) return *job.former_times;
   const JobClock& clock = job.clock;
   const FarmCounters& begun = clock.begun;
   const FarmCounters& now = HasEnded(job.state) ? clock.ended : state.scheduler.counters();
@@ -82,6 +83,14 @@ void AddRate(Instant now, const JobResults& results, JobStatus& status) {
 }
 
 }  // namespace
+
+JobTimed TimedOf(const FarmState& state, const Job& job) {
+  JobTimed timed{job.id, state.UnixTime_ms(job.began), std::nullopt, {}};
+  if (!HasEnded(job.state)) return timed;
+  timed.ended_ms = state.UnixTime_ms(job.ended);
+  timed.times = TimesOf(state, job);
+  return timed;
+}
 
 JobStatus StatusOf(const FarmState& state, Instant now, const Job& job) {
   const JobResults& results = job.results;

@@ -5,6 +5,8 @@
 
 namespace tessera {
 
+// When the job was submitted and ended, as a fact.
+JobTimed TimedOf(const FarmState& state, const Job& job);
 JobStatus StatusOf(const FarmState& state, Instant now, const Job& job);
 // Keeps what StatusOf needs of open jobs: their recent rate and the moments of their clocks.
 void MeasureProgress(FarmState& state, Instant now);

@@ -114,7 +114,9 @@ void SaveFacts() {
                         WorkerQuarantined{WorkerId{9}, "blade", true, "disagrees"},
                         VoteRecorded{Unit(), WorkerId{9}, "blade", Sha256("result")},
                         UnitsCounted{JobId{1}, 1, 2, 3},
-                        JobOrdered{JobId{1}, std::make_shared<const JobOrder>(Order())}};
+                        JobOrdered{JobId{1}, std::make_shared<const JobOrder>(Order())},
+                        JobTimed{JobId{1}, 1'700'000'000'000, {}, {}},
+                        JobTimed{JobId{2}, 1'700'000'000'000, 1'700'000'060'000, {1, 2, 3}}};
   const fs::path path = folder / "journal" / "facts";
   fs::create_directories(path.parent_path());
   fs::remove(path);

@@ -39,7 +39,7 @@ void CoordinatorProcess::Start() {
   farm_ = std::make_unique<Farm>(options, kKeptBytesMaxDefault, id);
   for (const Fact& fact : facts) farm_->Restore(fact);
   RestoreSpool();
-  farm_->Begin(now());
+  farm_->Begin(now(), std::chrono::duration_cast<milliseconds>(world_.queue.now()));
   world_.Trace(fmt::format("start epoch={} facts={}", epoch, facts.size()));
   Check([&](Checker& checker) { checker.OnRestart(*farm_, now()); });
   for (const Fact& fact : facts) NoteFact(fact);

@@ -135,7 +135,8 @@ struct Job {
   std::string reason;
   bool is_paused = false;  // by the user
   int32_t priority = 0;
-  Instant began{}, ended{};
+  Instant began{}, ended{};              // also in former processes
+  std::optional<JobTimes> former_times;  // of a job that a former process ended
   // Frames without results since their job was extended: samples per pixel whose sums are in the spool alone.
   std::map<uint32_t, uint32_t> in_spool;
 

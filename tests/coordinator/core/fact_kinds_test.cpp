@@ -41,6 +41,9 @@ JobOrdered Make(Example<JobOrdered>) {
 JobOwned Make(Example<JobOwned>) {
   return {JobId{3}, {MemberId{4}, "ada"}};
 }
+JobTimed Make(Example<JobTimed>) {
+  return {JobId{3}, 1'700'000'000'000, 1'700'000'060'000, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
+}
 FrameFinished Make(Example<FrameFinished>) {
   return {JobId{3}, 1, {Sha256("f"), 7}, 64};
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <tuple>
 
 #include "coordinator/core/byte_codec.h"
@@ -206,6 +207,17 @@ TEST(Fact, DamagedBytesNeverHarm) {
 TEST(Fact, APriorityHasItsLimits) {
   EXPECT_TRUE(DecodeFact(EncodeFact(JobPriorityChanged{JobId{5}, kPriorityMax})));
   EXPECT_FALSE(DecodeFact(EncodeFact(JobPriorityChanged{JobId{5}, kPriorityMax + 1})));
+}
+
+TEST(Fact, TimesThatNoClockShowsAndNegativePartsAreRefusedAndNotWritten) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const auto read = DecodeFact(EncodeFact(JobTimed{JobId{3}, 1, 2, {-1, kNaN, HUGE_VAL, 7}}));
+  ASSERT_TRUE(read) << "what was measured wrong does not stop the next process";
+  EXPECT_EQ(std::get<JobTimed>(*read).times.render_s, 0);
+  EXPECT_EQ(std::get<JobTimed>(*read).times.waste_s, 0);
+  EXPECT_EQ(std::get<JobTimed>(*read).times.fetch_s, 7);
+  EXPECT_FALSE(DecodeFact(EncodeFact(JobTimed{JobId{3}, INT64_MIN, {}, {}})));
+  EXPECT_FALSE(DecodeFact(EncodeFact(JobTimed{JobId{3}, 1, INT64_MAX, {}})));
 }
 
 TEST(Fact, AJobThatEndedCannotBeRunning) {

@@ -247,5 +247,108 @@ TEST(FarmStorage, ADiskErrorIsShownByEveryOpenJobUntilItPasses) {
   EXPECT_EQ(process.Status(job).state, JobState::kWaiting);
 }
 
+// A disk on which the facts are those of a compacted journal.
+void Compact(Process& process) {
+  process.disk.facts.clear();
+  for (const Fact& fact : process.farm.Snapshot()) process.disk.facts.push_back(EncodeFact(fact));
+}
+
+TEST(FarmRecovery, TheTimeOfAJobCountsFromItsSubmissionToItsEndWhateverIsRestarted) {
+  for (const bool is_compacted : {false, true}) {
+    Disk disk;
+    disk.time_of_day = seconds(1'700'000'000);
+    JobId job{};
+    JobStatus ended;
+    {
+      Process first(disk);
+      first.now += seconds(5);
+      job = *first.farm.Submit(first.now, ExtendableJob(8));
+      first.Step();
+      first.now += seconds(10);
+      EXPECT_EQ(first.Status(job).elapsed, seconds(10));
+      if (is_compacted) Compact(first);
+    }
+    disk.time_of_day += seconds(65);
+    {
+      Process second(disk);
+      EXPECT_EQ(second.Status(job).elapsed, seconds(60)) << "while no coordinator was there, too";
+      second.now += seconds(30);
+      second.Finish(job, 8);
+      ended = second.Status(job);
+      EXPECT_EQ(ended.elapsed, seconds(90));
+      EXPECT_GT(ended.times.render_s, 0);
+      if (is_compacted) Compact(second);
+    }
+    disk.time_of_day += seconds(1000);
+    Process third(disk);
+    third.now += seconds(7);
+    const JobStatus restored = third.Status(job);
+    EXPECT_EQ(restored.state, JobState::kFinished);
+    EXPECT_EQ(restored.elapsed, seconds(90));
+    EXPECT_DOUBLE_EQ(restored.samples_per_second, ended.samples_per_second);
+    EXPECT_EQ(restored.times.render_s, ended.times.render_s);
+    EXPECT_EQ(restored.times.overhead_s, ended.times.overhead_s);
+  }
+}
+
+TEST(FarmRecovery, TheTimeBeforeAnExtensionDoesNotCount) {
+  Disk disk;
+  JobId job{};
+  {
+    Process first(disk);
+    job = *first.farm.Submit(first.now, ExtendableJob(8));
+    first.now += seconds(10);
+    first.Finish(job, 8);
+  }
+  disk.time_of_day = seconds(500);
+  {
+    Process second(disk);
+    ASSERT_TRUE(second.farm.Extend(second.now, job, 16));
+    second.now += seconds(5);
+    second.Step();
+    EXPECT_EQ(second.Status(job).elapsed, seconds(15));
+  }
+  disk.time_of_day = seconds(520);
+  Process third(disk);
+  EXPECT_EQ(third.Status(job).elapsed, seconds(30));
+}
+
+TEST(FarmRecovery, AClockThatWasSetBackMakesNoTimeNegative) {
+  Disk disk;
+  disk.time_of_day = seconds(1000);
+  JobId open{}, ended{};
+  {
+    Process before(disk);
+    ended = *before.farm.Submit(before.now, ExtendableJob(8));
+    before.now += seconds(10);
+    before.Finish(ended, 8);
+    auto another = ExtendableJob(8);
+    another->submission = 2;
+    open = *before.farm.Submit(before.now, another);
+    before.Step();
+  }
+  disk.time_of_day = {};
+  Process after(disk);
+  EXPECT_EQ(after.Status(open).elapsed, seconds(0));
+  EXPECT_EQ(after.Status(ended).elapsed, seconds(10));
+}
+
+TEST(FarmRecovery, JobsOfEarlierReleasesHaveNoTimesAndCountFromTheRestart) {
+  Disk disk;
+  JobId job{};
+  {
+    Process before(disk);
+    job = *before.farm.Submit(before.now, ExtendableJob(8));
+    before.Step();
+    std::erase_if(disk.facts, [](const std::string& fact) {
+      return std::holds_alternative<JobTimed>(*DecodeFact(fact));
+    });
+  }
+  disk.time_of_day = seconds(100);
+  Process after(disk);
+  after.now += seconds(3);
+  EXPECT_EQ(after.Status(job).elapsed, seconds(3));
+}
+
 }  // namespace
 }  // namespace tessera

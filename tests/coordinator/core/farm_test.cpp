@@ -223,7 +223,7 @@ TEST(Farm, PausesAndPrioritiesSurviveARestart) {
   ASSERT_TRUE(before.farm.SetPaused(before.now, resumed, false));
   ASSERT_TRUE(before.farm.SetPriority(before.now, resumed, 7));
   before.Step();
-  EXPECT_EQ(before.facts.size(), 1u + 2u + 3u + 1u) << "what changes nothing is no fact";
+  EXPECT_EQ(before.facts.size(), 1u + 2u * 2u + 3u + 1u) << "what changes nothing is no fact";
 
   FarmStage after;
   for (const std::string& fact : before.facts) after.farm.Restore(*DecodeFact(fact));

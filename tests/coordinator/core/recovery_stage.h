@@ -63,6 +63,7 @@ inline FramePicture Reference(const FrameSpec& spec, uint32_t frame) {
 struct Disk {
   std::vector<std::string> facts;
   std::map<FrameId, std::vector<TileNode>> base, results;
+  std::chrono::milliseconds time_of_day{};  // when the next process begins, since 1970
 };
 
 struct Process {
@@ -76,7 +77,7 @@ struct Process {
     for (const auto& [frame, nodes] : disk.base) frames.insert(frame);
     for (const auto& [frame, nodes] : disk.results) frames.insert(frame);
     for (const FrameId frame : frames) Find(frame);
-    farm.Begin(now);
+    farm.Begin(now, disk.time_of_day);
     Step();
   }
   void Find(FrameId frame) {
