@@ -71,6 +71,16 @@ Job* Preparations::OpenJob(JobId id) const {
   return job == nullptr || HasEnded(job->state) ? nullptr : job;
 }
 
+bool Preparations::Preparation::HasFailed(const Party& party) const {
+  return std::ranges::any_of(failures, [&](const auto& each) { return each.second.party == party; });
+}
+
+bool Preparations::Preparation::IsClosedTo(WorkerId worker, const Party& party, int attempts_max) const {
+  const auto of_party =
+      std::ranges::count_if(failures, [&](const auto& each) { return each.second.party == party; });
+  return failures.contains(worker) || of_party >= attempts_max;
+}
+
 void Preparations::Begin() {
   for (const JobId id : state_.jobs.open()) {
     if (const Job& job = state_.jobs.At(id); job.order != nullptr) Add(job);
@@ -153,13 +163,18 @@ void Preparations::CheckWorker(Instant now, Job& job, Preparation& preparation) 
   }
 }
 
-// The least loaded worker. Those that let this preparation lapse, or have not finished another one in time,
-// only if there are no others.
+// The least loaded worker. Those that let this preparation lapse, have not finished another one in time, or
+// whose member has failed it with another worker, only if there are no others.
 std::optional<WorkerId> Preparations::WorkerFor(const Preparation& preparation,
                                                 const std::set<WorkerId>& busy) const {
-  std::set<WorkerId> excluded = busy;
-  for (const auto& [worker, failure] : preparation.failures) excluded.insert(worker);
-  std::set<WorkerId> avoided = excluded;
+  std::set<WorkerId> excluded = busy, avoided;
+  if (!preparation.failures.empty()) {
+    for (const auto& [worker, party] : state_.scheduler.AbleWorkers()) {
+      if (preparation.IsClosedTo(worker, party, attempts_max_)) excluded.insert(worker);
+      if (preparation.HasFailed(party)) avoided.insert(worker);
+    }
+  }
+  avoided.insert(excluded.begin(), excluded.end());
   avoided.insert(preparation.lapsed.begin(), preparation.lapsed.end());
   for (const auto& [worker, key] : overdue_) avoided.insert(worker);
   const auto worker = state_.scheduler.LeastLoaded(avoided);
@@ -202,11 +217,11 @@ void Preparations::Assign(Instant now) {
 }
 
 void Preparations::FailHopeless(Instant now) {
-  const std::set<WorkerId> able = state_.scheduler.AbleWorkers();
+  const std::map<WorkerId, Party> able = state_.scheduler.AbleWorkers();
   if (able.empty()) return;
   for (auto& [id, preparation] : open_) {
-    const auto has_failed = [&failures = preparation.failures](WorkerId worker) {
-      return failures.contains(worker);
+    const auto has_failed = [&, &preparation = preparation](const auto& each) {
+      return preparation.IsClosedTo(each.first, each.second, attempts_max_);
     };
     Job& job = state_.jobs.At(id);
     const bool is_settled = preparation.losses.empty() && !preparation.failures.empty();
@@ -285,15 +300,30 @@ void Preparations::Fail(Instant now, Job& job, Preparation& preparation, WorkerI
                         const std::string& reason) {
   const std::string name = state_.scheduler.NameOf(worker);
   if (preparation.worker == worker) preparation.worker.reset();
+  const Party party = PartyOf(state_.scheduler.MemberOf(worker).value_or(MemberId{}), worker);
+  if (preparation.IsClosedTo(worker, party, attempts_max_)) return;
   state_.output.log.push_back(fmt::format("preparation_failed worker={:016x} name={} job={} reason={}",
                                           Number(worker), LogText(name), Number(job.id), LogText(reason)));
   state_.Tell(MessageLevel::kWarning, job.id,
               fmt::format("worker {} did not prepare the scene: {}", name, reason));
-  preparation.failures.try_emplace(worker, Failure{name, reason});
+  preparation.failures.try_emplace(worker, Failure{name, reason, party});
   preparation.failed_at = now;
   job.order_problem = ReasonsOf(preparation.failures);
-  if (preparation.failures.size() < static_cast<size_t>(attempts_max_)) return;
-  end_.End(now, job, JobState::kFailed, "the scene cannot be prepared: " + job.order_problem);
+  if (HasFailedForAll(preparation))
+    end_.End(now, job, JobState::kFailed, "the scene cannot be prepared: " + job.order_problem);
+}
+
+// Whether enough workers of enough parties have failed it.
+bool Preparations::HasFailedForAll(const Preparation& preparation) const {
+  const auto needed = static_cast<size_t>(attempts_max_);
+  if (preparation.failures.size() < needed) return false;
+  std::set<Party> failed;
+  for (const auto& [worker, failure] : preparation.failures) failed.insert(failure.party);
+  std::set<Party> all = failed;
+  if (failed.size() < needed) {
+    for (const auto& [worker, party] : state_.scheduler.AbleWorkers()) all.insert(party);
+  }
+  return failed.size() >= std::min(needed, all.size());
 }
 
 // The job is from now on like one that came with its frames.

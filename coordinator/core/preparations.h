@@ -4,7 +4,8 @@
 // read the scene again and refuse frames that differ. As with leases, what a worker does not list lapses and
 // is given to another, which does not count as a failure. A worker fails a preparation if it lists it for
 // longer than kPreparationDurationMax (a late report is still accepted), or if it is lost with it, unless it
-// returns or others are lost at the same time (loss_book.h). Owned by the farm.
+// returns or others are lost at the same time (loss_book.h). As with units, three workers of three parties
+// have to fail it before the job does; of fewer, if there are no others. Owned by the farm.
 #pragma once
 
 #include <deque>
@@ -46,6 +47,7 @@ class Preparations {
 
   struct Failure {
     std::string worker, reason;  // the name of the worker
+    Party party;
   };
 
  private:
@@ -60,6 +62,9 @@ class Preparations {
     std::vector<std::pair<WorkerId, Instant>> losses;  // not judged yet
     Instant rests_until{};                             // after a loss
     std::map<WorkerId, Failure> failures;
+    // Whether the worker may not try again: it has failed, or its member with as many workers as count.
+    bool IsClosedTo(WorkerId worker, const Party& party, int attempts_max) const;
+    bool HasFailed(const Party& party) const;
     Instant failed_at{};
   };
   Job* OpenJob(JobId id) const;
@@ -70,6 +75,7 @@ class Preparations {
   void Assign(Instant now);
   std::optional<WorkerId> WorkerFor(const Preparation& preparation, const std::set<WorkerId>& busy) const;
   void Fail(Instant now, Job& job, Preparation& preparation, WorkerId worker, const std::string& reason);
+  bool HasFailedForAll(const Preparation& preparation) const;
   void FailHopeless(Instant now);
   void Admit(Instant now, Job& job, const PreparationReport& report);
 

@@ -108,7 +108,7 @@ void FailureHandling::Disprove(WorkerId by, const WorkUnit& unit, ActiveFrame& f
 
 void FailureHandling::Strike(WorkerId id, const std::string& reason) {
   WorkerRecord* const worker = state_.workers.Find(id);
-  if (worker != nullptr && WorkerRoster::AddStrike(*worker)) Quarantine(*worker, reason);
+  if (worker != nullptr && state_.workers.AddStrike(*worker)) Quarantine(*worker, reason);
 }
 
 void FailureHandling::Quarantine(WorkerRecord& worker, const std::string& reason) {

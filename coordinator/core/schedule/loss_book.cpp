@@ -30,7 +30,8 @@ void LossBook::Lose(Instant now, const LostWorker& worker, const std::vector<InH
   for (const InHand& each : in_hand) {
     since = std::min(since, each.since);
     std::vector<Loss>& losses = losses_[each.what];
-    Loss loss{worker.id, worker.name, each.range, each.since, now, worker.is_silent, 1, std::nullopt};
+    Loss loss{worker.id, worker.member,    worker.name, each.range,  each.since,
+              now,       worker.is_silent, 1,           std::nullopt};
     loss.crowd_min = std::max<size_t>(1, worker.workers_live / kCrowdDivisor);
     losses.push_back(std::move(loss));
     if (losses.size() > kLossesKeptMax) losses.erase(losses.begin());
@@ -120,7 +121,15 @@ std::vector<const LossBook::Loss*> LossBook::Counted(const Suspect& what, const 
   return counted;
 }
 
-std::vector<LossBook::Killer> LossBook::Killers(Instant now) {
+std::set<Party> LossBook::PartiesOf(const Suspect& what) const {
+  std::set<Party> parties;
+  const auto losses = losses_.find(what);
+  if (losses == losses_.end()) return parties;
+  for (const Loss& loss : losses->second) parties.insert(PartyOf(loss.member, loss.worker));
+  return parties;
+}
+
+std::vector<LossBook::Killer> LossBook::Killers(Instant now, const MayOthersTry& may_others_try) {
   std::vector<Killer> killers;
   for (auto& [what, losses] : losses_) {
     for (Loss& loss : losses) {
@@ -128,6 +137,9 @@ std::vector<LossBook::Killer> LossBook::Killers(Instant now) {
     }
     const auto counted = Counted(what, losses, now);
     if (counted.size() < kLossesMax) continue;
+    std::set<Party> parties;
+    for (const Loss* each : counted) parties.insert(PartyOf(each->member, each->worker));
+    if (parties.size() < kLossesMax && may_others_try(what, parties)) continue;
     std::vector<std::string> names;
     names.reserve(counted.size());
     for (const Loss* each : counted) names.push_back(each->name);

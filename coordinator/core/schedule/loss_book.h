@@ -3,7 +3,8 @@
 //
 // A machine that fails, a power cut and a unit that kills its worker look alike when they happen once. So
 // what was lost twice is suspect: it is given to one worker at a time that has nothing else in hand, and what
-// three workers were lost with has killed them. A loss does not count if other workers vanished in the same
+// three workers of three parties were lost with has killed them; of fewer, if there are no others who could
+// try it. A loss does not count if other workers vanished in the same
 // moment, is void if the worker returns (the network was cut, the process lives), and is forgotten when what
 // was lost is rendered. Losses are not journalled: they are observations of a process of the coordinator, and
 // another one observes the next three deaths.
@@ -18,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "coordinator/core/schedule/failure_book.h"
 #include "coordinator/core/schedule/frame_work.h"
 #include "coordinator/core/schedule/instant.h"
 #include "proto/terms.h"
@@ -42,6 +44,7 @@ class LossBook {
   };
   struct LostWorker {
     WorkerId id{};
+    MemberId member{};  // 0: none
     std::string name;
     bool is_silent = false;  // it hangs or is cut off, perhaps; if not, its connection broke
     size_t workers_live = 0;
@@ -60,8 +63,9 @@ class LossBook {
   void ForgetJob(JobId job);
   // Forgets what is rendered or given up.
   void Keep(const std::function<bool(const Suspect&)>& is_wanted);
-  // What has killed as many workers as it takes.
-  std::vector<Killer> Killers(Instant now);
+  // What has killed as many workers as it takes. Tells whether a worker of none of the parties may try it.
+  using MayOthersTry = std::function<bool(const Suspect& what, const std::set<Party>& parties)>;
+  std::vector<Killer> Killers(Instant now, const MayOthersTry& may_others_try);
   bool empty() const { return losses_.empty(); }
 
   // ---- Suspects: not to be given to any worker, except on trial ----
@@ -76,12 +80,15 @@ class LossBook {
   std::vector<WorkerId> Triers() const;
   // The suspect that the worker tries; nullopt if it tries none.
   std::optional<Suspect> TrialOf(WorkerId worker) const;
+  // Whose workers were lost with the suspect.
+  std::set<Party> PartiesOf(const Suspect& what) const;
   // For people: who was lost with the suspect.
   std::string Describe(const Suspect& what) const;
 
  private:
   struct Loss {
     WorkerId worker{};
+    MemberId member{};
     std::string name;
     SampleRange range;
     Instant since{}, at{};

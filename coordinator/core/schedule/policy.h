@@ -79,6 +79,9 @@ constexpr size_t kRevokedKeptMax = 256;
 constexpr Instant kParkMax = seconds(2);
 // How long a worker that has gone is remembered, with its measured speed, in case it returns.
 constexpr Instant kWorkerForgotten = seconds(60);
+// The same of a worker of a member that has failed something: others may finish it that late, and the next
+// process of the same machine has to answer for it.
+constexpr Instant kFailedWorkerForgotten = std::chrono::hours(1);
 // A drain or a quarantine must not end by a short absence.
 constexpr Instant kBlockForgotten = std::chrono::hours(24);
 constexpr size_t kWorkersMax = 100'000;

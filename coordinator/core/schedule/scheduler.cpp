@@ -164,8 +164,15 @@ std::optional<WorkerId> Scheduler::LeastLoaded(const std::set<WorkerId>& exclude
   return chosen;
 }
 
+std::map<WorkerId, Party> Scheduler::AbleWorkers() const {
+  std::map<WorkerId, Party> able;
+  for (const WorkerId id : state_.workers.AbleFor({}))
+    able.emplace(id, PartyOf(state_.workers.Find(id)->member, id));
+  return able;
+}
+
 std::string Scheduler::WhyNoWorker() const {
-  return AbleWorkers().empty() ? state_.workers.WhyNoneFor({}) : "";
+  return state_.workers.AbleFor({}).empty() ? state_.workers.WhyNoneFor({}) : "";
 }
 
 bool Scheduler::IsFull(WorkerId worker) const {

@@ -79,7 +79,8 @@ class Scheduler {
   bool MayWork(WorkerId id) const;
   // Empty if it is not known.
   std::string NameOf(WorkerId id) const;
-  std::set<WorkerId> AbleWorkers() const { return state_.workers.AbleFor({}); }
+  // Workers that may get work, and whose they are.
+  std::map<WorkerId, Party> AbleWorkers() const;
   size_t WorkerCount() const { return state_.workers.size(); }
   // Of the workers that may work, the one with the fewest units for its slots; nullopt if there is none
   // besides those excluded.

@@ -35,7 +35,7 @@ void SuspectTrials::Lose(Instant now, const WorkerRecord& worker, bool is_silent
   std::vector<LossBook::InHand> all;
   all.reserve(in_hand.size());
   for (const auto& [what, each] : in_hand) all.push_back(each);
-  state_.losses.Lose(now, {worker.id, worker.name, is_silent, state_.workers.size()}, all);
+  state_.losses.Lose(now, {worker.id, worker.member, worker.name, is_silent, state_.workers.size()}, all);
 }
 
 bool SuspectTrials::IsWanted(const Suspect& what) const {
@@ -49,6 +49,35 @@ bool SuspectTrials::IsWanted(const Suspect& what) const {
   });
 }
 
+bool SuspectTrials::IsRunnable(const Suspect& what) const {
+  return std::ranges::any_of(state_.jobs.open(), [&](const auto& each) {
+    const Job& job = *each.second;
+    if (job.is_paused) return false;
+    return what.is_scene()
+               ? std::ranges::any_of(job.schedule.active,
+                                     [&](const auto& frame) { return frame.second.scene.key == what.scene; })
+               : job.id == what.job;
+  });
+}
+
+// Whether there is a worker of another party that may, or may as soon as a job is resumed.
+bool SuspectTrials::MayOthersTry(const Suspect& what, const std::set<Party>& parties) const {
+  if (!IsRunnable(what)) return true;
+  return std::ranges::any_of(state_.workers.all(), [&](const auto& each) {
+    const WorkerRecord& worker = each.second;
+    return worker.may_work() && !parties.contains(PartyOf(worker.member, worker.id)) &&
+           Find(what, worker).has_value();
+  });
+}
+
+// Whoever has lost workers with it tries it again only if no other party may: a member that ends its
+// processes could keep it from all others.
+bool SuspectTrials::IsLeftToOthers(const Suspect& what, const WorkerRecord& worker) const {
+  if (worker.member == MemberId{}) return false;
+  const std::set<Party> parties = state_.losses.PartiesOf(what);
+  return parties.contains(PartyOf(worker.member, worker.id)) && MayOthersTry(what, parties);
+}
+
 void SuspectTrials::Advance(Instant now) {
   LossBook& losses = state_.losses;
   if (losses.empty()) return;
@@ -57,7 +86,9 @@ void SuspectTrials::Advance(Instant now) {
     if (trier == nullptr || !trier->may_work()) losses.EndTrial(id);
   }
   losses.Keep([&](const Suspect& what) { return IsWanted(what); });
-  for (const LossBook::Killer& killer : losses.Killers(now)) {
+  const auto killers = losses.Killers(
+      now, [&](const Suspect& what, const std::set<Party>& parties) { return MayOthersTry(what, parties); });
+  for (const LossBook::Killer& killer : killers) {
     if (!killer.what.is_scene()) {
       failures_.FailJob(killer.what.job, killer.reason);
       continue;
@@ -112,6 +143,7 @@ std::optional<SuspectTrials::Trial> SuspectTrials::TrialOf(Instant now, const Wo
     return trial;
   }
   for (const Suspect& what : losses.Untried(now, worker.last_contact)) {
+    if (IsLeftToOthers(what, worker)) continue;
     auto trial = Find(what, worker);
     if (!trial) continue;
     losses.BeginTrial(what, worker.id);

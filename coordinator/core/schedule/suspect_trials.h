@@ -40,6 +40,9 @@ class SuspectTrials {
   std::optional<Trial> FindIn(Job& job, uint32_t index, const Suspect& what,
                               const WorkerRecord& worker) const;
   bool IsWanted(const Suspect& what) const;
+  bool IsRunnable(const Suspect& what) const;
+  bool MayOthersTry(const Suspect& what, const std::set<Party>& parties) const;
+  bool IsLeftToOthers(const Suspect& what, const WorkerRecord& worker) const;
   void StopLoading(const Digest& scene);
 
   ScheduleState& state_;

@@ -25,6 +25,7 @@ WorkerRecord& WorkerRoster::FindOrAdd(WorkerId id) {
 }
 
 void WorkerRoster::UpdateGone(WorkerRecord& worker) {
+  UpdateFaulty(worker);
   if (!worker.is_live && worker.is_blocked()) {
     gone_blocked_.insert(worker.id);
   } else {
@@ -49,7 +50,9 @@ std::optional<WorkerId> WorkerRoster::MakePlace() {
 }
 
 void WorkerRoster::Forget(WorkerId id) {
-  const WorkerRecord& worker = *by_id_.at(id);
+  WorkerRecord& worker = *by_id_.at(id);
+  worker.has_joined = false;
+  UpdateFaulty(worker);
   if (worker.gone_since_) gone_.erase({*worker.gone_since_, id});
   gone_blocked_.erase(id);
   news_.erase(id);
@@ -101,7 +104,10 @@ std::vector<WorkerId> WorkerRoster::Silent(Instant now) const {
 std::vector<WorkerId> WorkerRoster::ForgetGone(Instant now) {
   std::vector<WorkerId> gone;
   for (const auto& [id, worker] : workers_) {
-    const Instant patience = worker.is_blocked() ? kBlockForgotten : kWorkerForgotten;
+    const bool has_failed = worker.member != MemberId{} && worker.units_failed + worker.strikes > 0;
+    const Instant patience = worker.is_blocked() ? kBlockForgotten
+                             : has_failed        ? kFailedWorkerForgotten
+                                                 : kWorkerForgotten;
     if (!worker.is_live && now - worker.last_contact > patience) gone.push_back(id);
   }
   for (const WorkerId id : gone) Forget(id);
@@ -149,94 +155,6 @@ void WorkerRoster::UpdateSlotUse(WorkerRecord& worker, size_t lease_count) {
   }
   occupancy_.Change(worker.use_counted_, use);
   worker.use_counted_ = use;
-}
-
-bool WorkerRoster::AddStrike(WorkerRecord& worker) {
-  if (worker.is_quarantined()) return false;
-  worker.units_since_strike = 0;
-  return ++worker.strikes >= kStrikesMax;
-}
-
-void WorkerRoster::CreditUnit(WorkerRecord& worker) {
-  ++worker.units_finished;
-  if (++worker.units_since_strike >= kForgivenessUnits) worker.strikes = 0;
-}
-
-bool WorkerRoster::Quarantine(WorkerRecord& worker, const std::string& reason) {
-  if (worker.is_quarantined()) return false;
-  worker.quarantine = reason;
-  worker.wanted.clear();
-  NoteBlock(worker);
-  return true;
-}
-
-bool WorkerRoster::Drain(WorkerRecord& worker) {
-  if (worker.is_drained) return false;
-  worker.is_drained = true;
-  worker.wanted.clear();
-  NoteBlock(worker);
-  return true;
-}
-
-bool WorkerRoster::Release(WorkerRecord& worker) {
-  if (!worker.is_blocked()) return false;
-  worker.is_drained = false;
-  worker.quarantine.clear();
-  worker.strikes = 0;
-  NoteBlock(worker);
-  return true;
-}
-
-void WorkerRoster::NoteBlock(WorkerRecord& worker) {
-  changed_blocks_.push_back({worker.id, worker.name, worker.is_drained, worker.quarantine});
-  worker.pending.has_notice = true;
-  news_.insert(worker.id);
-  UpdateTotals(worker);
-  UpdateGone(worker);
-}
-
-void WorkerRoster::RestoreBlock(Instant now, const WorkerBlock& block) {
-  if (is_full() && Find(block.worker) == nullptr) return;
-  WorkerRecord& worker = FindOrAdd(block.worker);
-  worker.name = block.name;
-  worker.is_drained = block.is_drained;
-  worker.quarantine = block.quarantine;
-  worker.last_contact = now;
-  UpdateGone(worker);
-}
-
-WorkerBlock WorkerRoster::InheritedBlock(const WorkerRecord& gone, const WorkerRecord& worker) {
-  WorkerBlock block{worker.id, worker.name, false, ""};
-  if (gone.name != worker.name || (gone.has_joined && gone.member != worker.member)) return block;
-  block.is_drained = gone.is_drained;
-  // Without a certificate, a restart ends a quarantine: it may have repaired the worker.
-  const bool is_same_machine = !gone.has_joined || gone.machine == worker.machine;
-  if (worker.member != MemberId{} && is_same_machine) block.quarantine = gone.quarantine;
-  return block;
-}
-
-std::optional<WorkerId> WorkerRoster::TakeOverBlock(WorkerRecord& worker) {
-  for (const WorkerId id : gone_blocked_) {
-    WorkerRecord& gone = At(id);
-    const WorkerBlock block = InheritedBlock(gone, worker);
-    if (!block.is_drained && block.quarantine.empty()) continue;
-    worker.is_drained = block.is_drained;
-    worker.quarantine = block.quarantine;
-    NoteBlock(worker);
-    Release(gone);
-    gone.pending = {};
-    UpdateNews(gone);
-    return id;
-  }
-  return std::nullopt;
-}
-
-std::vector<WorkerBlock> WorkerRoster::Blocks() const {
-  std::vector<WorkerBlock> blocks;
-  for (const auto& [id, worker] : workers_) {
-    if (worker.is_blocked()) blocks.push_back({id, worker.name, worker.is_drained, worker.quarantine});
-  }
-  return blocks;
 }
 
 std::set<WorkerId> WorkerRoster::AbleFor(const std::set<std::string>& tags) const {

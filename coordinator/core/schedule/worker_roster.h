@@ -70,6 +70,8 @@ struct WorkerRecord {
   int units_since_strike = 0;
 
   bool is_quarantined() const { return !quarantine.empty(); }
+  // Whether later processes of its member may have to answer for it.
+  bool is_faulty() const { return has_joined && member != MemberId{} && (strikes > 0 || is_quarantined()); }
   bool is_blocked() const { return is_drained || is_quarantined(); }
   bool may_work() const { return is_live && !is_leaving && !is_blocked(); }
   bool has_tags(const std::set<std::string>& required) const {
@@ -99,6 +101,7 @@ struct WorkerRecord {
  private:
   friend class WorkerRoster;
   std::optional<Instant> gone_since_;  // while it is neither connected nor blocked
+  std::optional<MemberId> faulty_of_;  // while it is faulty and not connected
   // What the roster has added to its totals for this worker.
   double speed_counted_ = 0;
   int slots_counted_ = 0;
@@ -157,7 +160,7 @@ class WorkerRoster {
 
   // ---- Blocks ----
   // Counts a failure of the worker. True if it should be quarantined.
-  static bool AddStrike(WorkerRecord& worker);
+  bool AddStrike(WorkerRecord& worker);
   static void CreditUnit(WorkerRecord& worker);
   // Each returns false if it changes nothing.
   bool Quarantine(WorkerRecord& worker, const std::string& reason);
@@ -169,6 +172,11 @@ class WorkerRoster {
   // former process of the coordinator name neither member nor machine, and those count as the same. Returns
   // the worker that had the block.
   std::optional<WorkerId> TakeOverBlock(WorkerRecord& worker);
+  // A new process that was admitted takes over the strikes of those of the same member and machine that have
+  // gone: a restart does not forgive them. A machine that is new to the farm may be any of them with another
+  // number, and one that stands in for a process in quarantine is in quarantine after its first failure.
+  // Workers without a certificate begin anew.
+  void TakeOverStrikes(WorkerRecord& worker);
   std::vector<WorkerBlock> Blocks() const;
   // Blocks that were set or lifted since the last call.
   std::vector<WorkerBlock> TakeBlocks() { return std::exchange(changed_blocks_, {}); }
@@ -205,6 +213,8 @@ class WorkerRoster {
   WorkerRecord& FindOrAdd(WorkerId id);
   // Call after every change of whether the worker is connected or blocked.
   void UpdateGone(WorkerRecord& worker);
+  void UpdateFaulty(WorkerRecord& worker);
+  bool IsNewMachine(const WorkerRecord& worker) const;
   // Of the block of a process that has gone, what applies to the worker.
   static WorkerBlock InheritedBlock(const WorkerRecord& gone, const WorkerRecord& worker);
   void Forget(WorkerId id);
@@ -214,7 +224,8 @@ class WorkerRoster {
   std::unordered_map<WorkerId, WorkerRecord*> by_id_;
   // Workers that are not connected and not blocked, the one that has been away for longest first.
   std::set<std::pair<Instant, WorkerId>> gone_;
-  std::set<WorkerId> gone_blocked_;  // not connected, and blocked
+  std::set<WorkerId> gone_blocked_;                     // not connected, and blocked
+  std::map<MemberId, std::set<WorkerId>> gone_faulty_;  // not connected, by member
   std::set<WorkerId> news_;
   double total_speed_ = 0;
   int total_slots_ = 0;

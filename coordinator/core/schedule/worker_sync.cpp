@@ -24,6 +24,7 @@ void WorkerSync::Synchronize(Instant now, const WorkerState& state) {
       state_.log.push_back(fmt::format("worker_block_taken_over worker={:016x} name={} former={:016x}",
                                        Number(worker.id), LogText(worker.name), Number(*former)));
   }
+  if (known == nullptr && !worker.is_quarantined()) state_.workers.TakeOverStrikes(worker);
   if (is_new) {
     state_.losses.Return(worker.id);
     state_.log.push_back(fmt::format("worker_joined worker={:016x} name={} slots={}", Number(worker.id),

@@ -134,6 +134,52 @@ TEST(LostPreparations, ASceneThatKillsThreeWorkersOneByOneFails) {
   EXPECT_THAT(stage.Status(job).reason, HasSubstr("was lost while it prepared the scene"));
 }
 
+TEST(LostPreparations, AMemberWithManyProcessNumbersFailsNoJobThatOthersPrepare) {
+  PreparationStage stage;
+  const auto order = SmallOrder(7);
+  const JobId job = stage.Order(order);
+  stage.members[100] = MemberId{8};
+  ASSERT_TRUE(stage.Call(100));
+  for (uint64_t worker = 1; worker <= 5; ++worker) {
+    stage.members[worker] = MemberId{7};
+    EXPECT_FALSE(stage.Call(worker));
+    stage.Return(worker, NotPrepared(*order, "made up"));
+  }
+  EXPECT_EQ(stage.Status(job).state, JobState::kPreparing);
+  stage.Return(100, Prepared(*order));
+  EXPECT_EQ(stage.Status(job).state, JobState::kWaiting);
+}
+
+TEST(LostPreparations, WhatAMemberHasFailedGoesToAnotherMember) {
+  PreparationStage stage;
+  const auto order = SmallOrder(7);
+  stage.members = {{1, MemberId{7}}, {2, MemberId{7}}, {3, MemberId{8}}};
+  const JobId job = stage.Order(order);
+  ASSERT_TRUE(stage.Call(1));
+  EXPECT_FALSE(stage.Call(2));
+  EXPECT_FALSE(stage.Call(3));
+  stage.Return(1, NotPrepared(*order, "no"));
+  EXPECT_FALSE(stage.Call(2));
+  EXPECT_TRUE(stage.Call(3));
+  stage.Return(3, NotPrepared(*order, "no"));
+  EXPECT_TRUE(stage.Call(2)) << "nobody else is left";
+  stage.Return(2, NotPrepared(*order, "no"));
+  EXPECT_EQ(stage.Status(job).state, JobState::kFailed) << "three workers of all members";
+}
+
+TEST(LostPreparations, ThreeWorkersOfOneMemberEndTheJobIfThereAreNoOthers) {
+  PreparationStage stage;
+  const auto order = SmallOrder(7);
+  const JobId job = stage.Order(order);
+  for (uint64_t worker = 1; worker <= 3; ++worker) {
+    EXPECT_EQ(stage.Status(job).state, JobState::kPreparing);
+    stage.members[worker] = MemberId{7};
+    ASSERT_TRUE(stage.Call(worker)) << worker;
+    stage.Return(worker, NotPrepared(*order, "no"));
+  }
+  EXPECT_EQ(stage.Status(job).state, JobState::kFailed);
+}
+
 TEST(LostPreparations, ASceneIsNotBlamedForWorkersThatAreLostTogether) {
   PreparationStage stage;
   const auto order = SmallOrder(7);

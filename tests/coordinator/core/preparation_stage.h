@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -55,6 +56,7 @@ struct PreparationStage : FarmStage {
     state.name = "w" + std::to_string(worker);
     state.farm = farm.id();
     state.preparations = std::move(held);
+    state.member = members[worker];
     const CallId call{++calls};
     farm.Synchronize(now, call, state);
     Step();
@@ -63,6 +65,7 @@ struct PreparationStage : FarmStage {
     }
     return std::nullopt;
   }
+  std::map<uint64_t, MemberId> members;  // of workers; 0: none
   void Wait(Instant duration) {
     for (const Instant end = now + duration; now < end;) {
       now += milliseconds(250);

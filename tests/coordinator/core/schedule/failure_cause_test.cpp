@@ -137,6 +137,22 @@ TEST_F(FailureCauses, ASceneThatWasRenderedIsNotAtFaultWhoeverFailsIt) {
   EXPECT_THAT(stage_.Status(2), AllOf(StartsWith("quarantined"), HasSubstr("made up")));
 }
 
+TEST_F(FailureCauses, AWorkerThatRestartsAfterEachFailureIsQuarantined) {
+  stage_.Join(100);
+  stage_.Advance();
+  stage_.FinishAll(100, 0.01);
+  for (uint64_t worker = 1; worker <= kStrikesMax; ++worker) {
+    Meet(worker, MemberId{7});
+    EXPECT_EQ(stage_.Status(worker), "fine");
+    Fail(worker, FailureCause::kScene, "made up");
+    if (worker == kStrikesMax) break;
+    stage_.scheduler.Disconnect(stage_.now, WorkerId{worker});
+    stage_.states.erase(worker);
+  }
+  EXPECT_THAT(stage_.Status(kStrikesMax), AllOf(StartsWith("quarantined"), HasSubstr("made up")));
+  EXPECT_EQ(stage_.Status(100), "fine");
+}
+
 TEST_F(FailureCauses, AMemberWithManyProcessNumbersFailsNoSceneByItself) {
   for (const uint64_t honest : {100, 101}) Meet(honest, MemberId{honest});
   for (uint64_t worker = 1; worker <= 5; ++worker) {

@@ -57,6 +57,46 @@ TEST(SchedulerLosses, AUnitThatKillsThreeWorkersInARowFailsItsJobByName) {
   EXPECT_THAT(failed[0].reason, AllOf(HasSubstr("kills its workers"), HasSubstr("w1, w2 and w3")));
 }
 
+// Each process of the member takes what is suspect if it can, and ends.
+TEST(SchedulerLosses, AMemberThatEndsItsProcessesFailsNoJobThatOthersRender) {
+  LossStage stage;
+  const JobId job = stage.AddJob(1);
+  uint64_t next = 1;
+  for (int round = 0; round < 300 && !stage.IsComplete(job, 0); ++round) {
+    if (stage.deaths == 2 && !stage.states.contains(100)) {
+      stage.Worker(100).member = MemberId{8};
+      stage.Join(100);
+    }
+    if (!stage.states.contains(next)) {
+      stage.Worker(next).member = MemberId{7};
+      stage.Join(next);
+    }
+    stage.Pass(seconds(1));
+    if (!stage.Held(next).empty()) stage.Die(next++);
+    stage.FinishAll(100, 0.01);
+    ASSERT_TRUE(stage.Failed().empty()) << "after " << stage.deaths << " deaths";
+  }
+  EXPECT_TRUE(stage.IsComplete(job, 0));
+  EXPECT_GT(stage.deaths, 3) << "more than fail a job";
+}
+
+TEST(SchedulerLosses, AUnitThatKillsThreeWorkersOfOneMemberFailsItsJobIfThereAreNoOthers) {
+  LossStage stage;
+  stage.AddJob(1);
+  std::vector<FailedJob> failed;
+  for (uint64_t w = 1; w <= 3; ++w) {
+    EXPECT_TRUE(stage.Failed().empty()) << w;
+    stage.Worker(w).member = MemberId{7};
+    stage.Join(w);
+    for (int i = 0; i < 20 && stage.Held(w).empty(); ++i) stage.Pass(seconds(1));
+    ASSERT_FALSE(stage.Held(w).empty());
+    stage.Pass(seconds(1));
+    stage.Die(w);
+  }
+  stage.Pass(kCrowdWindow + seconds(1));
+  EXPECT_EQ(stage.Failed().size(), 1u);
+}
+
 TEST(SchedulerLosses, ASceneThatKillsWorkersAsTheyLoadItFailsItsJobAndSparesTheOthers) {
   LossStage stage;
   const JobId job = stage.AddJob(1);

@@ -9,6 +9,18 @@ namespace {
 using testing::ElementsAre;
 
 struct RosterStage {
+  // A new process of a member.
+  WorkerRecord& JoinOf(uint64_t id, MemberId member, uint64_t machine) {
+    WorkerState state;
+    state.worker = WorkerId{id};
+    state.name = "w" + std::to_string(id);
+    state.member = member;
+    state.machine = machine;
+    WorkerRecord& worker = *roster.Admit(now, state).first;
+    roster.TakeOverStrikes(worker);
+    return worker;
+  }
+  void Leave(uint64_t id) { roster.Disconnect(now, roster.At(WorkerId{id})); }
   WorkerRecord& Join(uint64_t id, std::set<std::string> tags = {}, int slots = 1) {
     WorkerState state;
     state.worker = WorkerId{id};
@@ -66,11 +78,65 @@ TEST(WorkerRoster, ReportsBlocksOnceAndRestoresThem) {
 TEST(WorkerRoster, StrikesInARowLeadToQuarantineAndManyGoodUnitsForgiveThem) {
   RosterStage stage;
   WorkerRecord& worker = stage.Join(1);
-  for (int i = 1; i < kStrikesMax; ++i) EXPECT_FALSE(WorkerRoster::AddStrike(worker));
+  for (int i = 1; i < kStrikesMax; ++i) EXPECT_FALSE(stage.roster.AddStrike(worker));
   for (int i = 0; i < kForgivenessUnits; ++i) WorkerRoster::CreditUnit(worker);
   EXPECT_EQ(worker.strikes, 0);
-  for (int i = 1; i < kStrikesMax; ++i) EXPECT_FALSE(WorkerRoster::AddStrike(worker));
-  EXPECT_TRUE(WorkerRoster::AddStrike(worker));
+  for (int i = 1; i < kStrikesMax; ++i) EXPECT_FALSE(stage.roster.AddStrike(worker));
+  EXPECT_TRUE(stage.roster.AddStrike(worker));
+}
+
+constexpr MemberId kAda{7}, kBob{8};
+
+TEST(WorkerRoster, ARestartDoesNotForgiveStrikes) {
+  RosterStage stage;
+  for (uint64_t id = 1; id < kStrikesMax; ++id) {
+    EXPECT_FALSE(stage.roster.AddStrike(stage.JoinOf(id, kAda, 5)));
+    stage.Leave(id);
+  }
+  EXPECT_TRUE(stage.roster.AddStrike(stage.JoinOf(9, kAda, 5))) << "the third of the machine";
+}
+
+TEST(WorkerRoster, AStrikeOfAProcessThatHasGoneMeetsTheNextOne) {
+  RosterStage stage;
+  WorkerRecord& gone = stage.JoinOf(1, kAda, 5);
+  ++gone.units_failed;
+  stage.Leave(1);
+  EXPECT_EQ(stage.JoinOf(2, kAda, 5).strikes, 0);
+  EXPECT_THAT(stage.roster.ForgetGone(stage.now + kFailedWorkerForgotten), testing::IsEmpty());
+  stage.roster.AddStrike(gone);
+  EXPECT_EQ(stage.JoinOf(3, kAda, 5).strikes, 1);
+  EXPECT_EQ(stage.JoinOf(4, kAda, 5).strikes, 0) << "it counts once";
+}
+
+TEST(WorkerRoster, OtherMachinesAndMembersDoNotTakeStrikesOver) {
+  RosterStage stage;
+  stage.JoinOf(1, kAda, 6);
+  stage.roster.AddStrike(stage.JoinOf(2, kAda, 5));
+  stage.Leave(2);
+  EXPECT_EQ(stage.JoinOf(3, kAda, 6).strikes, 0);
+  EXPECT_EQ(stage.JoinOf(4, kBob, 5).strikes, 0);
+  EXPECT_EQ(stage.JoinOf(5, MemberId{}, 5).strikes, 0);
+  EXPECT_EQ(stage.JoinOf(6, kAda, 5).strikes, 1);
+}
+
+TEST(WorkerRoster, AMachineThatNobodyKnowsMayBeAnyOfItsMember) {
+  RosterStage stage;
+  stage.roster.AddStrike(stage.JoinOf(1, kAda, 5));
+  stage.Leave(1);
+  EXPECT_EQ(stage.JoinOf(2, kAda, 77).strikes, 1);
+  stage.Leave(2);
+  EXPECT_EQ(stage.JoinOf(3, kAda, 0).strikes, 1);
+}
+
+TEST(WorkerRoster, WhoStandsInForAProcessInQuarantineIsQuarantinedAfterItsFirstFailure) {
+  RosterStage stage;
+  stage.roster.Quarantine(stage.JoinOf(1, kAda, 5), "wrong sums");
+  stage.Leave(1);
+  WorkerRecord& next = stage.JoinOf(2, kAda, 77);
+  EXPECT_TRUE(next.may_work());
+  EXPECT_TRUE(stage.roster.AddStrike(next));
+  stage.roster.Release(stage.roster.At(WorkerId{1}));
+  EXPECT_EQ(stage.JoinOf(3, kAda, 78).strikes, 0) << "an operator has looked at it";
 }
 
 TEST(WorkerRoster, ExplainsWhyNoWorkerIsAble) {
