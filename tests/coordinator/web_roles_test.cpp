@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
 
 #include "coordinator/access.h"
+#include "coordinator/call_gate.h"
 #include "coordinator/web/api/routes.h"
 #include "tests/coordinator/members_fixture.h"
 #include "tests/coordinator/web/tls_client.h"
@@ -153,6 +155,23 @@ TEST_F(WebRoles, AValueOutOfRangeIsRefusedAsTheCallsRefuseIt) {
                                        R"({"priority": -1000001})");
   EXPECT_EQ(answer.status(), 400);
   EXPECT_EQ(answer.Member("error"), refused.error_message());
+}
+
+TEST_F(WebRoles, FailuresAreEnteredOneByOneUpToTheLimitOfOtherCalls) {
+  const JoinedFarm olga = Join(Role::kOperator, "olga");
+  const WebClient client(port(), PemOf(olga));
+  const std::string proof = ProofOf(olga);
+  const auto begun = std::chrono::steady_clock::now();
+  testing::internal::CaptureStdout();
+  for (int i = 0; i < 150; ++i) EXPECT_EQ(client.Change("/api/v1/jobs/99/pause", proof).status(), 404);
+  const std::string log = testing::internal::GetCapturedStdout();
+  const auto intervals = (std::chrono::steady_clock::now() - begun) / CallGate::kLogInterval + 2;
+  int entries = 0;
+  for (size_t at = log.find("audit call=Jobs.Pause"); at != std::string::npos;
+       at = log.find("audit call=Jobs.Pause", at + 1))
+    ++entries;
+  EXPECT_GE(entries, CallGate::kFailuresLogged);
+  EXPECT_LE(entries, std::min<int64_t>(149, CallGate::kFailuresLogged * intervals));
 }
 
 }  // namespace
