@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "client/output/output_file.h"
+#include "client/temporary_folder.h"
 #include "renderer/util/file.h"
 
 namespace tessera {
@@ -17,6 +18,17 @@ bool HasDigest(const std::string& path, const Digest& digest) {
   if (error) return false;
   const auto bytes = ReadFile(path, size);
   return bytes && Sha256(*bytes) == digest;
+}
+
+// Where a large picture is while it arrives: on the disk that it is for, if it is for a file.
+std::string FolderFor(const std::string& picture) {
+  std::error_code error;
+  const auto kind = std::filesystem::status(picture, error).type();
+  const bool is_file =
+      kind == std::filesystem::file_type::regular || kind == std::filesystem::file_type::not_found;
+  if (IsStandardOutput(picture) || !is_file) return TemporaryRoot();
+  const std::string folder = std::filesystem::path(picture).parent_path().string();
+  return folder.empty() ? "." : folder;
 }
 
 }  // namespace
@@ -40,28 +52,34 @@ Result<void> FrameFetcher::Save(size_t index, const FrameStatus& frame) {
     saved_.push_back({frame.number, path, *frame.file});
     return {};
   }
-  const auto exr = client_.FetchPicture(job_, static_cast<uint32_t>(index), false);
-  if (exr && Sha256(*exr) != *frame.file) {
+  auto picture = client_.FetchPicture(job_, static_cast<uint32_t>(index), false, FolderFor(path));
+  if (!picture) return picture.error();
+  const auto exr = picture->Bytes();
+  if (!exr) return exr.error();
+  if (Sha256(*exr) != *frame.file) {
     return Failed(
         fmt::format("the picture of frame {} of job {} is not the one that the coordinator lists (SHA-256 "
                     "{}, expected {}); "
                     "run the command again",
                     frame.number, Number(job_), Sha256(*exr).Hex(), frame.file->Hex()));
   }
-  return Keep(exr, frame.number);
+  return Keep(*exr, frame.number);
 }
 
 Result<bool> FrameFetcher::SavePreview(size_t index, int frame) {
-  const auto exr = client_.FetchPicture(job_, static_cast<uint32_t>(index), true);
+  auto picture =
+      client_.FetchPicture(job_, static_cast<uint32_t>(index), true, FolderFor(names_.Picture(frame)));
   // The coordinator has no such picture: it knew the job and the frame a moment ago.
-  if (!exr && exr.error().kind == ErrorKind::kBadInput) return false;
-  if (auto kept = Keep(exr, frame); !kept) return kept.error();
+  if (!picture && picture.error().kind == ErrorKind::kBadInput) return false;
+  if (!picture) return picture.error();
+  const auto exr = picture->Bytes();
+  if (!exr) return exr.error();
+  if (auto kept = Keep(*exr, frame); !kept) return kept.error();
   return true;
 }
 
-Result<void> FrameFetcher::Keep(const Result<std::string>& exr, int frame) {
-  if (!exr) return exr.error();
-  auto saved = SavePicture(*exr, frame, names_, stop_, if_unsaved_);
+Result<void> FrameFetcher::Keep(std::string_view exr, int frame) {
+  auto saved = SavePicture(exr, frame, names_, stop_, if_unsaved_);
   if (!saved) return saved.error();
   saved_.push_back(std::move(*saved));
   return {};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <stop_token>
+#include <string_view>
 #include <vector>
 
 #include "client/coordinator/coordinator_client.h"
@@ -34,7 +35,7 @@ class FrameFetcher {
   const std::vector<SavedPicture>& saved() const { return saved_; }
 
  private:
-  Result<void> Keep(const Result<std::string>& exr, int frame);
+  Result<void> Keep(std::string_view exr, int frame);
 
   CoordinatorClient& client_;
   JobId job_;

@@ -54,6 +54,11 @@ void RemoveAbandoned(const std::string& parent) {
 
 }  // namespace
 
+std::string TemporaryRoot() {
+  const std::string set = Environment("TMPDIR");
+  return set.starts_with('/') ? set : "/tmp";
+}
+
 Result<TemporaryFolder> TemporaryFolder::Make() {
   const std::string set = Environment("TMPDIR");
   const bool usable = set.starts_with('/') && set.size() <= kParentSizeMax;

@@ -8,6 +8,9 @@
 
 namespace tessera {
 
+// $TMPDIR, or what stands for it.
+std::string TemporaryRoot();
+
 class TemporaryFolder {
  public:
   // Creates it in $TMPDIR or /tmp, accessible to this user only. Removes those there whose processes were

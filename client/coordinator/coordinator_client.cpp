@@ -82,10 +82,17 @@ Result<std::vector<WorkerStatus>> AskAboutWorkers(
   return workers;
 }
 
-// Receives one picture into `bytes`.
+// Sets `kept` to an error that is not the coordinator's, and ends the call.
+grpc::Status NotKept(grpc::ClientContext* context, const Error& error, Result<void>& kept) {
+  context->TryCancel();
+  kept = error;
+  return {grpc::StatusCode::FAILED_PRECONDITION, error.message};
+}
+
+// Receives one picture. `kept`: whether this machine could keep it.
 grpc::Status ReceivePicture(proto::Jobs::Stub& stub, grpc::ClientContext* context,
-                            const proto::FetchRequest& request, std::string& bytes) {
-  bytes.clear();
+                            const proto::FetchRequest& request, ReceivedPicture& picture,
+                            Result<void>& kept) {
   const auto reader = stub.FetchPicture(context, request);
   proto::PictureChunk chunk;
   uint64_t size = 0;
@@ -95,7 +102,7 @@ grpc::Status ReceivePicture(proto::Jobs::Stub& stub, grpc::ClientContext* contex
       size = chunk.size();
       digest = chunk.digest();
     }
-    if (size > kPictureSizeMax || bytes.size() + chunk.data().size() > size) {
+    if (size > kPictureSizeMax || picture.size() + chunk.data().size() > size) {
       context->TryCancel();
       return {grpc::StatusCode::DATA_LOSS, "the picture does not have the announced size"};
     }
@@ -104,11 +111,13 @@ grpc::Status ReceivePicture(proto::Jobs::Stub& stub, grpc::ClientContext* contex
       context->TryCancel();
       return {grpc::StatusCode::DATA_LOSS, "the coordinator sent a part of the picture without data"};
     }
-    bytes += chunk.data();
+    if (const auto added = picture.Add(chunk.data()); !added) return NotKept(context, added.error(), kept);
   }
   const grpc::Status status = reader->Finish();
   if (!status.ok()) return status;
-  if (bytes.size() != size || WriteDigest(Sha256(bytes)) != digest) {
+  const auto bytes = picture.Bytes();
+  if (!bytes) return NotKept(context, bytes.error(), kept);
+  if (bytes->size() != size || WriteDigest(Sha256(*bytes)) != digest) {
     return {grpc::StatusCode::DATA_LOSS, "the picture was corrupted in transit (SHA-256 mismatch)"};
   }
   return status;
@@ -315,18 +324,22 @@ Result<std::vector<FrameStatus>> CoordinatorClient::Frames(JobId job) {
              fmt::format("list the frames of job {}", Number(job)), &ReadFrameStatuses);
 }
 
-Result<std::string> CoordinatorClient::FetchPicture(JobId job, uint32_t frame, bool preview) {
+Result<ReceivedPicture> CoordinatorClient::FetchPicture(JobId job, uint32_t frame, bool preview,
+                                                        const std::string& folder) {
   proto::FetchRequest request;
   request.set_job(Number(job));
   request.set_frame(frame);
   request.set_preview(preview);
-  std::string bytes;
+  ReceivedPicture picture(folder);
+  Result<void> kept;
   auto fetched = WithRetries(*connection_, fmt::format("fetch the picture of job {}", Number(job)), [&] {
     CallContext context(connection_->stop, connection_->farm);
-    return ReceivePicture(*connection_->jobs, context.get(), request, bytes);
+    picture = ReceivedPicture(folder);
+    return ReceivePicture(*connection_->jobs, context.get(), request, picture, kept);
   });
+  if (!kept) return kept.error();
   if (!fetched) return fetched.error();
-  return bytes;
+  return picture;
 }
 
 Result<std::vector<JobStatus>> CoordinatorClient::Jobs(uint64_t& left_out) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "client/coordinator/packed_scene.h"
+#include "client/coordinator/received_picture.h"
 #include "proto/membership.h"
 #include "proto/terms.h"
 #include "proto/wire/endpoint.h"
@@ -76,8 +77,9 @@ class CoordinatorClient {
   Result<JobStatus> Watch(JobId job, const std::function<void(const JobStatus&)>& report);
   // Returns the job's frames, in order. Never empty.
   Result<std::vector<FrameStatus>> Frames(JobId job);
-  // Returns the bytes of the OpenEXR file of a frame, given by its index.
-  Result<std::string> FetchPicture(JobId job, uint32_t frame, bool preview);
+  // Returns the OpenEXR file of a frame, given by its index. `folder`: for one that is too large to be held
+  // in memory.
+  Result<ReceivedPicture> FetchPicture(JobId job, uint32_t frame, bool preview, const std::string& folder);
   // Entries of the job's log with numbers larger than `after`, oldest first.
   Result<JobLogPage> JobLog(JobId job, uint64_t after);
   // Each returns the status of the job after the change.

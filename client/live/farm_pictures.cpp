@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "client/temporary_folder.h"
+
 namespace tessera {
 
 Result<std::optional<LivePicture>> FarmPictures::Next(const std::stop_token& stop) {
@@ -20,9 +22,11 @@ Result<std::optional<LivePicture>> FarmPictures::Next(const std::stop_token& sto
   if (!frames) return frames.error();
   const auto open = std::ranges::find_if(*frames, [](const FrameStatus& frame) { return !frame.file; });
   const auto index = std::min(static_cast<size_t>(open - frames->begin()), frames->size() - 1);
-  const auto exr = client_->FetchPicture(job_, static_cast<uint32_t>(index), true);
+  auto fetched = client_->FetchPicture(job_, static_cast<uint32_t>(index), true, TemporaryRoot());
   // The coordinator has nothing of this frame yet.
-  if (!exr && exr.error().kind == ErrorKind::kBadInput) return std::optional<LivePicture>();
+  if (!fetched && fetched.error().kind == ErrorKind::kBadInput) return std::optional<LivePicture>();
+  if (!fetched) return fetched.error();
+  const auto exr = fetched->Bytes();
   if (!exr) return exr.error();
   auto picture = DecodeExr(*exr, fmt::format("the picture of job {}", Number(job_)));
   if (!picture) return picture.error();

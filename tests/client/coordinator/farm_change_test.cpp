@@ -72,8 +72,8 @@ TEST_F(FarmChange, EveryCallForTheFirstFarmIsRefusedByTheSecond) {
   const std::vector<Result<void>> outcomes{
       Outcome(client_->Status(id)),
       Outcome(client_->Frames(id)),
-      Outcome(client_->FetchPicture(id, 0, false)),
-      Outcome(client_->FetchPicture(id, 0, true)),
+      Outcome(client_->FetchPicture(id, 0, false, folder.path())),
+      Outcome(client_->FetchPicture(id, 0, true, folder.path())),
       Outcome(client_->Watch(id, [](const JobStatus&) { FAIL() << "a status of the other farm's job"; })),
       Outcome(client_->Cancel(id)),
       Outcome(client_->Extend(id, 8)),
@@ -92,7 +92,7 @@ TEST_F(FarmChange, EveryCallForTheFirstFarmIsRefusedByTheSecond) {
     EXPECT_THAT(outcomes[i].error().message, HasSubstr(kAnotherFarm)) << i;
     EXPECT_EQ(outcomes[i].error().kind, ErrorKind::kFailed) << i;
   }
-  EXPECT_TRUE(NewClient()->FetchPicture(id, 0, false)) << "a client that connects now means the other farm";
+  EXPECT_TRUE(NewClient()->FetchPicture(id, 0, false, folder.path())) << "a client that connects now means the other farm";
 }
 
 TEST_F(FarmChange, AWatchedJobIsNotFollowedToAnotherFarm) {
@@ -116,7 +116,7 @@ TEST_F(FarmChange, AWatchedJobIsFollowedOverARestartAndAChangeOfTheAddressBackAn
   EXPECT_EQ(last->state, JobState::kFinished);
   ChangeTo("other");
   ChangeTo("data");
-  EXPECT_TRUE(client_->FetchPicture(JobId{job}, 0, false));
+  EXPECT_TRUE(client_->FetchPicture(JobId{job}, 0, false, folder.path()));
 }
 
 class RestoredFarm : public FarmChange {

@@ -113,7 +113,7 @@ TEST_F(BusyFarm, EveryCallIsRepeatedWhileTheCoordinatorAsksToTryAgain) {
       ErrorOf(client->Status(job)),
       ErrorOf(client->Frames(job)),
       ErrorOf(client->JobLog(job, 0)),
-      ErrorOf(client->FetchPicture(job, 0, false)),
+      ErrorOf(client->FetchPicture(job, 0, false, folder_.path())),
       ErrorOf(client->Watch(job, [](const JobStatus&) {})),
       ErrorOf(client->Cancel(job)),
       ErrorOf(client->Extend(job, 8)),
@@ -148,7 +148,7 @@ TEST_F(BusyFarm, TheReasonIsReportedOncePatienceIsOver) {
   BusyCoordinator coordinator(address_, 1'000'000);
   const auto client = Connect(milliseconds(1500));
   const auto start = std::chrono::steady_clock::now();
-  const Error error = ErrorOf(client->FetchPicture(JobId{1}, 0, false));
+  const Error error = ErrorOf(client->FetchPicture(JobId{1}, 0, false, folder_.path()));
   EXPECT_LT(std::chrono::steady_clock::now() - start, kLong);
   EXPECT_EQ(error.kind, ErrorKind::kFailed);
   EXPECT_THAT(error.message, HasSubstr("too many things are waiting"));
