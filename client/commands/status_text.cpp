@@ -140,7 +140,8 @@ Progress ProgressOf(const JobStatus& status) {
   progress.left_s = status.left.count() >= 0 ? Seconds(status.left) : -1;
   progress.remark = status.reason;
   if (status.state == JobState::kPreparing)
-    progress.remark = "a worker is to prepare the scene" + (status.reason.empty() ? "" : "; " + status.reason);
+    progress.remark =
+        "a worker is to prepare the scene" + (status.reason.empty() ? "" : "; " + status.reason);
   progress.frames = {status.frames_finished, status.frames_total};
   progress.has_ended = HasEnded(status.state);
   if (const std::string text = VerificationText(status); !text.empty()) {
@@ -168,8 +169,8 @@ std::string JobTable(const std::vector<JobStatus>& jobs) {
                    {"WORKERS", Align::kRight},
                    {"ELAPSED", Align::kRight}});
   for (const JobStatus& job : jobs) {
-    table.Add({std::to_string(Number(job.job)), job.name, job.owner.name, std::to_string(job.priority),
-               JobStateName(job.state), fmt::format("{:.1f} %", Percent(job)),
+    table.Add({std::to_string(Number(job.job)), Shortened(job.name), Shortened(job.owner.name),
+               std::to_string(job.priority), JobStateName(job.state), fmt::format("{:.1f} %", Percent(job)),
                fmt::format("{}/{}", job.frames_finished, job.frames_total),
                fmt::format("{:.0f}", job.samples_per_second), std::to_string(job.workers),
                DurationText(Seconds(job.elapsed))},
@@ -192,7 +193,7 @@ std::string WorkerTable(const std::vector<WorkerStatus>& workers) {
                    {"VERSION", Align::kLeft}});
   for (const WorkerStatus& worker : workers) {
     table.Add(
-        {fmt::format("{:016x}", Number(worker.worker)), worker.name, std::to_string(worker.slots),
+        {fmt::format("{:016x}", Number(worker.worker)), Shortened(worker.name), std::to_string(worker.slots),
          std::to_string(worker.leases), std::to_string(worker.units_finished),
          std::to_string(worker.units_failed), fmt::format("{:.2f}", worker.speed),
          fmt::format("{:.0f} %", 100 * worker.utilisation), fmt::format("{:.0f}", worker.samples_per_second),

@@ -7,12 +7,27 @@
 namespace tessera {
 namespace {
 
-// Each character of UTF-8 counts as one column.
+// Whether a character of UTF-8 begins with the byte.
+bool BeginsCharacter(char c) {
+  return (c & 0xc0) != 0x80;
+}
+
+// Each character counts as one column.
 size_t WidthOf(const std::string& text) {
-  return static_cast<size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
+  return static_cast<size_t>(std::ranges::count_if(text, BeginsCharacter));
 }
 
 }  // namespace
+
+std::string Shortened(const std::string& text, size_t width_max) {
+  TESSERA_CHECK(width_max > 0);
+  if (WidthOf(text) <= width_max) return text;
+  size_t end = 0;
+  for (size_t characters = 0; end < text.size(); ++end) {
+    if (BeginsCharacter(text[end]) && ++characters == width_max) break;
+  }
+  return text.substr(0, end) + "\u2026";
+}
 
 void TextTable::Add(std::vector<std::string> cells, std::string remark) {
   TESSERA_CHECK(cells.size() == columns_.size());

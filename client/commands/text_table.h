@@ -8,6 +8,11 @@ namespace tessera {
 
 enum class Align { kLeft, kRight };
 
+// Names in tables have at most this many characters: one of 256 makes all lines wrap.
+constexpr size_t kNameWidthMax = 40;
+// The text, or its first characters and an ellipsis if it has more than `width_max`.
+std::string Shortened(const std::string& text, size_t width_max = kNameWidthMax);
+
 class TextTable {
  public:
   struct Column {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "client/commands/status_text.h"
+#include "client/commands/text_table.h"
 #include "client/commands/times_text.h"
 #include "client/progress_line.h"
 
@@ -60,6 +61,19 @@ TEST(StatusText, JsonIsValidForNamesThatAreNotUtf8) {
   EXPECT_THAT(json, HasSubstr("\"job\":7"));
   EXPECT_THAT(json, HasSubstr("\\\"quoted\\\""));
   EXPECT_THAT(json, HasSubstr("\"left_s\":null"));
+}
+
+TEST(StatusText, TablesShortenLongNamesAndJsonDoesNot) {
+  JobStatus job;
+  job.name = std::string(200, 'n');
+  job.owner.name = std::string(200, 'o');
+  WorkerStatus worker;
+  worker.name = std::string(200, 'w');
+  for (const std::string& table : {JobTable({job}), WorkerTable({worker})})
+    EXPECT_LT(table.find('\n'), 200u) << "the headings are as long as the longest line";
+  EXPECT_THAT(JobTable({job}), HasSubstr(std::string(kNameWidthMax - 1, 'n') + "\u2026  "));
+  EXPECT_THAT(JobsJson({job}), testing::AllOf(HasSubstr(job.name), HasSubstr(job.owner.name)));
+  EXPECT_THAT(WorkersJson({worker}), HasSubstr(worker.name));
 }
 
 TEST(StatusText, ShowsThePriorityUnlessItIsZero) {

@@ -92,7 +92,8 @@ TEST_F(FarmChange, EveryCallForTheFirstFarmIsRefusedByTheSecond) {
     EXPECT_THAT(outcomes[i].error().message, HasSubstr(kAnotherFarm)) << i;
     EXPECT_EQ(outcomes[i].error().kind, ErrorKind::kFailed) << i;
   }
-  EXPECT_TRUE(NewClient()->FetchPicture(id, 0, false, folder.path())) << "a client that connects now means the other farm";
+  EXPECT_TRUE(NewClient()->FetchPicture(id, 0, false, folder.path()))
+      << "a client that connects now means the other farm";
 }
 
 TEST_F(FarmChange, AWatchedJobIsNotFollowedToAnotherFarm) {
