@@ -75,10 +75,10 @@ bool Preparations::Preparation::HasFailed(const Party& party) const {
   return std::ranges::any_of(failures, [&](const auto& each) { return each.second.party == party; });
 }
 
-bool Preparations::Preparation::IsClosedTo(WorkerId worker, const Party& party, int attempts_max) const {
+bool Preparations::Preparation::IsClosedTo(WorkerId id, const Party& party, int attempts_max) const {
   const auto of_party =
       std::ranges::count_if(failures, [&](const auto& each) { return each.second.party == party; });
-  return failures.contains(worker) || of_party >= attempts_max;
+  return failures.contains(id) || of_party >= attempts_max;
 }
 
 void Preparations::Begin() {

@@ -63,7 +63,7 @@ class Preparations {
     Instant rests_until{};                             // after a loss
     std::map<WorkerId, Failure> failures;
     // Whether the worker may not try again: it has failed, or its member with as many workers as count.
-    bool IsClosedTo(WorkerId worker, const Party& party, int attempts_max) const;
+    bool IsClosedTo(WorkerId id, const Party& party, int attempts_max) const;
     bool HasFailed(const Party& party) const;
     Instant failed_at{};
   };
