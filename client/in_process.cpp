@@ -7,6 +7,7 @@
 
 #include "proto/terms.h"
 #include "renderer/film/unit_queue.h"
+#include "renderer/util/seconds_since.h"
 #include "renderer/util/threads.h"
 
 namespace tessera {
@@ -106,10 +107,6 @@ class ThreadPool {
   std::optional<Error> error_;  // guarded by mutex_
   ThreadGroup threads_;
 };
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 }  // namespace
 

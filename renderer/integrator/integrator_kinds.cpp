@@ -3,12 +3,14 @@
 namespace tessera {
 namespace {
 
-constexpr IntegratorTraits kPath{IntegratorKind::kPath, false, true};
-constexpr IntegratorTraits kVolPath{IntegratorKind::kVolPath, true, true};
-constexpr IntegratorTraits kMixture{IntegratorKind::kMixture, true, false};
-constexpr IntegratorTraits kSimplePath{IntegratorKind::kSimplePath, false, true};
-constexpr IntegratorTraits kSimpleVolPath{IntegratorKind::kSimpleVolPath, true, false};
-constexpr IntegratorTraits kRandomWalk{IntegratorKind::kRandomWalk, false, false};
+constexpr IntegratorTraits kPath{.kind = IntegratorKind::kPath, .has_shadow_rays = true};
+constexpr IntegratorTraits kVolPath{
+    .kind = IntegratorKind::kVolPath, .follows_media = true, .has_shadow_rays = true, .has_subsurface = true};
+constexpr IntegratorTraits kMixture{
+    .kind = IntegratorKind::kMixture, .follows_media = true, .draws_rays_to_lights = true};
+constexpr IntegratorTraits kSimplePath{.kind = IntegratorKind::kSimplePath, .has_shadow_rays = true};
+constexpr IntegratorTraits kSimpleVolPath{.kind = IntegratorKind::kSimpleVolPath, .follows_media = true};
+constexpr IntegratorTraits kRandomWalk{.kind = IntegratorKind::kRandomWalk};
 
 constexpr Kind<IntegratorTraits> kIntegrators[] = {
     {"path", Support::kSupported, kPath},

@@ -20,6 +20,10 @@ struct IntegratorTraits {
   bool follows_media = false;
   // Traces shadow rays, and so finds lights that no ray can hit. `simplepath` has a switch for it.
   bool has_shadow_rays = false;
+  // Scatters light in "subsurface" materials, which are clear glass for the others.
+  bool has_subsurface = false;
+  // Draws rays from the lights' own densities (light_directions.h), so every light must be one that rays hit.
+  bool draws_rays_to_lights = false;
 };
 
 // A mapped integrator has the traits of the one that renders instead.

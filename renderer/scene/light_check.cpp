@@ -77,9 +77,7 @@ Result<void> CheckLightsFor(const Estimator& estimator, const SceneDescription& 
   for (const UnseenLight& light : UnseenLights(scene, emitters, world)) {
     const std::string what =
         fmt::format("{} can hit {}, and this integrator traces no shadow rays", light.rays, light.name);
-    if (estimator.integrator.kind == IntegratorKind::kMixture) {
-      return ErrorAt(*light.location, what + "; use \"path\"");
-    }
+    if (estimator.integrator.draws_rays_to_lights) return ErrorAt(*light.location, what + "; use \"path\"");
     diagnostics.Warn(*light.location, what + ": it has no effect");
   }
   return {};
