@@ -134,26 +134,65 @@ LiveTitle TitleOf(const RenderCommandOptions& options) {
   return {SceneName(options.scene), options.scene.frames.has_value()};
 }
 
+// Renders frames in this process and shows how far they are.
+class FrameRenderer {
+ public:
+  FrameRenderer(const RenderCommandOptions& options, int threads, uint32_t frames, std::stop_token stop)
+      : options_(options), threads_(threads), stop_(std::move(stop)), count_{0, frames} {}
+
+  // From now on, others watch the pictures through what is returned.
+  std::shared_ptr<PictureHandoff> AddHandoff() {
+    return handoffs_.emplace_back(std::make_shared<PictureHandoff>());
+  }
+  // Returns the finished picture as an OpenEXR file.
+  Result<std::string> Render(const Scene& scene, const FrameSpec& spec, int number) {
+    Progress last;
+    const auto report = [&](const Progress& progress) {
+      last = progress;
+      last.frames = count_;
+      if (progress.samples_done < progress.samples_total) line_.Show(last);
+    };
+    const auto offer = [&](const TakeSnapshot& take) {
+      for (const auto& handoff : handoffs_) handoff->Offer(number, take);
+    };
+    const PixelBounds first = options_.first ? PixelsOf(*options_.first, spec) : PixelBounds{};
+    auto picture = RenderInProcess(scene, spec, threads_, stop_, report, {first, offer});
+    if (!picture) return picture.error();
+    ++last.frames.finished;
+    ++count_.finished;
+    line_.Finish(last);
+    auto encoded = EncodeFinished(spec, std::move(picture).value(), threads_, stop_);
+    if (!encoded) return encoded.error();
+    for (const auto& handoff : handoffs_) handoff->Finish(number, encoded->exr);
+    return std::move(encoded->exr);
+  }
+
+ private:
+  const RenderCommandOptions& options_;
+  const int threads_;
+  const std::stop_token stop_;
+  FrameCount count_;
+  ProgressLine line_{"thread"};
+  std::vector<std::shared_ptr<PictureHandoff>> handoffs_;
+};
+
 // Renders the frames one after another in this process. All are checked before the first is rendered.
 Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options, const PictureNames& names,
                                              Cancellation& cancellation) {
   const std::stop_token stop = cancellation.token();
   const bool is_sequence = options.scene.frames.has_value();
   const FarmSize size = ChooseSize(options);
+  const int threads = size.workers * size.threads;
   // Known before a large scene is loaded. Embree loads it with a thread for each core.
-  if (auto can_start = CheckThreads(size.workers * size.threads + UsableCores()); !can_start)
-    return can_start.error();
+  if (auto can_start = CheckThreads(threads + UsableCores()); !can_start) return can_start.error();
   auto job = LoadSceneJob(options.scene, is_sequence ? Scene::Depth::kCheck : Scene::Depth::kRender, stop);
   if (!job) return job.error();
   if (auto good = CheckPictures(options, *job, names); !good) return good.error();
-  ProgressLine line("thread");
-  std::vector<std::shared_ptr<PictureHandoff>> handoffs;
+  FrameRenderer renderer(options, threads, static_cast<uint32_t>(job->frames.size()), stop);
   LiveViews views(stop);
-  const auto viewed = AddViews(views, options.live, TitleOf(options), [&] {
-    return std::make_unique<LocalPictures>(handoffs.emplace_back(std::make_shared<PictureHandoff>()));
-  });
+  const auto viewed = AddViews(views, options.live, TitleOf(options),
+                               [&] { return std::make_unique<LocalPictures>(renderer.AddHandoff()); });
   if (!viewed) return viewed.error();
-  FrameCount count{0, static_cast<uint32_t>(job->frames.size())};
   std::vector<SavedPicture> saved;
   for (size_t i = 0; i < job->frames.size(); ++i) {
     const SceneFrame& frame = job->frames[i];
@@ -164,28 +203,11 @@ Result<std::vector<SavedPicture>> RenderHere(const RenderCommandOptions& options
       job->scene = std::move(loaded->scene);
     }
     if (cancellation.cancelled()) return cancellation.error();
-    const FrameSpec& spec = job->packed.frames[i].spec;
-    Progress last;
-    auto picture = RenderInProcess(
-        *job->scene, spec, size.workers * size.threads, stop,
-        [&](const Progress& progress) {
-          last = progress;
-          last.frames = count;
-          if (progress.samples_done < progress.samples_total) line.Show(last);
-        },
-        {options.first ? PixelsOf(*options.first, spec) : PixelBounds{}, [&](const TakeSnapshot& take) {
-           for (const auto& handoff : handoffs) handoff->Offer(frame.number, take);
-         }});
+    const auto exr = renderer.Render(*job->scene, job->packed.frames[i].spec, frame.number);
+    if (!exr) return exr.error();
+    auto picture = SavePicture(*exr, frame.number, names, stop, IfUnsaved::kRescue);
     if (!picture) return picture.error();
-    ++last.frames.finished;
-    ++count.finished;
-    line.Finish(last);
-    const auto encoded = EncodeFinished(spec, std::move(picture).value(), size.workers * size.threads, stop);
-    if (!encoded) return encoded.error();
-    for (const auto& handoff : handoffs) handoff->Finish(frame.number, encoded->exr);
-    auto picture_saved = SavePicture(encoded->exr, frame.number, names, stop, IfUnsaved::kRescue);
-    if (!picture_saved) return picture_saved.error();
-    saved.push_back(std::move(*picture_saved));
+    saved.push_back(std::move(*picture));
   }
   views.Finish();
   return saved;
