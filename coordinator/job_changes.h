@@ -54,14 +54,18 @@ constexpr const JobChangeKind* FindJobChange(std::string_view call) {
   return nullptr;
 }
 
-// Exactly the calls that control jobs.
-static_assert(std::ranges::all_of(kCallRules, [](const CallRule& rule) {
-  return (rule.permission == Permission::kControlJobs) == (FindJobChange(rule.method) != nullptr);
-}));
-static_assert(std::ranges::all_of(kJobChanges, [](const JobChangeKind& change) {
-  const CallRule* const rule = FindRule(change.call);
-  return rule != nullptr && rule->effect == Effect::kChanges;
-}));
+static_assert(std::ranges::all_of(kCallRules,
+                                  [](const CallRule& rule) {
+                                    return (rule.permission == Permission::kControlJobs) ==
+                                           (FindJobChange(rule.method) != nullptr);
+                                  }),
+              "a call that controls jobs has no row in kJobChanges, or another call has one");
+static_assert(std::ranges::all_of(kJobChanges,
+                                  [](const JobChangeKind& change) {
+                                    const CallRule* const rule = FindRule(change.call);
+                                    return rule != nullptr && rule->effect == Effect::kChanges;
+                                  }),
+              "a change of jobs has no rule in access.h that enters it in the audit log");
 
 // Thread safe.
 class JobChanges {

@@ -76,8 +76,7 @@ constexpr const JobChangeCall* FindCall(const JobChangeKind& change) {
   const auto* const found = std::ranges::find(kJobChangeCalls, change.call, &JobChangeCall::call);
   return found != std::end(kJobChangeCalls) ? found : nullptr;
 }
-// A change without a call does not compile.
-static_assert(std::ranges::all_of(kJobChanges, FindCall));
+static_assert(std::ranges::all_of(kJobChanges, FindCall), "a change of jobs has no row in kJobChangeCalls");
 
 grpc::internal::MethodHandler* HandlerOf(const CallGate& gate, const WorkerChangeKind& change) {
   const CallRule& rule = *FindRule(change.call);

@@ -32,14 +32,18 @@ constexpr const WorkerChangeKind* FindWorkerChange(std::string_view call) {
   return nullptr;
 }
 
-// Exactly the calls that control workers.
-static_assert(std::ranges::all_of(kCallRules, [](const CallRule& rule) {
-  return (rule.permission == Permission::kControlWorkers) == (FindWorkerChange(rule.method) != nullptr);
-}));
-static_assert(std::ranges::all_of(kWorkerChanges, [](const WorkerChangeKind& change) {
-  const CallRule* const rule = FindRule(change.call);
-  return rule != nullptr && rule->effect == Effect::kChanges;
-}));
+static_assert(std::ranges::all_of(kCallRules,
+                                  [](const CallRule& rule) {
+                                    return (rule.permission == Permission::kControlWorkers) ==
+                                           (FindWorkerChange(rule.method) != nullptr);
+                                  }),
+              "a call that controls workers has no row in kWorkerChanges, or another call has one");
+static_assert(std::ranges::all_of(kWorkerChanges,
+                                  [](const WorkerChangeKind& change) {
+                                    const CallRule* const rule = FindRule(change.call);
+                                    return rule != nullptr && rule->effect == Effect::kChanges;
+                                  }),
+              "a change of workers has no rule in access.h that enters it in the audit log");
 
 // Gives the caller the new status of the workers. Runs on the core thread.
 using AnswerWorkerChange = std::function<void(const std::vector<WorkerStatus>& changed)>;
