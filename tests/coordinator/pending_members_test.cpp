@@ -3,7 +3,6 @@
 #include <sys/socket.h>
 
 #include <functional>
-#include <thread>
 
 #include "coordinator/listener/pending_connections.h"
 #include "proto/access.grpc.pb.h"
@@ -55,12 +54,7 @@ class EncryptedFarm : public testing::Test {
     return proto::Jobs::NewStub(channel)->List(&context, proto::ListRequest(), &answer).ok();
   }
   bool PendingBecomes(const std::function<bool(size_t)>& condition) const {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!condition(coordinator_->pending_connections())) {
-      if (std::chrono::steady_clock::now() > deadline) return false;
-      std::this_thread::sleep_for(milliseconds(5));
-    }
-    return true;
+    return ComesTrue([&] { return condition(coordinator_->pending_connections()); });
   }
 
   TemporaryDir folder_;

@@ -6,7 +6,6 @@
 #include <fstream>
 #include <functional>
 #include <random>
-#include <thread>
 
 #include "renderer/util/file.h"
 #include "tests/coordinator/no_file_grows.h"
@@ -35,13 +34,12 @@ class Pictures : public Services {
   // Tries again while the coordinator says that this helps.
   grpc::Status FetchSoon(std::string& bytes) {
     grpc::Status status;
-    for (int i = 0; i < 400; ++i) {
+    ComesTrue([&] {
       bytes.clear();
       status = Fetch(job, false, bytes);
       const bool is_early = status.error_message().find("not finished") != std::string::npos;
-      if (!is_early && status.error_code() != StatusCode::UNAVAILABLE) break;
-      std::this_thread::sleep_for(milliseconds(25));
-    }
+      return !is_early && status.error_code() != StatusCode::UNAVAILABLE;
+    });
     return status;
   }
   // A job whose picture has more bytes than a chunk: no two pixels are alike.
@@ -131,8 +129,7 @@ TEST_F(Pictures, APictureThatWasCutOrRemovedIsMadeAgainAfterAStart) {
   coordinator.reset();
   std::filesystem::remove(Path());
   Start();
-  for (int i = 0; i < 400 && !std::filesystem::exists(Path()); ++i)
-    std::this_thread::sleep_for(milliseconds(25));
+  ASSERT_TRUE(ComesTrue([&] { return std::filesystem::exists(Path()); }));
   EXPECT_EQ(*ReadFile(Path(), 1 << 20), picture) << "nobody has asked for it";
 }
 

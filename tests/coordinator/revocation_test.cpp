@@ -1,7 +1,9 @@
 // Calls that last end soon after their member is revoked, whatever the peer does.
+#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <future>
+#include <memory>
 #include <thread>
 
 #include "renderer/util/hash.h"
@@ -16,6 +18,7 @@ using testing::HasSubstr;
 
 // Far longer than it takes, far shorter than the time after which a silent peer is cut off anyway.
 constexpr std::chrono::seconds kSoon{10};
+constexpr uint64_t kMemoryBytes = 12345;
 
 // Eight bytes of each hash.
 std::string Noise(size_t size) {
@@ -92,26 +95,43 @@ class Revocation : public ServicesForMembers {
       proto::ResultsAnswer result;
       EXPECT_TRUE(Return(ResultOf(answer.job(), tile, {0, 1}, EncodeRadianceTile(radiance)), result).ok());
     }
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (Status(answer.job()).state() != proto::JOB_STATE_FINISHED &&
-           std::chrono::steady_clock::now() < deadline) {
-      std::this_thread::sleep_for(milliseconds(20));
-    }
+    EXPECT_TRUE(ComesTrue([&] { return Status(answer.job()).state() == proto::JOB_STATE_FINISHED; }));
     return answer.job();
   }
-  // Reads one chunk, waits until the peer is revoked and reads the rest.
+  // Sends the first byte of a file that is not sent to its end.
+  std::unique_ptr<grpc::ClientWriter<proto::UploadChunk>> BeginUpload(grpc::ClientContext& context,
+                                                                      proto::UploadAnswer& answer,
+                                                                      const std::string& contents) {
+    auto writer = blobs->Upload(&context, &answer);
+    proto::UploadChunk chunk;
+    chunk.set_digest(WriteDigest(Sha256(contents)));
+    chunk.set_size(contents.size());
+    chunk.set_data(contents.substr(0, 1));
+    EXPECT_TRUE(writer->Write(chunk));
+    return writer;
+  }
+  // Reads one chunk and the rest only when the calls of the peer have ended, which a later one of them shows:
+  // a stream whose messages are not read does not.
   template <typename Reader, typename Chunk>
   void ExpectCutOff(const std::string& name, Reader& reader, Chunk& chunk) {
     if (!reader.Read(&chunk)) FAIL() << reader.Finish().error_message();
     const uint64_t size = chunk.size();
     uint64_t received = chunk.data().size();
-    const grpc::Status status = EndOf(name, [&] {
-      std::this_thread::sleep_for(std::chrono::seconds(2));
-      while (reader.Read(&chunk)) received += chunk.data().size();
-      return reader.Finish();
-    });
+    grpc::ClientContext context;
+    proto::UploadAnswer answer;
+    const auto later = BeginUpload(context, answer, "never whole");
+    EXPECT_FALSE(EndOf(name, [&] { return later->Finish(); }).ok());
+    while (reader.Read(&chunk)) received += chunk.data().size();
     EXPECT_LT(received, size);
-    EXPECT_THAT(status.error_code(), AnyOf(StatusCode::CANCELLED, StatusCode::UNAUTHENTICATED));
+    EXPECT_THAT(reader.Finish().error_code(), AnyOf(StatusCode::CANCELLED, StatusCode::UNAUTHENTICATED));
+  }
+  // Whether the coordinator lists a worker whose process takes this memory.
+  bool HasWorkerWith(uint64_t memory_bytes) {
+    const auto local = proto::Jobs::NewStub(OpenChannel(coordinator->addresses().front()));
+    proto::WorkersAnswer answer;
+    Call(*local, &proto::Jobs::Stub::Workers, proto::WorkersRequest(), answer);
+    return std::ranges::any_of(answer.workers(),
+                               [&](const auto& worker) { return worker.memory_bytes() == memory_bytes; });
   }
   Digest large_file;
 };
@@ -141,12 +161,7 @@ TEST_F(Revocation, AnUploadThatStallsIsCutOffAndTheNextCallGivesTheReason) {
   CallAs(Join(Role::kUser, "ada"));
   grpc::ClientContext context;
   proto::UploadAnswer answer;
-  const auto writer = blobs->Upload(&context, &answer);
-  proto::UploadChunk chunk;
-  chunk.set_digest(WriteDigest(Sha256("never whole")));
-  chunk.set_size(uint64_t{1} << 30);
-  chunk.set_data("x");
-  ASSERT_TRUE(writer->Write(chunk));
+  const auto writer = BeginUpload(context, answer, "never whole");
   EXPECT_FALSE(EndOf("ada", [&] { return writer->Finish(); }).ok());
   proto::ListAnswer list;
   const grpc::Status next = Call(*jobs, &proto::Jobs::Stub::List, proto::ListRequest(), list);
@@ -156,7 +171,7 @@ TEST_F(Revocation, AnUploadThatStallsIsCutOffAndTheNextCallGivesTheReason) {
 
 TEST_F(Revocation, ADownloadIsCutOff) {
   const Digest package = SubmitLargeFile();
-  CallAs(Join(Role::kWorker, "blade"));
+  CallAs(Join(Role::kOperator, "olga"));
   grpc::ClientContext context;
   SetDeadline(context, 2 * kPatience);
   proto::DownloadRequest request;
@@ -164,19 +179,19 @@ TEST_F(Revocation, ADownloadIsCutOff) {
   request.set_package(WriteDigest(package));
   const auto reader = blobs->Download(&context, request);
   proto::DownloadChunk chunk;
-  ExpectCutOff("blade", *reader, chunk);
+  ExpectCutOff("olga", *reader, chunk);
 }
 
 TEST_F(Revocation, APictureIsCutOff) {
   const uint64_t job = FinishLargePicture();
-  CallAs(Join(Role::kViewer, "vera"));
+  CallAs(Join(Role::kOperator, "olga"));
   grpc::ClientContext context;
   SetDeadline(context, 2 * kPatience);
   proto::FetchRequest request;
   request.set_job(job);
   const auto reader = jobs->FetchPicture(&context, request);
   proto::PictureChunk chunk;
-  ExpectCutOff("vera", *reader, chunk);
+  ExpectCutOff("olga", *reader, chunk);
 }
 
 TEST_F(Revocation, AWorkerThatWaitsForNewsIsGone) {
@@ -185,16 +200,15 @@ TEST_F(Revocation, AWorkerThatWaitsForNewsIsGone) {
   ASSERT_TRUE(Synchronize(Worker(milliseconds(0)), directive).ok());
   auto waiting = std::async(std::launch::async, [&] {
     proto::WorkerDirective late;
-    return Synchronize(Worker(kSynchronizeWaitMax), late);
+    WorkerState state = Worker(kSynchronizeWaitMax);
+    state.memory_bytes = kMemoryBytes;
+    return Synchronize(state, late);
   });
-  std::this_thread::sleep_for(milliseconds(200));
+  ASSERT_TRUE(ComesTrue([&] { return HasWorkerWith(kMemoryBytes); })) << "the call has arrived";
   const grpc::Status status = EndOf("blade", [&] { return waiting.get(); });
   EXPECT_THAT(status.error_code(), AnyOf(StatusCode::CANCELLED, StatusCode::UNAUTHENTICATED));
   CallAsLocalUser();
-  const auto deadline = std::chrono::steady_clock::now() + kSoon;
-  while (WorkerCount() > 0 && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(milliseconds(20));
-  EXPECT_EQ(WorkerCount(), 0);
+  EXPECT_TRUE(ComesTrue([&] { return WorkerCount() == 0; }));
 }
 
 // A worker returns its results when they are admitted, which may take long.
@@ -216,19 +230,16 @@ TEST_F(Revocation, AnAnnouncementOfResultsIsCutOff) {
 
 TEST_F(Revocation, CallsOfOthersGoOn) {
   const JoinedFarm ada = Join(Role::kUser, "ada"), bob = Join(Role::kUser, "bob");
-  CallAs(bob);
-  grpc::ClientContext context;
+  grpc::ClientContext context, revoked_context;
   SetDeadline(context, kPatience);
-  proto::UploadAnswer answer;
-  const auto writer = blobs->Upload(&context, &answer);
+  proto::UploadAnswer answer, no_answer;
+  CallAs(ada);
+  const auto kept_open = channel;
+  const auto revoked = BeginUpload(revoked_context, no_answer, "never whole");
+  CallAs(bob);
+  const auto writer = BeginUpload(context, answer, "ab");
+  EXPECT_FALSE(EndOf("ada", [&] { return revoked->Finish(); }).ok());
   proto::UploadChunk chunk;
-  chunk.set_digest(WriteDigest(Sha256("ab")));
-  chunk.set_size(2);
-  chunk.set_data("a");
-  ASSERT_TRUE(writer->Write(chunk));
-  Revoke("ada");
-  std::this_thread::sleep_for(std::chrono::seconds(2));
-  chunk.Clear();
   chunk.set_data("b");
   ASSERT_TRUE(writer->Write(chunk));
   writer->WritesDone();

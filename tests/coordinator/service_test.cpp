@@ -129,7 +129,7 @@ TEST_F(Services, AWaitingWorkerLearnsOfANewJobImmediately) {
     EXPECT_TRUE(Synchronize(Worker(milliseconds(10'000)), directive).ok());
     return directive;
   });
-  while (WorkerCount() == 0) std::this_thread::sleep_for(milliseconds(1));
+  ASSERT_TRUE(ComesTrue([&] { return WorkerCount() == 1; }));
   const auto begin = std::chrono::steady_clock::now();
   Submit();
   const proto::WorkerDirective directive = waiting.get();
@@ -166,11 +166,7 @@ TEST_F(Services, ABrokenConnectionReturnsTheLeasesOfTheWorker) {
   std::this_thread::sleep_for(milliseconds(50));
   context.TryCancel();
   EXPECT_FALSE(waiting.get().ok());
-  const auto begin = std::chrono::steady_clock::now();
-  while (WorkerCount() > 0 && std::chrono::steady_clock::now() - begin < kPatience) {
-    std::this_thread::sleep_for(milliseconds(1));
-  }
-  EXPECT_EQ(WorkerCount(), 0);
+  EXPECT_TRUE(ComesTrue([&] { return WorkerCount() == 0; }));
   EXPECT_EQ(Status(job).workers(), 0u);
 }
 
@@ -276,10 +272,7 @@ TEST_F(Services, AWatcherThatCancelsIsForgottenThoughTheStatusDoesNotChange) {
   proto::JobRequest watched;
   watched.set_job(Submit());
   const auto comes_to = [&](size_t count) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
-    while (coordinator->watcher_count() != count && std::chrono::steady_clock::now() < end)
-      std::this_thread::sleep_for(milliseconds(1));
-    return coordinator->watcher_count() == count;
+    return ComesTrue([&] { return coordinator->watcher_count() == count; });
   };
   grpc::ClientContext staying, leaving;
   const auto stays = jobs->Watch(&staying, watched);

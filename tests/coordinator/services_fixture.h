@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "coordinator/coordinator.h"
@@ -27,6 +28,17 @@ namespace tessera {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPatience{kSlowdown * 20'000};
+
+// Whether a condition comes true: what others do takes a moment.
+template <typename Condition>
+bool ComesTrue(const Condition& condition, milliseconds patience = kPatience) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  return true;
+}
 
 class Services : public testing::Test {
  protected:

@@ -32,16 +32,6 @@ class WebServices : public Services {
   httplib::Result Post(const std::string& path, const json& body = json::object()) {
     return client->Post("/api/v1/" + path, {{"X-Tessera-Proof", proof}}, body.dump(), "application/json");
   }
-  // Lists show the farm as it was a moment ago.
-  template <typename Condition>
-  static bool ComesTrue(Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > deadline) return false;
-      std::this_thread::sleep_for(milliseconds(20));
-    }
-    return true;
-  }
   // Calls as a worker until the answer has something to prepare.
   proto::PreparationRequest AwaitPreparation() {
     proto::WorkerDirective directive;
