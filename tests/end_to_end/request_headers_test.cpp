@@ -1,4 +1,6 @@
-// A member that sends the headers of a request without an end costs the coordinator a connection.
+// A member that sends the headers of a request without an end costs the coordinator a connection. What others
+// send besides headers has no such limit.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -83,6 +85,22 @@ TEST_F(EndlessHeaders, HeadersOfOneByteEndTheConnection) {
 TEST_F(EndlessHeaders, AValueOfTwoGigabytesEndsTheConnection) {
   const std::string length = "\x7f\x80\xff\xff\xff\x07";
   ExpectBounded(std::string("\0\1x", 3) + length, Frame(kContinuation, 0, 1, std::string(16384, 'A')));
+}
+
+// The bytes of all frames of a connection, of many requests, exceed the limit of the headers of one request.
+TEST_F(EndlessHeaders, ALargeUploadPasses) {
+  constexpr size_t kFileBytes = size_t{16} << 20;
+  std::string comments;
+  for (size_t i = 0; comments.size() < kFileBytes; ++i) comments += "# " + std::to_string(i * i) + "\n";
+  Write("comments.pbrt", comments);
+  const std::string scene = Write(
+      "large.pbrt", "Include \"comments.pbrt\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n");
+  const Outcome submitted = As("ada", "submit " + scene + " --spp 1");
+  EXPECT_EQ(submitted.code, 0) << submitted.errors;
+  EXPECT_THAT(coordinator().Errors(),
+              testing::HasSubstr(fmt::format("bytes={} result=done", comments.size())))
+      << "it is one upload";
+  EXPECT_THAT(coordinator().Errors(), testing::Not(testing::HasSubstr("connection_closed")));
 }
 
 }  // namespace
