@@ -12,7 +12,6 @@
 #include "coordinator/blob_service.h"
 #include "coordinator/call_gate.h"
 #include "coordinator/core_thread.h"
-#include "coordinator/farm_look.h"
 #include "coordinator/job_log.h"
 #include "coordinator/jobs_service.h"
 #include "coordinator/listener/listener.h"
@@ -21,6 +20,7 @@
 #include "coordinator/membership/organisation.h"
 #include "coordinator/membership/peer_check.h"
 #include "coordinator/public_addresses.h"
+#include "coordinator/read_farm_view.h"
 #include "coordinator/recovery.h"
 #include "coordinator/server.h"
 #include "coordinator/store/data_dir.h"
@@ -65,7 +65,7 @@ struct Coordinator::Parts {
   Result<void> ServeWeb(const CoordinatorOptions& options, const AccessPolicy& policy);
   ServerSecurity Security() const;
   void RefreshCertificates(const std::vector<std::string>& names);
-  std::optional<FarmView> LookAtAll();
+  std::optional<FarmView> ViewFarm();
   void ProbePictures();
 
   DataDir directory;
@@ -178,7 +178,7 @@ Result<void> Coordinator::Parts::ServeWeb(const CoordinatorOptions& options, con
   if (options.http || options.https) {
     api = std::make_shared<WebApi>(
         MakeWebFarm({*gate, blobs, pictures, job_log, downloads, files, blob_service->load(), policy,
-                     options.insecure, [this] { return LookAtAll(); }}));
+                     options.insecure, [this] { return ViewFarm(); }}));
   }
   if (options.http) {
     if (auto started = start(*options.http, {}, {}, web); !started) return started;
@@ -231,8 +231,8 @@ void Coordinator::Parts::ProbePictures() {
   });
 }
 
-std::optional<FarmView> Coordinator::Parts::LookAtAll() {
-  auto view = LookAtFarm(*core);
+std::optional<FarmView> Coordinator::Parts::ViewFarm() {
+  auto view = ReadFarmView(*core);
   if (!view) return view;
   view->traffic = {work->bytes_in(), blob_service->bytes_in(), blob_service->bytes_out()};
   view->intake = {work->intake().bytes(), work->intake().waiting()};

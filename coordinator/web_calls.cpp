@@ -21,26 +21,30 @@
 namespace tessera {
 namespace {
 
-// A route whose call has no rule does not compile.
-static_assert(std::ranges::all_of(kWebRoutes, [](const WebRoute& route) { return FindRule(route.call); }));
-
-// Nor does a change without a route, nor one whose route has another parameter or another change.
-constexpr bool IsRouteOf(const WebRoute& route, const JobChangeKind& change) {
-  return route.call == change.call && route.action == WebAction::kChangeJob &&
-         route.parameters == change.argument;
+constexpr bool HasRoute(const JobChangeKind& change) {
+  return std::ranges::any_of(kWebRoutes, [&](const WebRoute& route) {
+    return route.call == change.call && route.action == WebAction::kChangeJob &&
+           route.parameters == change.argument;
+  });
 }
-static_assert(std::ranges::all_of(kJobChanges, [](const JobChangeKind& change) {
-  return std::ranges::any_of(kWebRoutes, [&](const WebRoute& route) { return IsRouteOf(route, change); });
-}));
-static_assert(std::ranges::all_of(kWorkerChanges, [](const WorkerChangeKind& change) {
+constexpr bool HasRoute(const WorkerChangeKind& change) {
   return std::ranges::any_of(kWebRoutes, [&](const WebRoute& route) {
     return route.call == change.call && route.action == WebAction::kChangeWorkers;
   });
-}));
-static_assert(std::ranges::all_of(kWebRoutes, [](const WebRoute& route) {
+}
+constexpr bool HasHandler(const WebRoute& route) {
   return (route.action == WebAction::kChangeJob) == (FindJobChange(route.call) != nullptr) &&
          (route.action == WebAction::kChangeWorkers) == (FindWorkerChange(route.call) != nullptr);
-}));
+}
+static_assert(std::ranges::all_of(kWebRoutes, [](const WebRoute& route) { return FindRule(route.call); }),
+              "the call of a route has no rule in access.h");
+static_assert(std::ranges::all_of(kJobChanges, [](const auto& change) { return HasRoute(change); }),
+              "a change of jobs has no route with its argument as its parameter");
+static_assert(std::ranges::all_of(kWorkerChanges, [](const auto& change) { return HasRoute(change); }),
+              "a change of workers has no route");
+static_assert(
+    std::ranges::all_of(kWebRoutes, HasHandler),
+    "a route makes a change that is in neither kJobChanges nor kWorkerChanges, or has another action");
 
 WebError ErrorOf(const grpc::Status& status) {
   const auto code = [&] {
@@ -239,7 +243,7 @@ void WebCalls::FindMissing(const std::vector<Digest>& digests,
 
 WebFarm MakeWebFarm(WebCallParts parts) {
   WebFarm farm;
-  farm.look = parts.look;
+  farm.view = parts.view;
   farm.keep = [&directory = parts.gate.path().directory](std::string_view bytes) {
     return directory.KeepForSending(bytes);
   };

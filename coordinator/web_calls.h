@@ -30,7 +30,7 @@ struct WebCallParts {
   // Whether programs of other users of this machine may do everything, as they may with the plain port of
   // gRPC.
   bool is_insecure = false;
-  std::function<std::optional<FarmView>()> look;
+  std::function<std::optional<FarmView>()> view;
 };
 
 WebFarm MakeWebFarm(WebCallParts parts);

@@ -27,7 +27,8 @@ class Events {
     if (next == grpc::CompletionQueue::TIMEOUT) return Outcome::kLate;
     return ok ? Outcome::kDone : Outcome::kFailed;
   }
-  void AwaitAnyhow() {
+  // However long it takes.
+  void AwaitEvent() {
     void* tag = nullptr;
     bool ok = false;
     queue_.Next(&tag, &ok);
@@ -55,7 +56,7 @@ grpc::Status ReceiveBlob(const BlobStream& stream, const proto::DownloadRequest&
     if (outcome == Events::Outcome::kLate) {
       is_stalled = true;
       context.TryCancel();
-      events.AwaitAnyhow();
+      events.AwaitEvent();
       break;
     }
     if (outcome == Events::Outcome::kFailed) break;
@@ -68,7 +69,7 @@ grpc::Status ReceiveBlob(const BlobStream& stream, const proto::DownloadRequest&
   }
   grpc::Status status;
   reader->Finish(&status, events.tag());
-  events.AwaitAnyhow();
+  events.AwaitEvent();
   if (is_stalled) return {grpc::StatusCode::DEADLINE_EXCEEDED, "the coordinator sends nothing of the file"};
   return status;
 }

@@ -71,11 +71,11 @@ Result<void> CheckSubmit(const SubmitOptions& options) {
 constexpr std::chrono::seconds kDryRunPatience{3};  // the farm is worth one line
 
 // What the farm has for the job. Prints why if it is not reached, as an estimate does not depend on it.
-Result<std::optional<FarmCapacity>> LookAtFarm(const SubmitOptions& options, Cancellation& cancellation) {
+Result<std::optional<FarmCapacity>> AskCapacity(const SubmitOptions& options, Cancellation& cancellation) {
   ConnectionOptions connection = options.connection;
   connection.patience.connection =
       std::min<std::chrono::milliseconds>(connection.patience.connection, kDryRunPatience);
-  const auto look = [&]() -> Result<FarmCapacity> {
+  const auto ask = [&]() -> Result<FarmCapacity> {
     const auto endpoint = ChooseFarm(connection.farm);
     if (!endpoint) return endpoint.error();
     const auto client = CoordinatorClient::Connect(*endpoint, connection.patience, cancellation.token());
@@ -87,7 +87,7 @@ Result<std::optional<FarmCapacity>> LookAtFarm(const SubmitOptions& options, Can
     if (!jobs) return jobs.error();
     return CapacityFor(endpoint->address.Text(), options.required_tags, options.priority, *workers, *jobs);
   };
-  auto capacity = look();
+  auto capacity = ask();
   if (cancellation.cancelled()) return cancellation.error();
   if (capacity) return std::optional(std::move(*capacity));
   PrintNote("tessera: there is no estimate for the farm: {}\n", capacity.error().message);
@@ -95,7 +95,7 @@ Result<std::optional<FarmCapacity>> LookAtFarm(const SubmitOptions& options, Can
 }
 
 Result<int> RunDryRun(const SubmitOptions& options, Cancellation& cancellation) {
-  const auto farm = LookAtFarm(options, cancellation);
+  const auto farm = AskCapacity(options, cancellation);
   if (!farm) return farm.error();
   return PrintForecast(options.scene, UsableCores(), options.json, cancellation, *farm);
 }

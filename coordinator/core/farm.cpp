@@ -352,9 +352,9 @@ void Farm::StorageDelayed(const std::string& reason) {
     for (const JobId id : state_.jobs.open()) {
       if (state_.jobs.At(id).results.mergers.empty()) continue;
       if (reason.empty()) {
-        state_.Tell(MessageLevel::kInfo, id, "the coordinator can write its data again");
+        state_.AddMessage(MessageLevel::kInfo, id, "the coordinator can write its data again");
       } else {
-        state_.Tell(MessageLevel::kWarning, id, "the coordinator cannot write its data: " + reason);
+        state_.AddMessage(MessageLevel::kWarning, id, "the coordinator cannot write its data: " + reason);
       }
     }
   }

@@ -210,9 +210,9 @@ void FarmRecovery::Resume(Instant now, Job& job) {
   job.results.samples_done += restored;
   state_.output.log.push_back(fmt::format("job_resumed job={} frames_finished={} samples_restored={}",
                                           Number(job.id), finished.size(), restored));
-  state_.Tell(MessageLevel::kInfo, job.id,
-              fmt::format("the coordinator was restarted: {} of {} samples are kept",
-                          job.results.samples_done, job.results.samples_total));
+  state_.AddMessage(MessageLevel::kInfo, job.id,
+                    fmt::format("the coordinator was restarted: {} of {} samples are kept",
+                                job.results.samples_done, job.results.samples_total));
   for (const uint32_t frame : complete) frames_.Complete(job, frame);
   if (finished.size() == job.spec->frames.size()) end_.End(now, job, JobState::kFinished, "");
 }

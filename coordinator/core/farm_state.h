@@ -35,7 +35,7 @@ struct FarmState {
     return (since_1970 + std::chrono::duration_cast<std::chrono::milliseconds>(at)).count();
   }
 
-  void Tell(MessageLevel level, JobId job, std::string text) {
+  void AddMessage(MessageLevel level, JobId job, std::string text) {
     output.messages.push_back({job, level, std::move(text)});
   }
 };

@@ -84,7 +84,7 @@ void FrameCompletion::PictureDelayed(Instant now, FrameId id, const std::string&
   if (results.unwritten[id.frame] != text) {
     Log(fmt::format("picture_delayed job={} frame={} reason={}", Number(id.job), id.frame, LogText(reason)));
     results.unwritten[id.frame] = text;
-    state_.Tell(MessageLevel::kWarning, id.job, text);
+    state_.AddMessage(MessageLevel::kWarning, id.job, text);
   }
   pictures_.Wait(id, SumsBytes(job->spec->frames[id.frame].spec), now + kPictureRetry);
 }
@@ -93,9 +93,9 @@ void FrameCompletion::PictureNotDenoised(FrameId id, const std::string& reason) 
   const Job* const job = state_.jobs.Find(id.job);
   if (job == nullptr) return;
   Log(fmt::format("denoise_failed job={} frame={} reason={}", Number(id.job), id.frame, LogText(reason)));
-  state_.Tell(MessageLevel::kWarning, id.job,
-              fmt::format("frame {} could not be denoised and its picture is noisy: {}",
-                          job->spec->frames[id.frame].number, reason));
+  state_.AddMessage(MessageLevel::kWarning, id.job,
+                    fmt::format("frame {} could not be denoised and its picture is noisy: {}",
+                                job->spec->frames[id.frame].number, reason));
 }
 
 bool FrameCompletion::PictureDamaged(FrameId id, const std::string& reason) {
@@ -107,7 +107,7 @@ bool FrameCompletion::PictureDamaged(FrameId id, const std::string& reason) {
     return false;
   }
   Log(fmt::format("picture_damaged job={} frame={} reason={}", Number(id.job), id.frame, LogText(reason)));
-  state_.Tell(
+  state_.AddMessage(
       MessageLevel::kWarning, id.job,
       fmt::format("the picture of frame {} is made again: {}", job->spec->frames[id.frame].number, reason));
   job->results.remaking.insert(id.frame);
@@ -140,7 +140,7 @@ void FrameCompletion::Lose(Job& job, uint32_t frame, const std::string& reason) 
   std::string& known = job.results.lost[frame];
   if (known == text) return;
   known = text;
-  state_.Tell(MessageLevel::kError, job.id, text);
+  state_.AddMessage(MessageLevel::kError, job.id, text);
   Log(fmt::format("picture_lost job={} frame={} reason={}", Number(job.id), frame, LogText(reason)));
 }
 

@@ -304,8 +304,8 @@ void Preparations::Fail(Instant now, Job& job, Preparation& preparation, WorkerI
   if (preparation.IsClosedTo(worker, party, attempts_max_)) return;
   state_.output.log.push_back(fmt::format("preparation_failed worker={:016x} name={} job={} reason={}",
                                           Number(worker), LogText(name), Number(job.id), LogText(reason)));
-  state_.Tell(MessageLevel::kWarning, job.id,
-              fmt::format("worker {} did not prepare the scene: {}", name, reason));
+  state_.AddMessage(MessageLevel::kWarning, job.id,
+                    fmt::format("worker {} did not prepare the scene: {}", name, reason));
   preparation.failures.try_emplace(worker, Failure{name, reason, party});
   preparation.failed_at = now;
   job.order_problem = ReasonsOf(preparation.failures);
@@ -340,7 +340,8 @@ void Preparations::Admit(Instant now, Job& job, const PreparationReport& report)
   state_.output.facts.emplace_back(JobSubmitted{job.id, shared});
   state_.output.log.push_back(fmt::format("job_prepared job={} frames={} samples={}", Number(job.id),
                                           shared->frames.size(), job.results.samples_total));
-  for (const std::string& warning : report.warnings) state_.Tell(MessageLevel::kWarning, job.id, warning);
+  for (const std::string& warning : report.warnings)
+    state_.AddMessage(MessageLevel::kWarning, job.id, warning);
 }
 
 }  // namespace tessera

@@ -128,7 +128,7 @@ std::optional<Verdict> ResultAcceptance::Verify(Instant now, Job& job, WorkerId 
 }
 
 void ResultAcceptance::Merge(Job& job, const WorkUnit& unit, RadianceTile tile) {
-  if (job.results.samples_accepted == 0) state_.Tell(MessageLevel::kInfo, job.id, "rendering");
+  if (job.results.samples_accepted == 0) state_.AddMessage(MessageLevel::kInfo, job.id, "rendering");
   job.results.samples_accepted += PixelSamples(tile);
   Merger& merger = frames_.MergerOf(job, unit.frame);
   TileNode node{unit.tile, tile.range, std::move(tile.sums), merger.channels()};
@@ -166,9 +166,10 @@ void ResultAcceptance::NoteSuspects() {
       state_.output.facts.emplace_back(CountsOf(state_.jobs.At(id)));
       state_.output.log.push_back(fmt::format("results_suspect job={} worker={:016x} units={}", Number(id),
                                               Number(worker), merged.mapped()));
-      state_.Tell(MessageLevel::kWarning, id,
-                  fmt::format("{} units in the picture came from a worker whose results later proved wrong",
-                              merged.mapped()));
+      state_.AddMessage(
+          MessageLevel::kWarning, id,
+          fmt::format("{} units in the picture came from a worker whose results later proved wrong",
+                      merged.mapped()));
     }
   }
 }

@@ -13,7 +13,7 @@ bool IsIgnored(int signal) {
   return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
-sigset_t TheSignals() {
+sigset_t HandledSignals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -27,7 +27,7 @@ sigset_t TheSignals() {
 }  // namespace
 
 TerminationSignals::TerminationSignals(std::function<void(int count)> action)
-    : signals_(TheSignals()), action_(std::move(action)) {
+    : signals_(HandledSignals()), action_(std::move(action)) {
   TESSERA_CHECK(pthread_sigmask(SIG_BLOCK, &signals_, nullptr) == 0);
   thread_ = std::thread([this] { WaitForSignals(); });
 }

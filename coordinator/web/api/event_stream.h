@@ -1,5 +1,5 @@
 // Server-sent events (WHATWG HTML, section 9.2): what changes on the farm, about once per second. Events are
-// made once per look for all readers. A reader that is slow misses some and always gets the newest.
+// made once per view for all readers. A reader that is slow misses some and always gets the newest.
 #pragma once
 
 #include <map>
@@ -18,16 +18,16 @@ class EventSource {
   explicit EventSource(FarmWatch& watch) : watch_(watch) {}
 
   struct Event {
-    uint64_t number = 0;  // of the look
+    uint64_t number = 0;  // of the view
     BodyStream::Part text;
   };
-  // Events `farm` and, if a job is named, `job` of the newest look; nullopt if there was none yet.
+  // Events `farm` and, if a job is named, `job` of the newest view; nullopt if there was none yet.
   std::optional<Event> Newest(std::optional<JobId> job);
 
  private:
   FarmWatch& watch_;
   std::mutex mutex_;
-  // Guarded by mutex_; of the newest look alone.
+  // Guarded by mutex_; of the newest view alone.
   uint64_t number_ = 0;
   BodyStream::Part farm_;
   std::map<JobId, BodyStream::Part> jobs_;

@@ -10,12 +10,12 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr milliseconds kFreshAge{500};
-constexpr milliseconds kLookInterval{1000};
-constexpr seconds kInterest{5};  // looks go on for so long after somebody has asked
-// Pauses between looks, in multiples of their cost.
-constexpr int kPausesPerLook = 100;
-constexpr int kPausesPerKeptLook = 500;
-constexpr int kPausesPerAskedLook = 20;
+constexpr milliseconds kReadInterval{1000};
+constexpr seconds kInterest{5};  // views are read for this long after somebody has asked
+// Pauses between views, in multiples of their cost.
+constexpr int kPausesPerView = 100;
+constexpr int kPausesPerKeptView = 500;
+constexpr int kPausesPerAskedView = 20;
 
 template <typename Ring>
 void Push(Ring& ring, typename Ring::value_type value) {
@@ -25,7 +25,7 @@ void Push(Ring& ring, typename Ring::value_type value) {
 
 }  // namespace
 
-FarmWatch::FarmWatch(Look look) : look_(std::move(look)), thread_([this] { Run(); }) {}
+FarmWatch::FarmWatch(ReadView read) : read_view_(std::move(read)), thread_([this] { Run(); }) {}
 
 FarmWatch::~FarmWatch() {
   Stop();
@@ -45,8 +45,8 @@ void FarmWatch::Ask(std::function<void(const Moment&)> done) {
   {
     const std::lock_guard lock(mutex_);
     wanted_ = Clock::now();
-    const auto age_max = std::max<Clock::duration>(kFreshAge, kPausesPerAskedLook * cost_);
-    if (!stopping_ && latest_ != nullptr && wanted_ - looked_ < age_max) {
+    const auto age_max = std::max<Clock::duration>(kFreshAge, kPausesPerAskedView * cost_);
+    if (!stopping_ && latest_ != nullptr && wanted_ - read_at_ < age_max) {
       fresh = latest_;
     } else if (!stopping_) {
       waiting_.push_back(std::move(done));
@@ -78,19 +78,19 @@ std::vector<std::array<float, 2>> FarmWatch::HistoryOf(WorkerId worker) const {
   return {found->second.begin(), found->second.end()};
 }
 
-// When the next look is due, with the mutex held.
+// When the next view is due, with the mutex held.
 FarmWatch::Clock::time_point FarmWatch::NextDue() const {
   if (!waiting_.empty()) return Clock::time_point();
-  const auto kept = kept_ + std::max<Clock::duration>(kHistoryInterval, kPausesPerKeptLook * cost_);
-  if (looked_ > wanted_ + kInterest) return kept;
-  return std::min(kept, looked_ + std::max<Clock::duration>(kLookInterval, kPausesPerLook * cost_));
+  const auto kept = kept_ + std::max<Clock::duration>(kHistoryInterval, kPausesPerKeptView * cost_);
+  if (read_at_ > wanted_ + kInterest) return kept;
+  return std::min(kept, read_at_ + std::max<Clock::duration>(kReadInterval, kPausesPerView * cost_));
 }
 
 void FarmWatch::Run() {
   std::unique_lock lock(mutex_);
   while (!stopping_) {
     if (Clock::now() >= NextDue()) {
-      LookOnce(lock);
+      Read(lock);
     } else {
       changed_.wait_until(lock, NextDue());
     }
@@ -99,22 +99,22 @@ void FarmWatch::Run() {
 }
 
 // Without the mutex while it waits for the farm.
-void FarmWatch::LookOnce(std::unique_lock<std::mutex>& lock) {
+void FarmWatch::Read(std::unique_lock<std::mutex>& lock) {
   const auto waiting = std::exchange(waiting_, {});
   const auto start = Clock::now();
   lock.unlock();
-  auto view = look_();
+  auto view = read_view_();
   lock.lock();
-  looked_ = Clock::now();
-  cost_ = looked_ - start;
+  read_at_ = Clock::now();
+  cost_ = read_at_ - start;
   Moment moment;
   if (view) {
-    if (looked_ - kept_ >= kHistoryInterval) Keep(*view);
+    if (read_at_ - kept_ >= kHistoryInterval) Keep(*view);
     moment = std::make_shared<const FarmMoment>(
         FarmMoment{std::move(*view), latest_ != nullptr ? latest_->number + 1 : 1});
     latest_ = moment;
   } else {
-    kept_ = std::max(kept_, looked_ - kHistoryInterval + kLookInterval);
+    kept_ = std::max(kept_, read_at_ - kHistoryInterval + kReadInterval);
   }
   lock.unlock();
   for (const auto& done : waiting) done(moment);
@@ -123,7 +123,7 @@ void FarmWatch::LookOnce(std::unique_lock<std::mutex>& lock) {
 }
 
 void FarmWatch::Keep(const FarmView& view) {
-  kept_ = looked_;
+  kept_ = read_at_;
   HistoryPoint point;
   point.unix_time_s =
       std::chrono::duration_cast<seconds>(std::chrono::system_clock::now().time_since_epoch()).count();

@@ -1,5 +1,5 @@
-// Looks at the farm for all who watch it: one look serves all of them, and the core thread spends at most one
-// percent of its time on looks. Also keeps what charts show of the last hour.
+// Reads the state of the farm for all who watch it: each view serves all of them, and the core thread spends
+// at most one percent of its time on views. Also keeps what charts show of the last hour.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ namespace tessera {
 
 struct FarmMoment {
   FarmView view;
-  uint64_t number = 0;  // of the look, from 1
+  uint64_t number = 0;  // of the view, from 1
 };
 
 // The farm every kHistoryInterval, oldest first.
@@ -40,17 +40,18 @@ class FarmWatch {
  public:
   using Clock = std::chrono::steady_clock;
   using Moment = std::shared_ptr<const FarmMoment>;
-  using Look = std::function<std::optional<FarmView>()>;
+  using ReadView = std::function<std::optional<FarmView>()>;
 
-  explicit FarmWatch(Look look);
+  explicit FarmWatch(ReadView read);
   ~FarmWatch();
   // Ends the thread. Callers that wait receive null.
   void Stop();
 
-  // Calls `done` with a moment that is not older than half a second or, on a farm whose looks are expensive,
+  // Calls `done` with a moment that is not older than half a second or, on a farm whose views are expensive,
   // some more; with null if the farm is too busy.
   void Ask(std::function<void(const Moment&)> done);
-  // The last moment, null before the first look. Looks go on, about every second, while somebody asks this.
+  // The last moment, null before the first view. Views are read, about every second, while somebody asks
+  // this.
   Moment Latest();
 
   std::vector<HistoryPoint> History() const;
@@ -59,17 +60,17 @@ class FarmWatch {
 
  private:
   void Run();
-  void LookOnce(std::unique_lock<std::mutex>& lock);
+  void Read(std::unique_lock<std::mutex>& lock);
   Clock::time_point NextDue() const;
   void Keep(const FarmView& view);
 
-  const Look look_;
+  const ReadView read_view_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   // Guarded by mutex_.
   bool stopping_ = false;
   Moment latest_;
-  Clock::time_point looked_{}, wanted_{}, kept_{};
+  Clock::time_point read_at_{}, wanted_{}, kept_{};
   Clock::duration cost_{};
   std::vector<std::function<void(const Moment&)>> waiting_;
   std::deque<HistoryPoint> history_;

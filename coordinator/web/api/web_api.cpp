@@ -77,7 +77,7 @@ class CountedPlace {
 
 WebApi::WebApi(WebFarm farm)
     : farm_(std::move(farm)),
-      watch_(farm_.look),
+      watch_(farm_.view),
       boards_(farm_),
       events_(std::make_shared<EventSource>(watch_)) {}
 

@@ -80,7 +80,7 @@ struct WebFarm {
   std::function<void(const WebCaller& caller, std::string_view call, JobId job, WebDone<JobStatus> done)>
       admit_to_job;
   // Returns nullopt if the farm is too busy.
-  std::function<std::optional<FarmView>()> look;
+  std::function<std::optional<FarmView>()> view;
   // With the units of frame `frame`.
   std::function<void(JobId job, uint32_t frame, WebDone<JobDetail> done)> detail;
   // Submits a job whose frames a worker makes. Entered in the audit log, as the next two.

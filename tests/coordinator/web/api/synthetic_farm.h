@@ -64,7 +64,7 @@ inline WebFarm SyntheticFarm(size_t jobs, size_t workers) {
   WebFarm farm;
   farm.admit = [](const auto&, auto) { return std::nullopt; };
   farm.reach = [](const auto&, auto) { return WebReach::kEverything; };
-  farm.look = [=, moment = std::make_shared<std::atomic<uint64_t>>(0)] {
+  farm.view = [=, moment = std::make_shared<std::atomic<uint64_t>>(0)] {
     return std::optional(SyntheticView(jobs, workers, ++*moment));
   };
   const auto find = [=](JobId job) -> WebResult<JobStatus> {

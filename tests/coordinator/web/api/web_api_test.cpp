@@ -185,7 +185,7 @@ TEST(Downloads, LackOfMemoryFailsTheDownloadAndTakesNoPlace) {
 
 TEST(FarmWatch, AFarmThatDoesNotAnswerIsReportedAsBusy) {
   WebFarm farm = SyntheticFarm(0, 0);
-  farm.look = [] { return std::optional<FarmView>(); };
+  farm.view = [] { return std::optional<FarmView>(); };
   WebApi api(std::move(farm));
   HttpRequest request;
   request.method = "GET";

@@ -1,10 +1,10 @@
-#include "coordinator/farm_look.h"
+#include "coordinator/read_farm_view.h"
 
 #include "coordinator/ask_core.h"
 
 namespace tessera {
 
-std::optional<FarmView> LookAtFarm(CoreThread& core) {
+std::optional<FarmView> ReadFarmView(CoreThread& core) {
   return AskCore(core, [](CoreContext& context) {
     const Farm& farm = context.farm;
     FarmView view;

@@ -1,4 +1,4 @@
-// A look at the farm for the web pages.
+// What the web pages show of the farm.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace tessera {
 class CoreThread;
 
 // Asks the core thread; returns nullopt if it does not answer in time. The caller fills in `traffic`,
-// `intake` and `blob_bytes`.
-std::optional<FarmView> LookAtFarm(CoreThread& core);
+// `intake`, `blob_bytes`, `disk_free` and `disk_total`.
+std::optional<FarmView> ReadFarmView(CoreThread& core);
 
 }  // namespace tessera
