@@ -28,11 +28,12 @@ Instant Now() {
 // rest alone. A member that is added to JobStatus does not compile until it is named here.
 auto NewsOf(const JobStatus& status) {
   const auto& [job, name, owner, priority, state, reason, samples_done, samples_total, samples_per_second,
-               workers, elapsed, left, frames_total, frames_finished, noise, times, paused_by_user,
-               verify_share, units_verified, units_disputed, units_suspect, submission] = status;
+               workers, elapsed, left, frames_total, frames_finished, frames_failed, noise, times,
+               paused_by_user, verify_share, units_verified, units_disputed, units_suspect, submission] =
+      status;
   return std::tie(job, name, owner, priority, state, reason, samples_done, samples_total, workers,
-                  frames_total, frames_finished, noise, paused_by_user, verify_share, units_verified,
-                  units_disputed, units_suspect, submission);
+                  frames_total, frames_finished, frames_failed, noise, paused_by_user, verify_share,
+                  units_verified, units_disputed, units_suspect, submission);
 }
 
 // The fewest nodes that hold the same sums.

@@ -145,7 +145,7 @@ void AddFlags(CLI::App& app, CoordinatorOptions& options, AddressWords& words) {
           "made again; the oldest are evicted first, 0 keeps none",
           0, options.keep_sums_bytes);
   AddInteger(app, "--attempts-max",
-             WithDefault("Number of workers that may fail a unit before its job fails",
+             WithDefault("Number of workers that may fail a unit before its frame fails",
                          fmt::format("{}", options.attempts_max)),
              1, kAttemptsMax, options.attempts_max);
   AddSwitch(app, "--insecure", "Use neither encryption nor logins, on addresses of this machine alone",

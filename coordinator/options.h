@@ -42,7 +42,7 @@ struct CoordinatorOptions {
   bool insecure = false;                   // TCP addresses, all of this machine alone, without TLS and login
   bool start_afresh = false;               // accept a data directory whose journal is gone
   bool exit_with_parent = false;           // end when the parent process ends
-  int attempts_max = kAttemptsMaxDefault;  // workers that may fail a unit before its job fails
+  int attempts_max = kAttemptsMaxDefault;  // workers that may fail a unit before its frame fails
   std::string log_level = kLogLevelDefault;
 
   std::string Text() const;  // for the log

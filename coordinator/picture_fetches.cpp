@@ -67,7 +67,7 @@ grpc::Status PictureFetches::Begin(CoreContext& core, PictureStream* stream, Fra
   }
   if (const auto file = core.farm.FinishedFile(id.job, id.frame)) return SendFile(stream, id, *file);
   const int number = core.farm.Spec(id.job)->frames[id.frame].number;
-  if (preview && HasEnded(status->state)) {
+  if (preview && (HasEnded(status->state) || core.farm.HasFailed(id))) {
     if (core.farm.IsMovingSums(id.job)) return BeingWritten();
     return SendLater(stream, [=, this]() -> Result<StoredPicture> {
       auto picture = pictures_.Open(id.job, id.frame, std::nullopt);

@@ -275,7 +275,7 @@ struct JobStatus {
   uint32_t workers = 0;
   std::chrono::milliseconds elapsed{};
   std::chrono::milliseconds left{-1};  // negative: unknown
-  uint32_t frames_total = 0, frames_finished = 0;
+  uint32_t frames_total = 0, frames_finished = 0, frames_failed = 0;
   // Root of the relMSE that the pictures are expected to have, as --noise-threshold has it; nullopt: not
   // known.
   std::optional<double> noise;
@@ -314,6 +314,7 @@ constexpr size_t kLogEntriesPerCallMax = 1000;
 struct FrameStatus {
   int32_t number = 0;          // FrameRequest::number
   std::optional<Digest> file;  // of its EXR file, once it can be fetched
+  bool has_failed = false;     // no worker can render it
 };
 
 struct WorkerStatus {

@@ -72,9 +72,14 @@ std::string FramesText(const std::vector<int>& frames, JobId job) {
   return fmt::format("frame {}{} of job {}", frames.front(), more, Number(job));
 }
 
-Error NotFinished(const JobStatus& status, const std::vector<int>& missing) {
+Error NotFinished(const JobStatus& status, const std::vector<int>& missing, bool have_failed) {
   const char* const verb = missing.size() == 1 ? "is" : "are";
   const std::string name = FramesText(missing, status.job);
+  if (have_failed) {
+    return Failed(
+        fmt::format("{} failed; \"tessera logs {}\" prints why, and --preview fetches what was rendered",
+                    name, Number(status.job)));
+  }
   if (!HasEnded(status.state)) {
     return Failed(
         fmt::format("{} {} not finished; use --preview to fetch what is rendered so far", name, verb));
@@ -88,6 +93,7 @@ Error NotFinished(const JobStatus& status, const std::vector<int>& missing) {
 
 struct Fetched {
   std::vector<int> missing;  // not finished and not asked for
+  bool have_failed = true;   // all of these
   std::vector<int> empty;    // of a job that ended before anything was rendered of them
 };
 
@@ -101,6 +107,7 @@ Result<Fetched> FetchFrames(const FetchOptions& options, const std::vector<Frame
       if (auto saved = fetcher.Save(i, frame); !saved) return saved.error();
     } else if (!options.preview) {
       fetched.missing.push_back(frame.number);
+      fetched.have_failed &= frame.has_failed;
       continue;
     } else {
       const auto saved = fetcher.SavePreview(i, frame.number);
@@ -142,7 +149,7 @@ Result<int> RunFetch(const FetchOptions& options, Cancellation& cancellation) {
   if (fetched->missing.empty()) return 0;
   const auto status = (*client)->Status(*job);
   if (!status) return status.error();
-  return NotFinished(*status, fetched->missing);
+  return NotFinished(*status, fetched->missing, fetched->have_failed);
 }
 
 }  // namespace

@@ -262,13 +262,13 @@ Result<std::vector<SavedPicture>> RenderOnLocalFarm(const RenderCommandOptions& 
   });
   if (!status) return status.error();
   views.Finish();
+  if (auto saved = fetcher.SaveFinished(); !saved) return saved.error();
   if (status->state != JobState::kFinished) {
     if (kept != nullptr) kept->Finish();  // it would fail again
     return EndedWithoutPicture(*status);
   }
   if (const std::string line = TimesLine(status->times); !line.empty())
     PrintNote("time of the farm: {}\n", line);
-  if (auto saved = fetcher.SaveFinished(); !saved) return saved.error();
   if (kept != nullptr) kept->Finish();
   return fetcher.saved();
 }

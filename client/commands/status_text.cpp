@@ -62,6 +62,7 @@ nlohmann::ordered_json ToJson(const JobStatus& status) {
   if (status.left.count() >= 0) json["left_s"] = Seconds(status.left);
   json["frames_total"] = status.frames_total;
   json["frames_finished"] = status.frames_finished;
+  json["frames_failed"] = status.frames_failed;
   json["noise"] = nullptr;
   if (status.noise) json["noise"] = *status.noise;
   json["times"] = ToJson(status.times);
@@ -142,6 +143,10 @@ Progress ProgressOf(const JobStatus& status) {
   if (status.state == JobState::kPreparing)
     progress.remark =
         "a worker is to prepare the scene" + (status.reason.empty() ? "" : "; " + status.reason);
+  if (status.frames_failed > 0 && !HasEnded(status.state)) {
+    progress.remark += fmt::format("{}{} frame{} failed", progress.remark.empty() ? "" : "; ",
+                                   status.frames_failed, status.frames_failed == 1 ? "" : "s");
+  }
   progress.frames = {status.frames_finished, status.frames_total};
   progress.has_ended = HasEnded(status.state);
   if (const std::string text = VerificationText(status); !text.empty()) {

@@ -130,8 +130,12 @@ Result<std::vector<JobStatus>> WatchAll(const ConnectionOptions& options, Cancel
 }
 
 Error EndedWithoutPicture(const JobStatus& status) {
-  return Failed(fmt::format("job {} {}{}{}", Number(status.job),
-                            status.state == JobState::kFailed ? "failed" : "was cancelled",
+  const std::string finished =
+      status.frames_total > 1 && status.frames_finished > 0
+          ? fmt::format(" ({} of {} frames are finished)", status.frames_finished, status.frames_total)
+          : "";
+  return Failed(fmt::format("job {} {}{}{}{}", Number(status.job),
+                            status.state == JobState::kFailed ? "failed" : "was cancelled", finished,
                             status.reason.empty() ? "" : ": ", status.reason));
 }
 

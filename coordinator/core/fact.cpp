@@ -30,6 +30,7 @@ enum class Kind : uint32_t {
   kVoteRecorded = 26,
   kJobOrdered = 27,
   kJobTimed = 28,
+  kFrameFailed = 29,
   kTokenIssued = 40,
   kTokenRevoked = 41,
   kMemberJoined = 42,
@@ -72,6 +73,13 @@ void Add(ByteWriter& out, const FrameFinished& fact) {
   AddDigest(out, fact.file.digest);
   out.Add64(fact.samples);
   out.Add64(fact.file.bytes);
+}
+
+void Add(ByteWriter& out, const FrameFailed& fact) {
+  out.Add32(static_cast<uint32_t>(Kind::kFrameFailed));
+  out.Add64(Number(fact.job));
+  out.Add32(fact.frame);
+  out.AddText(fact.reason);
 }
 
 void Add(ByteWriter& out, const JobEnded& fact) {
@@ -313,6 +321,13 @@ std::optional<Fact> ReadFact(ByteReader& in) {
     case Kind::kJobTimed: return ReadJobTimed(in);
     case Kind::kFrameFinishedWithoutSize:
     case Kind::kFrameFinished: return ReadFrameFinished(in, kind == Kind::kFrameFinished);
+    case Kind::kFrameFailed: {
+      FrameFailed fact;
+      fact.job = JobId{in.Read64()};
+      fact.frame = in.Read32();
+      fact.reason = in.ReadText();
+      return fact;
+    }
     case Kind::kJobEnded: {
       JobEnded fact;
       fact.job = JobId{in.Read64()};

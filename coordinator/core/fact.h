@@ -57,6 +57,13 @@ struct FrameFinished {
   uint64_t samples = 0;  // pixel samples that it is made of
 };
 
+// No worker can render the frame. The job goes on with its other frames.
+struct FrameFailed {
+  JobId job{};
+  uint32_t frame = 0;
+  std::string reason;
+};
+
 struct JobEnded {
   JobId job{};
   JobState state{};
@@ -147,7 +154,8 @@ struct AuthorityChosen {
 using Fact = std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended,
                           JobsForgotten, FrameResumed, JobPaused, JobPriorityChanged, WorkerQuarantined,
                           VoteRecorded, UnitsCounted, TokenIssued, TokenRevoked, MemberJoined, MemberRenewed,
-                          MemberRevoked, JobOwned, AuthorityChosen, JobOrdered, JobTimed>;
+                          MemberRevoked, JobOwned, AuthorityChosen, JobOrdered, JobTimed,
+                          FrameFailed>;
 
 // Whether files may be removed when the fact is on stable storage: the sums of a job that is not finished.
 bool FreesSpace(const Fact& fact);

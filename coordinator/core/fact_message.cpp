@@ -27,6 +27,10 @@ std::string TextOf(const FrameFinished& fact, const Job& job) {
   return fmt::format("frame {} is finished", job.spec->frames.at(fact.frame).number);
 }
 
+std::string TextOf(const FrameFailed& fact, const Job& job) {
+  return fmt::format("frame {} failed: {}", job.spec->frames.at(fact.frame).number, fact.reason);
+}
+
 std::string TextOf(const JobEnded& fact, const Job&) {
   return fact.reason.empty() ? JobStateName(fact.state)
                              : fmt::format("{}: {}", JobStateName(fact.state), fact.reason);
@@ -49,6 +53,7 @@ MessageLevel LevelOf([[maybe_unused]] const EachFact& fact) {
   if constexpr (std::is_same_v<EachFact, JobEnded>) {
     if (fact.state == JobState::kFailed) return MessageLevel::kError;
   }
+  if (std::is_same_v<EachFact, FrameFailed>) return MessageLevel::kError;
   return MessageLevel::kInfo;
 }
 

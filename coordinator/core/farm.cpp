@@ -30,11 +30,7 @@ void Farm::Advance(Instant now) {
   for (const WorkerBlock& block : scheduler.TakeBlocks()) state_.output.facts.emplace_back(FactOf(block));
   results_.NoteSuspects();
   preparations_.Advance(now);
-  const auto failed = scheduler.TakeFailedJobs();
-  for (const FailedJob& each : failed) {
-    if (Job* const job = state_.jobs.Find(each.job)) end_.End(now, *job, JobState::kFailed, each.reason);
-  }
-  if (!failed.empty()) scheduler.Advance(now);  // their workers are free
+  EndFailed(now);
   CountGivenUp(state_);
   MeasureProgress(state_, now);
   end_.ForgetOldest();
@@ -44,6 +40,19 @@ void Farm::Advance(Instant now) {
   AnswerParked(now);
   for (std::string& line : scheduler.TakeLog()) Log(std::move(line));
   for (JobMessage& message : scheduler.TakeMessages()) state_.output.messages.push_back(std::move(message));
+}
+
+void Farm::EndFailed(Instant now) {
+  Scheduler& scheduler = state_.scheduler;
+  const auto jobs = scheduler.TakeFailedJobs();
+  for (const FailedJob& each : jobs) {
+    if (Job* const job = state_.jobs.Find(each.job)) end_.End(now, *job, JobState::kFailed, each.reason);
+  }
+  const auto frames = scheduler.TakeFailedFrames();
+  for (const FailedFrame& each : frames) {
+    if (Job* const job = state_.jobs.Find(each.job)) end_.FailFrame(now, *job, each.frame, each.reason);
+  }
+  if (!jobs.empty() || !frames.empty()) scheduler.Advance(now);  // their workers are free
 }
 
 // Messages about what the farm has done come after those about what led to it.
@@ -292,9 +301,15 @@ std::vector<FrameStatus> Farm::Frames(JobId id) const {
   if (job == nullptr) return frames;
   for (uint32_t i = 0; i < job->spec->frames.size(); ++i) {
     const auto file = FinishedFile(id, i);
-    frames.push_back({job->spec->frames[i].number, file ? std::optional(file->digest) : std::nullopt});
+    frames.push_back(
+        {job->spec->frames[i].number, file ? std::optional(file->digest) : std::nullopt, HasFailed({id, i})});
   }
   return frames;
+}
+
+bool Farm::HasFailed(FrameId id) const {
+  const Job* const job = state_.jobs.Find(id.job);
+  return job != nullptr && job->results.failed.contains(id.frame);
 }
 
 std::vector<Digest> Farm::PackagesInUse() const {

@@ -96,6 +96,8 @@ class Farm {
   std::vector<WorkerStatus> Workers(Instant now) const { return state_.scheduler.Workers(now); }
   // The job's frames in order; empty if there is no such job.
   std::vector<FrameStatus> Frames(JobId job) const;
+  // Whether no worker can render the frame.
+  bool HasFailed(FrameId frame) const;
   // Scene packages of all open jobs.
   std::vector<Digest> PackagesInUse() const;
   // Workers of a name, or the one whose id is `which` in 16 hexadecimal digits.
@@ -165,6 +167,8 @@ class Farm {
     std::vector<Verdict> verdicts;
     std::vector<std::string> reasons;
   };
+  // The jobs and frames that failed.
+  void EndFailed(Instant now);
   void AnswerResults(Instant now);
   void AnswerParked(Instant now);
   void Answer(Instant now, WorkerId worker);

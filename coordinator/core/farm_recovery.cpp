@@ -56,6 +56,15 @@ void FarmRecovery::Restore(const Fact& fact) {
               finished_.push_back({each.job, each.frame});
             });
           },
+          [&](const FrameFailed& each) {
+            with_job(each.job, [&](Job& job) {
+              if (each.frame >= job.spec->frames.size()) return;
+              job.results.failed[each.frame] = each.reason;
+              job.in_spool.erase(each.frame);
+              std::erase_if(votes_[each.job],
+                            [&](const auto& vote) { return vote.first.frame == each.frame; });
+            });
+          },
           [&](const JobEnded& each) {
             with_job(each.job, [&](Job& job) {
               job.state = each.state;
@@ -116,6 +125,7 @@ SpoolUse FarmRecovery::FoundInSpool(FrameId id, bool begun) {
   if (job == nullptr || id.frame >= job->spec->frames.size()) return SpoolUse::kDrop;
   const bool is_finished = job->results.files.contains(id.frame);
   if (HasEnded(job->state) && job->state != JobState::kFinished) return SpoolUse::kDrop;
+  if (job->results.failed.contains(id.frame)) return SpoolUse::kDrop;
   if (is_finished && !frames_.MayKeepSums()) return SpoolUse::kDrop;
   if (is_finished || (job->in_spool.contains(id.frame) && !begun)) {
     found_kept_.insert(id);
@@ -154,6 +164,8 @@ void FarmRecovery::RestoreCounts(Job& job) {
     results.samples_done += results.frame_samples.at(frame);
     results.samples_total -= SamplesOf(job.spec->frames[frame].spec) - results.frame_samples.at(frame);
   }
+  for (const auto& [frame, reason] : results.failed)
+    results.samples_total -= SamplesOf(job.spec->frames[frame].spec);
 }
 
 // A clock that was set back makes no job begin in the future or end before it began.
@@ -191,9 +203,10 @@ void FarmRecovery::Begin(Instant now) {
 void FarmRecovery::Resume(Instant now, Job& job) {
   job.clock.begun = state_.scheduler.counters();
   if (job.order != nullptr) return;  // Preparations
-  std::set<uint32_t> finished;
-  for (const auto& [frame, file] : job.results.files) finished.insert(frame);
-  state_.scheduler.AddJob(job, finished);
+  std::set<uint32_t> ended;
+  for (const auto& [frame, file] : job.results.files) ended.insert(frame);
+  for (const auto& [frame, reason] : job.results.failed) ended.insert(frame);
+  state_.scheduler.AddJob(job, ended);
   uint64_t restored = 0;
   for (const auto& [frame, samples] : job.in_spool)
     restored += static_cast<uint64_t>(job.spec->frames[frame].spec.crop.area()) * samples;
@@ -209,12 +222,12 @@ void FarmRecovery::Resume(Instant now, Job& job) {
   }
   job.results.samples_done += restored;
   state_.output.log.push_back(fmt::format("job_resumed job={} frames_finished={} samples_restored={}",
-                                          Number(job.id), finished.size(), restored));
+                                          Number(job.id), job.results.files.size(), restored));
   state_.AddMessage(MessageLevel::kInfo, job.id,
-                    fmt::format("the coordinator was restarted: {} of {} samples are kept",
-                                job.results.samples_done, job.results.samples_total));
+              fmt::format("the coordinator was restarted: {} of {} samples are kept",
+                          job.results.samples_done, job.results.samples_total));
   for (const uint32_t frame : complete) frames_.Complete(job, frame);
-  if (finished.size() == job.spec->frames.size()) end_.End(now, job, JobState::kFinished, "");
+  end_.EndIfDecided(now, job);
 }
 
 // Tells the scheduler what is merged, and which tiles stop because of it.
@@ -283,6 +296,7 @@ std::vector<Fact> FarmRecovery::Snapshot() const {
   }
   for (const FrameId kept : state_.kept_sums.Frames()) append_finished(jobs.at(kept.job), kept.frame);
   for (const auto& [id, job] : jobs) {
+    for (const auto& [frame, reason] : job.results.failed) facts.emplace_back(FrameFailed{id, frame, reason});
     AppendControl(job, facts);
     if (HasEnded(job.state)) facts.emplace_back(JobEnded{id, job.state, job.reason});
   }

@@ -68,7 +68,7 @@ void FrameCompletion::PictureWritten(Instant now, FrameId id, const PictureFile&
       FrameFinished{id.job, id.frame, file, job->results.frame_samples.at(id.frame)});
   Log(fmt::format("frame_finished job={} frame={} file={}", Number(id.job), id.frame, file.digest.Hex()));
   KeepSums(*job, id.frame);
-  if (job->results.files.size() == job->spec->frames.size()) end_.End(now, *job, JobState::kFinished, "");
+  end_.EndIfDecided(now, *job);
 }
 
 void FrameCompletion::PictureDelayed(Instant now, FrameId id, const std::string& reason) {

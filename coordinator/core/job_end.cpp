@@ -4,12 +4,25 @@
 
 #include <algorithm>
 
+#include "coordinator/core/extension.h"
 #include "coordinator/core/job_report.h"
 #include "coordinator/core/schedule/policy.h"
 #include "renderer/text/unicode.h"
 #include "renderer/util/check.h"
 
 namespace tessera {
+namespace {
+
+// Of a job with failed frames.
+std::string FailureText(const Job& job) {
+  const auto& [first, reason] = *job.results.failed.begin();
+  const std::string text = fmt::format("frame {} failed: {}", job.spec->frames[first].number, reason);
+  const size_t others = job.results.failed.size() - 1;
+  if (others == 0) return text;
+  return fmt::format("{}; {} more frame{} failed", text, others, others == 1 ? "" : "s");
+}
+
+}  // namespace
 
 void JobEnd::End(Instant now, Job& job, JobState end, const std::string& reason) {
   TESSERA_CHECK(HasEnded(end));
@@ -39,14 +52,58 @@ void JobEnd::End(Instant now, Job& job, JobState end, const std::string& reason)
       JobStateName(end), Seconds(now - job.began), job.results.samples_accepted, LogText(reason)));
 }
 
+void JobEnd::FailFrame(Instant now, Job& job, uint32_t frame, const std::string& reason) {
+  JobResults& results = job.results;
+  if (HasEnded(job.state) || results.files.contains(frame) || results.writing.contains(frame)) return;
+  if (!results.failed.try_emplace(frame, reason).second) return;
+  state_.output.facts.emplace_back(FrameFailed{job.id, frame, reason});
+  state_.output.log.push_back(
+      fmt::format("frame_failed job={} frame={} reason={}", Number(job.id), frame, LogText(reason)));
+  KeepPicture(job, frame);
+  state_.scheduler.DropFrame(job, frame);
+  DropFrameSums(job, frame);
+  EndIfDecided(now, job);
+}
+
+void JobEnd::DropFrameSums(Job& job, uint32_t frame) {
+  JobResults& results = job.results;
+  const FrameSpec& spec = job.spec->frames[frame].spec;
+  const auto merger = results.mergers.find(frame);
+  if (merger != results.mergers.end()) {
+    results.samples_done -= merger->second.samples_merged();
+    results.samples_total -= merger->second.samples_total();
+    results.mergers.erase(merger);
+  } else {
+    results.samples_total -= SamplesOf(spec);
+  }
+  results.loading.erase(frame);
+  state_.output.dropped.push_back({job.id, frame});
+}
+
+void JobEnd::EndIfDecided(Instant now, Job& job) {
+  const size_t failed = job.results.failed.size(), finished = job.results.files.size();
+  const bool is_done = failed + finished == job.spec->frames.size();
+  const bool is_given_up = failed >= kFailedFramesMax &&
+                           static_cast<double>(failed) > kFailedFramesShare * static_cast<double>(finished);
+  if (is_done && failed == 0) return End(now, job, JobState::kFinished, "");
+  if (is_done || is_given_up) End(now, job, JobState::kFailed, FailureText(job));
+}
+
 void JobEnd::KeepPictures(Job& job) {
   for (const auto& [frame, merger] : job.results.mergers) {
-    // While the earlier sums of an extended frame are loaded, its picture without the extension is the better
-    // one.
-    if (merger.samples_merged() == 0 || job.results.loading.contains(frame)) continue;
-    state_.output.partial_pictures.push_back({job.id, frame, job.spec, merger.Snapshot(), false});
-    job.results.writing.insert(frame);
+    if (KeepPicture(job, frame)) job.results.writing.insert(frame);
   }
+}
+
+bool JobEnd::KeepPicture(const Job& job, uint32_t frame) {
+  const auto merger = job.results.mergers.find(frame);
+  // While the earlier sums of an extended frame are loaded, its picture without the extension is the better
+  // one.
+  if (merger == job.results.mergers.end() || merger->second.samples_merged() == 0 ||
+      job.results.loading.contains(frame))
+    return false;
+  state_.output.partial_pictures.push_back({job.id, frame, job.spec, merger->second.Snapshot(), false});
+  return true;
 }
 
 void JobEnd::DropSums(const Job& job) {

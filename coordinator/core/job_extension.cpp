@@ -48,6 +48,10 @@ Result<void> JobExtension::Check(const Job& job, uint32_t samples_per_pixel) con
   }
   if (HasEnded(job.state) && job.state != JobState::kFinished)
     return refuse(fmt::format("it was {}; submit the scene again", JobStateName(job.state)));
+  if (!job.results.failed.empty()) {
+    return refuse(fmt::format("frame {} of it failed; submit the scene again",
+                              job.spec->frames[job.results.failed.begin()->first].number));
+  }
   if (samples_per_pixel < SamplesMax(*job.spec)) {
     return BadInput(fmt::format("job {} has {} samples per pixel already; choose a larger --spp",
                                 Number(job.id), SamplesMax(*job.spec)));

@@ -105,6 +105,7 @@ JobStatus StatusOf(const FarmState& state, Instant now, const Job& job) {
   status.samples_total = results.samples_total;
   status.frames_total = static_cast<uint32_t>(job.spec->frames.size());
   status.frames_finished = static_cast<uint32_t>(results.files.size());
+  status.frames_failed = static_cast<uint32_t>(results.failed.size());
   status.noise = NoiseOf(results);
   status.verify_share = job.spec->verify_share;
   status.units_verified = results.units_verified;

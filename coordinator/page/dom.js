@@ -48,6 +48,8 @@ export const count = (value) => scaled(value, 1000, "");
 export const bytes = (value) => scaled(value, 1000, "B");
 export const percent = (value) => `${(100 * value).toFixed(value > 0 && value < 0.1 ? 1 : 0)} %`;
 
+// After the number of a job's frames: those that no worker can render.
+export const failedText = (job) => (job.frames_failed > 0 ? `, ${job.frames_failed} failed` : "");
 // The root of the relMSE: the typical error of a pixel relative to its value.
 export const noiseText = (noise) => (noise === null || noise === undefined ? "" : `${(100 * noise).toPrecision(2)} %`);
 

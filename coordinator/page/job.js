@@ -1,7 +1,7 @@
 // One job: its picture while it refines, what it does, and buttons that change it.
 
 import {get, mayControl, maySeePicture, post} from "./api.js";
-import {count, duration, h, isOpenState, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
+import {count, duration, failedText, h, isOpenState, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
 import {Strip} from "./strip.js";
 import {Viewer} from "./viewer.js";
 
@@ -149,7 +149,7 @@ export class JobView {
       ["Noise reached", noiseText(job.noise)],
       ["Noise threshold", detail.noise_threshold ? noiseText(detail.noise_threshold) : ""],
       ["Workers", String(job.workers)], ["Elapsed", duration(job.elapsed_s)], ["Time left", duration(job.left_s)],
-      ["Frames", job.frames_total > 1 ? `${job.frames_finished} of ${job.frames_total}` : ""],
+      ["Frames", job.frames_total > 1 ? `${job.frames_finished} of ${job.frames_total}${failedText(job)}` : ""],
       ["Scene", detail.scene_file || ""],
     ].filter(([, text]) => text !== "");
     const rows = [...this.figures.children];

@@ -1,7 +1,7 @@
 // All jobs: small pictures, progress, time left. Fluent with thousands.
 
 import {get, maySeePicture} from "./api.js";
-import {count, duration, h, isOpenState, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
+import {count, duration, failedText, h, isOpenState, noiseText, percent, progressBar, setClass, setText} from "./dom.js";
 import {sortButtons, Throttle, VirtualList} from "./list.js";
 
 const kColumns = [
@@ -104,7 +104,7 @@ function makeRow() {
     setText(name, job.name || `Job ${job.id}`);
     name.href = `#/jobs/${job.id}`;
     name.title = job.name;
-    const frames = job.frames_total > 1 ? ` · ${job.frames_finished}/${job.frames_total} frames` : "";
+    const frames = job.frames_total > 1 ? ` · ${job.frames_finished}/${job.frames_total} frames${failedText(job)}` : "";
     setText(number, `#${job.id}${frames}`);
     setText(state, job.state);
     setClass(state, `state ${job.state}`);

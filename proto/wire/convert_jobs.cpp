@@ -119,6 +119,7 @@ Result<JobStatus> ReadJobStatus(const proto::JobStatus& message) {
   status.left = left_ms < 0 ? std::chrono::milliseconds(-1) : ReadDuration(static_cast<uint64_t>(left_ms));
   status.frames_total = message.frames_total();
   status.frames_finished = message.frames_finished();
+  status.frames_failed = message.frames_failed();
   status.times = ReadTimes(message.times());
   status.paused_by_user = message.paused_by_user();
   status.verify_share = ReadMeasure(message.verify_share());
@@ -153,6 +154,7 @@ void Write(const JobStatus& value, proto::JobStatus& message) {
   message.set_left_ms(value.left.count());
   message.set_frames_total(value.frames_total);
   message.set_frames_finished(value.frames_finished);
+  message.set_frames_failed(value.frames_failed);
   Write(value.times, *message.mutable_times());
   message.set_paused_by_user(value.paused_by_user);
   message.set_verify_share(value.verify_share);
@@ -170,7 +172,7 @@ Result<std::vector<FrameStatus>> ReadFrameStatuses(const proto::FramesAnswer& me
   if (message.frames_size() > kFramesPerJobMax) return BadField("frames", "are too many for one job");
   std::vector<FrameStatus> frames;
   for (const auto& frame : message.frames()) {
-    frames.push_back({frame.number(), std::nullopt});
+    frames.push_back({frame.number(), std::nullopt, frame.failed()});
     if (frame.file().empty()) continue;
     const auto file = ReadDigest(frame.file(), "file");
     if (!file) return file.error();
@@ -183,6 +185,7 @@ void Write(const std::vector<FrameStatus>& value, proto::FramesAnswer& message) 
   for (const FrameStatus& frame : value) {
     auto& written = *message.add_frames();
     written.set_number(frame.number);
+    written.set_failed(frame.has_failed);
     if (frame.file) written.set_file(WriteDigest(*frame.file));
   }
 }

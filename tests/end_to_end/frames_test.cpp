@@ -188,13 +188,39 @@ TEST_F(Frames, ASequenceIsFetchedAsAWholeOrByFrame) {
   EXPECT_THAT(none.errors, HasSubstr("has no frame 9; its frames are 1 to 3"));
 }
 
-TEST_F(Frames, APreviewOfAnEndedSequenceSkipsAndNamesAFrameOfWhichNothingWasRendered) {
-  WriteSequence(3);
+// Needs more memory than a worker with --scene-memory 16M may use.
+std::string LargeMesh() {
   std::string mesh = "Shape \"trianglemesh\" \"point3 P\" [";
   for (int i = 0; i < 300'000; ++i) mesh += " 0 0 5";
   mesh += "] \"integer indices\" [";
   for (int i = 0; i < 300'000; ++i) mesh += " " + std::to_string(i);
-  Write("scene.0002.pbrt", Scene(LookFrom(2), mesh + "]\n"));
+  return mesh + "]\n";
+}
+
+TEST_F(Frames, AFrameThatFailsIsNamedAfterTheOthersAreRendered) {
+  WriteSequence(3);
+  Write("scene.0002.pbrt", Scene(LookFrom(2), LargeMesh()));
+  StartCoordinator({"--attempts-max", "1"});
+  StartWorker("small", 1, {"--scene-memory", "16M"});
+  const std::string job = Submit("scene.####.pbrt", {"--frames", "1-3"});
+  const Outcome watched = Ask({"watch", job});
+  EXPECT_EQ(watched.code, 1);
+  EXPECT_THAT(watched.errors,
+              HasSubstr("job " + job + " failed (2 of 3 frames are finished): frame 2 failed: "));
+  EXPECT_EQ(Figure(job, "frames_failed"), 1);
+  const Outcome fetched = Ask({"fetch", job});
+  EXPECT_EQ(fetched.code, 1);
+  EXPECT_THAT(fetched.errors, HasSubstr("frame 2 of job " + job + " failed; \"tessera logs " + job + "\""));
+  EXPECT_TRUE(Bytes("job-" + job + ".0001.exr") == Alone(1));
+  EXPECT_FALSE(Exists("job-" + job + ".0002.exr"));
+  EXPECT_TRUE(Bytes("job-" + job + ".0003.exr") == Alone(3));
+  const Outcome logs = Ask({"logs", job});
+  EXPECT_THAT(logs.output, HasSubstr("frame 2 failed: the scene cannot be loaded"));
+}
+
+TEST_F(Frames, APreviewOfAnEndedSequenceSkipsAndNamesAFrameOfWhichNothingWasRendered) {
+  WriteSequence(3);
+  Write("scene.0002.pbrt", Scene(LookFrom(2), LargeMesh()));
   StartCoordinator();
   StartWorker("small", 1, {"--scene-memory", "16M"});
   const std::string job = Submit("scene.####.pbrt", {"--frames", "1-3"});

@@ -103,6 +103,7 @@ void SaveFacts() {
   const Fact facts[] = {CoordinatorStarted{3, {5, 6}},
                         JobSubmitted{JobId{1}, std::make_shared<const JobSpec>(Job())},
                         FrameFinished{JobId{1}, 0, {Sha256("picture"), 4096}, 512},
+                        FrameFailed{JobId{1}, 0, "out of memory"},
                         JobEnded{JobId{1}, JobState::kFailed, "out of memory"},
                         JobExtended{JobId{1}, 64},
                         JobsForgotten{JobId{1}},

@@ -41,13 +41,13 @@ void FailureHandling::RecordFailure(WorkerId worker_id, const WorkUnit& unit, co
   state_.Warn(unit.job,
               fmt::format("worker {} did not render {}: {}", worker.name, UnitText(*job.spec, unit), reason));
   frame.failures.Record({samples, worker_id, worker.member, worker.name + ": " + reason});
-  Judge(job, frame);
+  Judge(job, unit.frame, frame);
 }
 
-void FailureHandling::Judge(const Job& job, const ActiveFrame& frame) {
+void FailureHandling::Judge(const Job& job, uint32_t index, const ActiveFrame& frame) {
   const auto fatal = frame.failures.FatalReason(
       attempts_max_, [&] { return state_.workers.PartiesFor(job.spec->required_tags); });
-  if (fatal) FailJob(job.id, TextOf(*fatal));
+  if (fatal) FailFrame(job, index, TextOf(*fatal));
 }
 
 void FailureHandling::Withdraw(WorkerRecord& worker, const Digest& scene) {
@@ -82,7 +82,7 @@ void FailureHandling::FailScene(WorkerId worker_id, const Digest& scene, const s
         continue;
       }
       frame.failures.Record({std::nullopt, worker_id, worker->member, worker->name + ": " + reason}, cause);
-      Judge(*job, frame);
+      Judge(*job, index, frame);
     }
   }
   leases_.UpdateRoom(*worker);
@@ -132,6 +132,14 @@ void FailureHandling::FailJob(JobId job, const std::string& reason) {
   if (!is_known) failed_.push_back({job, reason});
 }
 
+// What one frame needs says nothing about the others.
+void FailureHandling::FailFrame(const Job& job, uint32_t index, const std::string& reason) {
+  if (job.spec->frames.size() == 1) return FailJob(job.id, reason);
+  const bool is_known = std::ranges::any_of(
+      failed_frames_, [&](const FailedFrame& each) { return each.job == job.id && each.frame == index; });
+  if (!is_known) failed_frames_.push_back({job.id, index, reason});
+}
+
 void FailureHandling::FailWhatAllFailed(Instant now) {
   for (const auto& [id, job] : state_.jobs.open()) {
     std::optional<std::set<WorkerId>> able;  // for the few jobs that have failures
@@ -142,7 +150,8 @@ void FailureHandling::FailWhatAllFailed(Instant now) {
           attempts_max_ < kAttemptsMaxDefault && able->size() >= static_cast<size_t>(attempts_max_);
       // If none is able, a worker that joins may be able to render it.
       const Instant grace = are_all_here ? Instant{} : kPoisonGrace;
-      if (const auto fatal = frame.failures.FatalReasonOfAll(now, *able, grace)) FailJob(id, TextOf(*fatal));
+      if (const auto fatal = frame.failures.FatalReasonOfAll(now, *able, grace))
+        FailFrame(*job, index, TextOf(*fatal));
     }
   }
 }

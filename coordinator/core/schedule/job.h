@@ -111,6 +111,7 @@ struct JobResults {
   std::set<uint32_t> loading;                    // frames whose earlier sums are on their way from the spool
   std::set<uint32_t> writing;                    // frames that are complete and not written
   std::map<uint32_t, PictureFile> files;         // of frames that are written
+  std::map<uint32_t, std::string> failed;        // why no worker can render frames
   std::map<uint32_t, uint64_t> frame_samples;    // pixel samples of frames that are complete
   NoiseOfFrames noise;                           // of frames that this process completed
   std::set<uint32_t> remaking;                   // frames whose damaged file is made again from their sums

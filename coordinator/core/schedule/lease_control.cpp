@@ -77,8 +77,8 @@ void LeaseControl::ReturnAllOf(WorkerId worker) {
   }
 }
 
-void LeaseControl::RevokeAllOf(const Job& job) {
-  for (const LeaseId lease : state_.leases.OfJob(job.id)) {
+void LeaseControl::RevokeAll(const std::vector<LeaseId>& leases) {
+  for (const LeaseId lease : leases) {
     const LeaseRecord& record = state_.leases.At(lease);
     CountGivenUp(record);
     state_.workers.Revoke(state_.workers.At(record.worker), lease);

@@ -26,8 +26,8 @@ class LeaseControl {
   // Ends a lease whose samples were merged from other results, and lists it as one to drop.
   void DropDone(LeaseId id);
   void ReturnAllOf(WorkerId worker);
-  // All leases of a job that ends.
-  void RevokeAllOf(const Job& job);
+  // All leases of a job or frame that ends.
+  void RevokeAll(const std::vector<LeaseId>& leases);
   // Opens the samples again, as far as they are neither done nor held.
   void Reopen(const WorkUnit& unit, ActiveFrame& frame);
 

@@ -166,9 +166,19 @@ std::vector<LeaseId> LeaseTable::OfJob(JobId id) const {
   const auto job = jobs_.find(id);
   if (job == jobs_.end()) return all;
   for (const auto& [frame, tiles] : job->second.frames) {
-    for (const std::vector<LeasedRange>& ranges : tiles) {
-      for (const LeasedRange& each : ranges) all.push_back(each.lease);
-    }
+    for (const LeaseId lease : OfFrame(id, frame)) all.push_back(lease);
+  }
+  return all;
+}
+
+std::vector<LeaseId> LeaseTable::OfFrame(JobId id, uint32_t frame) const {
+  std::vector<LeaseId> all;
+  const auto job = jobs_.find(id);
+  if (job == jobs_.end()) return all;
+  const auto tiles = job->second.frames.find(frame);
+  if (tiles == job->second.frames.end()) return all;
+  for (const std::vector<LeasedRange>& ranges : tiles->second) {
+    for (const LeasedRange& each : ranges) all.push_back(each.lease);
   }
   return all;
 }

@@ -107,6 +107,8 @@ class LeaseTable {
   const std::vector<LeasedRange>& OfTile(const WorkUnit& unit) const;
   // By frame, tile and age.
   std::vector<LeaseId> OfJob(JobId job) const;
+  // By tile and age.
+  std::vector<LeaseId> OfFrame(JobId job, uint32_t frame) const;
   const JobShare& ShareOf(JobId job) const;
   // There are no leases of the frame and there will be none. The same of a job.
   void ForgetFrame(JobId job, uint32_t frame);

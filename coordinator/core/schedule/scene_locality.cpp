@@ -98,6 +98,11 @@ void SceneLocality::StopRequests(const Job& job) {
   }
 }
 
+void SceneLocality::StopRequest(const Digest& scene) {
+  for (auto& [id, worker] : state_.workers.all())
+    std::erase_if(worker.wanted, [&](const SceneRequest& wanted) { return wanted.key == scene; });
+}
+
 void SceneLocality::RequestNext(Instant now, WorkerRecord& worker, const FrameChoice& current) {
   Job& job = *current.job;
   if (job.schedule.active.size() < 2 || worker.is_loading()) return;

@@ -33,6 +33,8 @@ class SceneLocality {
   void Request(WorkerRecord& worker, const FrameChoice& choice);
   // Workers that were told to load a scene of the job's package need not.
   void StopRequests(const Job& job);
+  // The same for one scene.
+  void StopRequest(const Digest& scene);
   // While a worker renders `current` it loads the next frame, unless it is loading something or has another
   // one ready.
   void RequestNext(Instant now, WorkerRecord& worker, const FrameChoice& current);

@@ -80,13 +80,25 @@ void Scheduler::ExtendJob(Job& job, std::shared_ptr<const JobSpec> spec) {
 
 void Scheduler::RemoveJob(Job& job) {
   if (state_.jobs.Find(job.id) == nullptr) return;
-  leases_.RevokeAllOf(job);
+  leases_.RevokeAll(state_.leases.OfJob(job.id));
   state_.leases.ForgetJob(job.id);
   state_.losses.ForgetJob(job.id);
   scenes_.StopRequests(job);
   state_.jobs.Remove(job);
   job.schedule = {};
   state_.idle.UnblockAll();  // workers that waited for a scene of this job may load another
+}
+
+void Scheduler::DropFrame(Job& job, uint32_t frame) {
+  job.schedule.ahead.erase(frame);
+  const auto active = job.schedule.active.find(frame);
+  if (active == job.schedule.active.end()) return;
+  leases_.RevokeAll(state_.leases.OfFrame(job.id, frame));
+  state_.leases.ForgetFrame(job.id, frame);
+  scenes_.StopRequest(active->second.scene.key);
+  job.schedule.active.erase(active);
+  state_.jobs.ClearRefusal();
+  state_.idle.UnblockAll();  // there is room for another frame, and workers that waited for this one are free
 }
 
 void Scheduler::SetPaused(Instant now, Job& job, bool is_paused) {

@@ -29,7 +29,7 @@ namespace tessera {
 struct SchedulerOptions {
   // Grows with every process that works on a data directory.
   uint32_t epoch = 1;
-  // Different workers that may fail a unit before its job fails.
+  // Different workers that may fail a unit before its frame fails.
   int attempts_max = kAttemptsMaxDefault;
   // Random: lease ids of different processes never meet.
   uint64_t session = 0;
@@ -53,12 +53,15 @@ class Scheduler {
   }
   // Ends the leases of the job and directs their holders to drop them. Does nothing if the job is not open.
   void RemoveJob(Job& job);
+  // The frame is not rendered any more; its leases end as those of RemoveJob do.
+  void DropFrame(Job& job, uint32_t frame);
   // While a job is paused nothing of it is leased; leases that wait are taken back, those that run may
   // finish.
   void SetPaused(Instant now, Job& job, bool is_paused);
   // Leases of lower jobs that wait give way to it, those that run do not.
   void SetPriority(Job& job, int priority);
   std::vector<FailedJob> TakeFailedJobs() { return failures_.TakeFailedJobs(); }
+  std::vector<FailedFrame> TakeFailedFrames() { return failures_.TakeFailedFrames(); }
 
   // ---- Workers ----
   void Synchronize(Instant now, const WorkerState& state) { sync_.Synchronize(now, state); }

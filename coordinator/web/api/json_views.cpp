@@ -252,7 +252,8 @@ json JobJson(const JobStatus& job) {
              {"left_s", nullptr},
              {"noise", nullptr},
              {"frames_total", job.frames_total},
-             {"frames_finished", job.frames_finished}};
+             {"frames_finished", job.frames_finished},
+             {"frames_failed", job.frames_failed}};
   if (job.noise) shown["noise"] = *job.noise;
   if (job.left.count() >= 0 && !HasEnded(job.state)) shown["left_s"] = SecondsOf(job.left);
   return shown;

@@ -47,6 +47,9 @@ JobTimed Make(Example<JobTimed>) {
 FrameFinished Make(Example<FrameFinished>) {
   return {JobId{3}, 1, {Sha256("f"), 7}, 64};
 }
+FrameFailed Make(Example<FrameFailed>) {
+  return {JobId{3}, 1, "why"};
+}
 JobEnded Make(Example<JobEnded>) {
   return {JobId{3}, JobState::kFailed, "why"};
 }

@@ -32,6 +32,37 @@ TEST(SchedulerFailure, AUnitThatThreeWorkersFailFailsItsJobWithTheirReasons) {
   }
 }
 
+TEST(SchedulerFailure, AFrameOfSeveralFailsAloneAndItsWorkersGetUnitsOfTheOthers) {
+  SchedulerStage stage(SchedulerOptions{kLaterEpoch, 2});
+  const JobId job = stage.AddJob(64, 0, 2);
+  stage.Join(1, 4);
+  stage.Join(2, 4);
+  stage.Advance();
+  const Lease lease = stage.Held(1)[0];
+  ASSERT_EQ(lease.unit.frame, 0u);
+  stage.Fail(1, lease, "broken");
+  EXPECT_TRUE(stage.scheduler.TakeFailedFrames().empty());
+  while (stage.scheduler.TakeFailedFrames().empty()) {
+    const auto held = stage.Held(2);
+    const auto poison = std::ranges::find_if(
+        held, [&](const Lease& each) { return each.unit.tile == lease.unit.tile && each.unit.frame == 0; });
+    if (poison != held.end()) {
+      stage.Fail(2, *poison, "broken");
+    } else {
+      stage.FinishAll(2, 0.1);
+      stage.Advance();
+    }
+    ASSERT_FALSE(stage.IsComplete(job, 0));
+  }
+  EXPECT_TRUE(stage.scheduler.TakeFailedJobs().empty());
+  stage.scheduler.DropFrame(stage.jobs.at(job), 0);
+  stage.Advance();
+  for (const uint64_t w : {1, 2}) {
+    ASSERT_FALSE(stage.Held(w).empty());
+    for (const Lease& each : stage.Held(w)) EXPECT_EQ(each.unit.frame, 1u);
+  }
+}
+
 TEST(SchedulerFailure, TheSameWorkerFailingAgainIsOneWorker) {
   SchedulerStage stage;
   stage.AddJob(1);
