@@ -291,6 +291,14 @@ std::optional<Fact> ReadFrameFinished(ByteReader& in, bool has_size) {
   return fact;
 }
 
+FrameFailed ReadFrameFailed(ByteReader& in) {
+  FrameFailed fact;
+  fact.job = JobId{in.Read64()};
+  fact.frame = in.Read32();
+  fact.reason = in.ReadText();
+  return fact;
+}
+
 std::optional<Fact> ReadVoteRecorded(ByteReader& in, bool has_machine) {
   VoteRecorded fact;
   fact.unit.job = JobId{in.Read64()};
@@ -321,13 +329,7 @@ std::optional<Fact> ReadFact(ByteReader& in) {
     case Kind::kJobTimed: return ReadJobTimed(in);
     case Kind::kFrameFinishedWithoutSize:
     case Kind::kFrameFinished: return ReadFrameFinished(in, kind == Kind::kFrameFinished);
-    case Kind::kFrameFailed: {
-      FrameFailed fact;
-      fact.job = JobId{in.Read64()};
-      fact.frame = in.Read32();
-      fact.reason = in.ReadText();
-      return fact;
-    }
+    case Kind::kFrameFailed: return ReadFrameFailed(in);
     case Kind::kJobEnded: {
       JobEnded fact;
       fact.job = JobId{in.Read64()};

@@ -45,26 +45,8 @@ void FarmRecovery::Restore(const Fact& fact) {
             const auto owner = owners_.extract(each.job);
             state_.jobs.Add(each.job, each.spec).owner = owner ? owner.mapped() : JobOwner{};
           },
-          [&](const FrameFinished& each) {
-            with_job(each.job, [&](Job& job) {
-              if (each.frame >= job.spec->frames.size()) return;
-              job.results.files[each.frame] = each.file;
-              job.results.frame_samples[each.frame] = each.samples;
-              job.in_spool.erase(each.frame);
-              std::erase_if(votes_[each.job],
-                            [&](const auto& vote) { return vote.first.frame == each.frame; });
-              finished_.push_back({each.job, each.frame});
-            });
-          },
-          [&](const FrameFailed& each) {
-            with_job(each.job, [&](Job& job) {
-              if (each.frame >= job.spec->frames.size()) return;
-              job.results.failed[each.frame] = each.reason;
-              job.in_spool.erase(each.frame);
-              std::erase_if(votes_[each.job],
-                            [&](const auto& vote) { return vote.first.frame == each.frame; });
-            });
-          },
+          [&](const FrameFinished& each) { with_job(each.job, [&](Job& job) { RestoreFrame(job, each); }); },
+          [&](const FrameFailed& each) { with_job(each.job, [&](Job& job) { RestoreFrame(job, each); }); },
           [&](const JobEnded& each) {
             with_job(each.job, [&](Job& job) {
               job.state = each.state;
@@ -100,6 +82,25 @@ void FarmRecovery::Restore(const Fact& fact) {
           [&](const auto& of_members) { state_.membership.Restore(of_members); },
       },
       fact);
+}
+
+void FarmRecovery::RestoreFrame(Job& job, const FrameFinished& fact) {
+  if (fact.frame >= job.spec->frames.size()) return;
+  job.results.files[fact.frame] = fact.file;
+  job.results.frame_samples[fact.frame] = fact.samples;
+  finished_.push_back({fact.job, fact.frame});
+  EndFrame(job, fact.frame);
+}
+
+void FarmRecovery::RestoreFrame(Job& job, const FrameFailed& fact) {
+  if (fact.frame >= job.spec->frames.size()) return;
+  job.results.failed[fact.frame] = fact.reason;
+  EndFrame(job, fact.frame);
+}
+
+void FarmRecovery::EndFrame(Job& job, uint32_t frame) {
+  job.in_spool.erase(frame);
+  std::erase_if(votes_[job.id], [&](const auto& vote) { return vote.first.frame == frame; });
 }
 
 // Counts the vote as it was counted when it was cast.

@@ -36,6 +36,10 @@ class FarmRecovery {
  private:
   using Votes = std::map<WorkUnit, std::vector<Vote>>;  // of units that are not decided
 
+  void RestoreFrame(Job& job, const FrameFinished& fact);
+  void RestoreFrame(Job& job, const FrameFailed& fact);
+  // Nothing more of the frame is rendered.
+  void EndFrame(Job& job, uint32_t frame);
   void RestoreVote(Job& job, const VoteRecorded& fact);
   void RestoreKeptSums();
   void RestoreCounts(Job& job);

@@ -115,8 +115,8 @@ constexpr Instant kOtherMachinePatience = seconds(10);
 // Different workers that fail a unit before its frame fails: two workers may be broken, after three it is the
 // unit. A farm that never has three workers sets a smaller number (SchedulerOptions).
 constexpr int kAttemptsMaxDefault = 3;
-// A job of several frames goes on without a frame that fails. Its other frames are given up once so many have
-// failed, for what they have in common, it seems, unless they are a small share of those that were finished.
+// Failed frames of a job after which its other frames are given up, unless they are at most this share of the
+// finished ones. Fewer may be special; after that, the others probably fail for the same cause.
 constexpr size_t kFailedFramesMax = 3;
 constexpr double kFailedFramesShare = 0.1;
 // How long to wait for another worker if all connected ones have failed a unit.

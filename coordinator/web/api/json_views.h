@@ -2,7 +2,6 @@
 // functions.
 #pragma once
 
-#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -12,8 +11,6 @@
 #include "coordinator/web/api/web_farm.h"
 
 namespace tessera {
-
-using Query = std::map<std::string, std::string>;
 
 // Text from outside that is not UTF-8 is shown with replacement characters.
 std::string JsonText(const nlohmann::json& json);
@@ -26,12 +23,9 @@ nlohmann::json WorkerJson(const WorkerStatus& worker);
 nlohmann::json FarmJson(const FarmMoment& moment);
 nlohmann::json HistoryJson(const std::vector<HistoryPoint>& history);
 
-// A page of the jobs or workers that the query selects, sorted as it says, and the number of all of these. An
-// error (status 400) that names the parameter that is wrong.
-WebResult<nlohmann::json> JobsJson(const FarmView& view, const Query& query);
-WebResult<nlohmann::json> WorkersJson(const FarmWatch& watch, const FarmView& view, const Query& query);
-
-// A parameter that is a number within limits; `number` if it is missing. Returns whether it is right.
-bool ReadNumber(const Query& query, const char* name, uint64_t max, uint64_t& number);
+// "rendering", "idle", "quarantined", ...
+const char* StateOf(const WorkerStatus& worker);
+// From 0 to 1.
+double ProgressOf(const JobStatus& job);
 
 }  // namespace tessera

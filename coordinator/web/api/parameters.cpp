@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "coordinator/web/form.h"
@@ -40,6 +41,14 @@ WebResult<Query> ReadParameters(const HttpRequest& http, const WebRoute& route) 
                                        route.parameters.empty() ? "none" : route.parameters)};
   }
   return std::move(*parameters);
+}
+
+bool ReadNumber(const Query& query, const char* name, uint64_t max, uint64_t& number) {
+  const auto found = query.find(name);
+  if (found == query.end()) return true;
+  const std::string& text = found->second;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() && number <= max;
 }
 
 }  // namespace tessera

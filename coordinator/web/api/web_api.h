@@ -4,10 +4,11 @@
 
 #include <atomic>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 
 #include "coordinator/web/api/event_stream.h"
 #include "coordinator/web/api/farm_watch.h"
-#include "coordinator/web/api/json_views.h"
+#include "coordinator/web/api/parameters.h"
 #include "coordinator/web/api/picture_boards.h"
 #include "coordinator/web/api/routes.h"
 #include "coordinator/web/api/web_farm.h"

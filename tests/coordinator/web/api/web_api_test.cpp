@@ -1,4 +1,5 @@
 // The interface for programs on a farm that renders nothing: lists, events, and requests that are wrong.
+#include "coordinator/web/api/json_views.h"
 #include "coordinator/web/api/web_api.h"
 
 #include <gmock/gmock.h>
