@@ -6,39 +6,10 @@
 
 #include "coordinator/core/byte_codec.h"
 #include "coordinator/core/job_codec.h"
-#include "coordinator/core/membership_codec.h"
+#include "coordinator/core/membership_facts.h"
 
 namespace tessera {
 namespace {
-
-enum class Kind : uint32_t {
-  kCoordinatorStartedUnnamed = 1,  // before farms had identities
-  kJobSubmittedByNames = 2,        // before channels had types
-  kJobEnded = 4,
-  kJobExtended = 8,
-  kJobsForgotten = 10,
-  kFrameResumed = 11,
-  kJobPaused = 5,
-  kJobPriorityChanged = 6,
-  kWorkerQuarantined = 9,
-  kVoteRecordedWithoutMachine = 20,
-  kUnitsCounted = 21,
-  kFrameFinishedWithoutSize = 22,  // of its file
-  kJobSubmitted = 23,
-  kCoordinatorStarted = 24,
-  kFrameFinished = 25,
-  kVoteRecorded = 26,
-  kJobOrdered = 27,
-  kJobTimed = 28,
-  kFrameFailed = 29,
-  kTokenIssued = 40,
-  kTokenRevoked = 41,
-  kMemberJoined = 42,
-  kMemberRenewed = 43,
-  kMemberRevoked = 44,
-  kJobOwned = 45,
-  kAuthorityChosen = 46,
-};
 
 // Any time that a clock shows: differences of such times cannot overflow.
 constexpr int64_t kTimeMax_ms = int64_t{1} << 50;
@@ -48,26 +19,26 @@ constexpr bool IsTimeOfJob(int64_t time_ms) {
 }
 
 void Add(ByteWriter& out, const JobSubmitted& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kJobSubmitted));
+  out.Add32(static_cast<uint32_t>(FactKind::kJobSubmitted));
   out.Add64(Number(fact.job));
   AddJobSpec(out, *fact.spec);
 }
 
 void Add(ByteWriter& out, const JobOrdered& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kJobOrdered));
+  out.Add32(static_cast<uint32_t>(FactKind::kJobOrdered));
   out.Add64(Number(fact.job));
   AddJobOrder(out, *fact.order);
 }
 
 void Add(ByteWriter& out, const CoordinatorStarted& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kCoordinatorStarted));
+  out.Add32(static_cast<uint32_t>(FactKind::kCoordinatorStarted));
   out.Add32(fact.epoch);
   out.Add64(fact.farm.high);
   out.Add64(fact.farm.low);
 }
 
 void Add(ByteWriter& out, const FrameFinished& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kFrameFinished));
+  out.Add32(static_cast<uint32_t>(FactKind::kFrameFinished));
   out.Add64(Number(fact.job));
   out.Add32(fact.frame);
   AddDigest(out, fact.file.digest);
@@ -76,50 +47,50 @@ void Add(ByteWriter& out, const FrameFinished& fact) {
 }
 
 void Add(ByteWriter& out, const FrameFailed& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kFrameFailed));
+  out.Add32(static_cast<uint32_t>(FactKind::kFrameFailed));
   out.Add64(Number(fact.job));
   out.Add32(fact.frame);
   out.AddText(fact.reason);
 }
 
 void Add(ByteWriter& out, const JobEnded& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kJobEnded));
+  out.Add32(static_cast<uint32_t>(FactKind::kJobEnded));
   out.Add64(Number(fact.job));
   out.Add32(static_cast<uint32_t>(fact.state));
   out.AddText(fact.reason);
 }
 
 void Add(ByteWriter& out, const JobExtended& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kJobExtended));
+  out.Add32(static_cast<uint32_t>(FactKind::kJobExtended));
   out.Add64(Number(fact.job));
   out.Add32(fact.samples_per_pixel);
 }
 
 void Add(ByteWriter& out, const JobsForgotten& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kJobsForgotten));
+  out.Add32(static_cast<uint32_t>(FactKind::kJobsForgotten));
   out.Add64(Number(fact.last));
 }
 
 void Add(ByteWriter& out, const FrameResumed& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kFrameResumed));
+  out.Add32(static_cast<uint32_t>(FactKind::kFrameResumed));
   out.Add64(Number(fact.job));
   out.Add32(fact.frame);
 }
 
 void Add(ByteWriter& out, const JobPaused& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kJobPaused));
+  out.Add32(static_cast<uint32_t>(FactKind::kJobPaused));
   out.Add64(Number(fact.job));
   out.Add32(fact.paused ? 1 : 0);
 }
 
 void Add(ByteWriter& out, const JobPriorityChanged& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kJobPriorityChanged));
+  out.Add32(static_cast<uint32_t>(FactKind::kJobPriorityChanged));
   out.Add64(Number(fact.job));
   out.Add32(static_cast<uint32_t>(fact.priority));
 }
 
 void Add(ByteWriter& out, const WorkerQuarantined& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kWorkerQuarantined));
+  out.Add32(static_cast<uint32_t>(FactKind::kWorkerQuarantined));
   out.Add64(Number(fact.worker));
   out.AddText(fact.name);
   out.Add32(fact.drained ? 1 : 0);
@@ -127,7 +98,7 @@ void Add(ByteWriter& out, const WorkerQuarantined& fact) {
 }
 
 void Add(ByteWriter& out, const VoteRecorded& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kVoteRecorded));
+  out.Add32(static_cast<uint32_t>(FactKind::kVoteRecorded));
   out.Add64(Number(fact.unit.job));
   for (const uint32_t value :
        {fact.unit.frame, fact.unit.tile, fact.unit.range.begin, fact.unit.range.size}) {
@@ -140,49 +111,18 @@ void Add(ByteWriter& out, const VoteRecorded& fact) {
 }
 
 void Add(ByteWriter& out, const UnitsCounted& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kUnitsCounted));
+  out.Add32(static_cast<uint32_t>(FactKind::kUnitsCounted));
   out.Add64(Number(fact.job));
   out.Add64(fact.verified);
   out.Add64(fact.disputed);
   out.Add64(fact.suspect);
 }
 
-void Add(ByteWriter& out, const TokenIssued& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kTokenIssued));
-  AddToken(out, fact.token);
-}
-
-void Add(ByteWriter& out, const TokenRevoked& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kTokenRevoked));
-  AddDigest(out, fact.key);
-}
-
-void Add(ByteWriter& out, const MemberJoined& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kMemberJoined));
-  AddMember(out, fact.member);
-}
-
-void Add(ByteWriter& out, const MemberRenewed& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kMemberRenewed));
-  out.Add64(Number(fact.id));
-  out.Add64(static_cast<uint64_t>(fact.expires));
-}
-
-void Add(ByteWriter& out, const MemberRevoked& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kMemberRevoked));
-  out.Add64(Number(fact.id));
-}
-
 void Add(ByteWriter& out, const JobOwned& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kJobOwned));
+  out.Add32(static_cast<uint32_t>(FactKind::kJobOwned));
   out.Add64(Number(fact.job));
   out.Add64(Number(fact.owner.member));
   out.AddText(fact.owner.name);
-}
-
-void Add(ByteWriter& out, const AuthorityChosen& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kAuthorityChosen));
-  AddDigest(out, fact.fingerprint);
 }
 
 // The parts of JobTimes, in the order in which they are written.
@@ -193,7 +133,7 @@ constexpr double JobTimes::*kTimes[] = {&JobTimes::render_s, &JobTimes::waste_s,
 static_assert(std::size(kTimes) * sizeof(double) == sizeof(JobTimes));
 
 void Add(ByteWriter& out, const JobTimed& fact) {
-  out.Add32(static_cast<uint32_t>(Kind::kJobTimed));
+  out.Add32(static_cast<uint32_t>(FactKind::kJobTimed));
   out.Add64(Number(fact.job));
   out.Add64(static_cast<uint64_t>(fact.began_ms));
   out.Add32(fact.ended_ms ? 1 : 0);
@@ -218,41 +158,6 @@ std::optional<Fact> ReadJobTimed(ByteReader& in) {
     if (!(fact.times.*part >= 0 && fact.times.*part <= kSecondsMax)) return std::nullopt;
   }
   return fact;
-}
-
-// Returns nullopt for facts that are not about members.
-std::optional<Fact> ReadMembershipFact(Kind kind, ByteReader& in) {
-  switch (kind) {
-    case Kind::kTokenIssued: {
-      TokenIssued fact;
-      return ReadToken(in, fact.token) ? std::optional<Fact>(std::move(fact)) : std::nullopt;
-    }
-    case Kind::kTokenRevoked: {
-      TokenRevoked fact;
-      return ReadDigest(in, fact.key) ? std::optional<Fact>(fact) : std::nullopt;
-    }
-    case Kind::kMemberJoined: {
-      MemberJoined fact;
-      return ReadMember(in, fact.member) ? std::optional<Fact>(std::move(fact)) : std::nullopt;
-    }
-    case Kind::kMemberRenewed: {
-      const MemberId id{in.Read64()};
-      return MemberRenewed{id, static_cast<UnixTime>(in.Read64())};
-    }
-    case Kind::kMemberRevoked: return MemberRevoked{MemberId{in.Read64()}};
-    case Kind::kAuthorityChosen: {
-      AuthorityChosen fact;
-      return ReadDigest(in, fact.fingerprint) ? std::optional<Fact>(fact) : std::nullopt;
-    }
-    case Kind::kJobOwned: {
-      JobOwned fact;
-      fact.job = JobId{in.Read64()};
-      fact.owner.member = MemberId{in.Read64()};
-      fact.owner.name = in.ReadText();
-      return fact;
-    }
-    default: return std::nullopt;
-  }
 }
 
 std::optional<Fact> ReadJobOrdered(ByteReader& in) {
@@ -291,6 +196,14 @@ std::optional<Fact> ReadFrameFinished(ByteReader& in, bool has_size) {
   return fact;
 }
 
+JobOwned ReadJobOwned(ByteReader& in) {
+  JobOwned fact;
+  fact.job = JobId{in.Read64()};
+  fact.owner.member = MemberId{in.Read64()};
+  fact.owner.name = in.ReadText();
+  return fact;
+}
+
 FrameFailed ReadFrameFailed(ByteReader& in) {
   FrameFailed fact;
   fact.job = JobId{in.Read64()};
@@ -313,24 +226,24 @@ std::optional<Fact> ReadVoteRecorded(ByteReader& in, bool has_machine) {
 }
 
 std::optional<Fact> ReadFact(ByteReader& in) {
-  const auto kind = static_cast<Kind>(in.Read32());
+  const auto kind = static_cast<FactKind>(in.Read32());
   switch (kind) {
-    case Kind::kCoordinatorStartedUnnamed: return CoordinatorStarted{in.Read32()};
-    case Kind::kCoordinatorStarted: return ReadCoordinatorStarted(in);
-    case Kind::kJobSubmittedByNames:
-    case Kind::kJobSubmitted: {
+    case FactKind::kCoordinatorStartedUnnamed: return CoordinatorStarted{in.Read32()};
+    case FactKind::kCoordinatorStarted: return ReadCoordinatorStarted(in);
+    case FactKind::kJobSubmittedByNames:
+    case FactKind::kJobSubmitted: {
       const JobId job{in.Read64()};
       JobSpec spec;
-      if (!(kind == Kind::kJobSubmitted ? ReadJobSpec(in, spec) : ReadJobSpecByNames(in, spec)))
+      if (!(kind == FactKind::kJobSubmitted ? ReadJobSpec(in, spec) : ReadJobSpecByNames(in, spec)))
         return std::nullopt;
       return JobSubmitted{job, std::make_shared<const JobSpec>(std::move(spec))};
     }
-    case Kind::kJobOrdered: return ReadJobOrdered(in);
-    case Kind::kJobTimed: return ReadJobTimed(in);
-    case Kind::kFrameFinishedWithoutSize:
-    case Kind::kFrameFinished: return ReadFrameFinished(in, kind == Kind::kFrameFinished);
-    case Kind::kFrameFailed: return ReadFrameFailed(in);
-    case Kind::kJobEnded: {
+    case FactKind::kJobOrdered: return ReadJobOrdered(in);
+    case FactKind::kJobTimed: return ReadJobTimed(in);
+    case FactKind::kFrameFinishedWithoutSize:
+    case FactKind::kFrameFinished: return ReadFrameFinished(in, kind == FactKind::kFrameFinished);
+    case FactKind::kFrameFailed: return ReadFrameFailed(in);
+    case FactKind::kJobEnded: {
       JobEnded fact;
       fact.job = JobId{in.Read64()};
       fact.state = static_cast<JobState>(in.Read32());
@@ -341,34 +254,34 @@ std::optional<Fact> ReadFact(ByteReader& in) {
       }
       return fact;
     }
-    case Kind::kJobExtended: {
+    case FactKind::kJobExtended: {
       JobExtended fact;
       fact.job = JobId{in.Read64()};
       fact.samples_per_pixel = in.Read32();
       if (fact.samples_per_pixel < 1 || fact.samples_per_pixel > kSamplesPerPixelMax) return std::nullopt;
       return fact;
     }
-    case Kind::kJobsForgotten: return JobsForgotten{JobId{in.Read64()}};
-    case Kind::kFrameResumed: {
+    case FactKind::kJobsForgotten: return JobsForgotten{JobId{in.Read64()}};
+    case FactKind::kFrameResumed: {
       const JobId job{in.Read64()};
       return FrameResumed{job, in.Read32()};
     }
-    case Kind::kJobPaused: {
+    case FactKind::kJobPaused: {
       const JobId job{in.Read64()};
       const uint32_t paused = in.Read32();
       if (paused > 1) return std::nullopt;
       return JobPaused{job, paused == 1};
     }
-    case Kind::kJobPriorityChanged: {
+    case FactKind::kJobPriorityChanged: {
       const JobId job{in.Read64()};
       const auto priority = static_cast<int32_t>(in.Read32());
       if (priority < -kPriorityMax || priority > kPriorityMax) return std::nullopt;
       return JobPriorityChanged{job, priority};
     }
-    case Kind::kWorkerQuarantined: return ReadWorkerQuarantined(in);
-    case Kind::kVoteRecordedWithoutMachine:
-    case Kind::kVoteRecorded: return ReadVoteRecorded(in, kind == Kind::kVoteRecorded);
-    case Kind::kUnitsCounted: {
+    case FactKind::kWorkerQuarantined: return ReadWorkerQuarantined(in);
+    case FactKind::kVoteRecordedWithoutMachine:
+    case FactKind::kVoteRecorded: return ReadVoteRecorded(in, kind == FactKind::kVoteRecorded);
+    case FactKind::kUnitsCounted: {
       UnitsCounted fact;
       fact.job = JobId{in.Read64()};
       fact.verified = in.Read64();
@@ -376,6 +289,7 @@ std::optional<Fact> ReadFact(ByteReader& in) {
       fact.suspect = in.Read64();
       return fact;
     }
+    case FactKind::kJobOwned: return ReadJobOwned(in);
     default: return ReadMembershipFact(kind, in);
   }
 }

@@ -154,8 +154,7 @@ struct AuthorityChosen {
 using Fact = std::variant<CoordinatorStarted, JobSubmitted, FrameFinished, JobEnded, JobExtended,
                           JobsForgotten, FrameResumed, JobPaused, JobPriorityChanged, WorkerQuarantined,
                           VoteRecorded, UnitsCounted, TokenIssued, TokenRevoked, MemberJoined, MemberRenewed,
-                          MemberRevoked, JobOwned, AuthorityChosen, JobOrdered, JobTimed,
-                          FrameFailed>;
+                          MemberRevoked, JobOwned, AuthorityChosen, JobOrdered, JobTimed, FrameFailed>;
 
 // Whether files may be removed when the fact is on stable storage: the sums of a job that is not finished.
 bool FreesSpace(const Fact& fact);

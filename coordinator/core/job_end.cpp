@@ -67,16 +67,17 @@ void JobEnd::FailFrame(Instant now, Job& job, uint32_t frame, const std::string&
 
 void JobEnd::DropFrameSums(Job& job, uint32_t frame) {
   JobResults& results = job.results;
-  const FrameSpec& spec = job.spec->frames[frame].spec;
   const auto merger = results.mergers.find(frame);
-  if (merger != results.mergers.end()) {
+  const bool has_merger = merger != results.mergers.end();
+  results.samples_total -=
+      has_merger ? merger->second.samples_total() : SamplesOf(job.spec->frames[frame].spec);
+  if (has_merger) {
     results.samples_done -= merger->second.samples_merged();
-    results.samples_total -= merger->second.samples_total();
     results.mergers.erase(merger);
-  } else {
-    results.samples_total -= SamplesOf(spec);
   }
-  results.loading.erase(frame);
+  // The sums that an extended frame was finished with are not in its merger yet.
+  if (results.loading.erase(frame) + job.in_spool.erase(frame) > 0)
+    results.samples_done -= results.frame_samples.at(frame);
   state_.output.dropped.push_back({job.id, frame});
 }
 
