@@ -225,8 +225,8 @@ void FarmRecovery::Resume(Instant now, Job& job) {
   state_.output.log.push_back(fmt::format("job_resumed job={} frames_finished={} samples_restored={}",
                                           Number(job.id), job.results.files.size(), restored));
   state_.AddMessage(MessageLevel::kInfo, job.id,
-              fmt::format("the coordinator was restarted: {} of {} samples are kept",
-                          job.results.samples_done, job.results.samples_total));
+                    fmt::format("the coordinator was restarted: {} of {} samples are kept",
+                                job.results.samples_done, job.results.samples_total));
   for (const uint32_t frame : complete) frames_.Complete(job, frame);
   end_.EndIfDecided(now, job);
 }
