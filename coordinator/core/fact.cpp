@@ -6,7 +6,7 @@
 
 #include "coordinator/core/byte_codec.h"
 #include "coordinator/core/job_codec.h"
-#include "coordinator/core/membership_facts.h"
+#include "coordinator/core/membership_fact_codec.h"
 
 namespace tessera {
 namespace {

@@ -39,7 +39,7 @@ class PathTracer {
   bool PassesDelayedRoulette() { return !is_sharp_ || SurvivesRoulette(); }
 
   FlightEvent Fly(Hit* hit, float* t_event);
-  bool HeedsLinks() const { return context_.world.links.any() || is_shadowed_; }
+  bool UsesLinks() const { return context_.world.links.any() || is_shadowed_; }
   // Whether light of a light that the ray hits counts.
   bool CountsHit(int light) const {
     return HitCounts(context_.world.links, light, {depth_, !weigh_, is_shadowed_, previous_.light_links});
@@ -266,7 +266,7 @@ template <typename Transport, typename Sink>
 void PathTracer<Transport, Sink>::AddInfiniteLights() {
   const World& world = context_.world;
   for (const int light : world.lights.infinite_lights()) {
-    if (HeedsLinks() && !CountsHit(light)) continue;
+    if (UsesLinks() && !CountsHit(light)) continue;
     const SampledSpectrum emitted =
         world.lights.InfiniteRadiance(light, previous_.p, ray_.d, ray_.time, context_.wavelengths);
     std::optional<float> light_pdf;
@@ -278,7 +278,7 @@ void PathTracer<Transport, Sink>::AddInfiniteLights() {
 template <typename Transport, typename Sink>
 void PathTracer<Transport, Sink>::AddEmission(const SurfaceInteraction& interaction) {
   const World& world = context_.world;
-  if (HeedsLinks() && !CountsHit(interaction.area_light)) return;
+  if (UsesLinks() && !CountsHit(interaction.area_light)) return;
   const SampledSpectrum emitted =
       world.lights.EmittedRadiance(interaction.area_light, interaction, -ray_.d, context_.wavelengths);
   if (!AnyNonZero(emitted)) return;

@@ -34,10 +34,8 @@ std::string Frame(char type, char flags, char stream, const std::string& payload
 
 class EndlessHeaders : public MembershipOfAFarm {
  protected:
-  EndlessHeaders() {
-    std::signal(SIGPIPE, SIG_IGN);  // what is written to a closed connection
-    LogIn("ada", "user");
-  }
+  EndlessHeaders() { LogIn("ada", "user"); }
+  ~EndlessHeaders() override { std::signal(SIGPIPE, on_pipe_); }
   // Begins a request with these headers and repeats `frame` until the connection ends. Returns the bytes that
   // were sent.
   size_t Attack(const std::string& headers, const std::string& frame) {
@@ -67,6 +65,10 @@ class EndlessHeaders : public MembershipOfAFarm {
     EXPECT_EQ(outcome.code, 0) << outcome.errors;
   }
   static constexpr char kHeaders = 1, kSettings = 4, kContinuation = 9;
+
+ private:
+  // Ignores the signal of a write to a closed connection.
+  void (*const on_pipe_)(int) = std::signal(SIGPIPE, SIG_IGN);
 };
 
 // HPACK (RFC 7541): a literal without an index, with the length of its name and of its value.

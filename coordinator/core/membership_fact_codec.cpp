@@ -1,4 +1,4 @@
-#include "coordinator/core/membership_facts.h"
+#include "coordinator/core/membership_fact_codec.h"
 
 #include "coordinator/core/membership_codec.h"
 
