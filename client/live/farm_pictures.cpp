@@ -20,7 +20,8 @@ Result<std::optional<LivePicture>> FarmPictures::Next(const std::stop_token& sto
   if (now == shown_) return std::optional<LivePicture>();
   const auto frames = client_->Frames(job_);
   if (!frames) return frames.error();
-  const auto open = std::ranges::find_if(*frames, [](const FrameStatus& frame) { return !frame.file; });
+  const auto is_open = [](const FrameStatus& frame) { return !frame.file && !frame.has_failed; };
+  const auto open = std::ranges::find_if(*frames, is_open);
   const auto index = std::min(static_cast<size_t>(open - frames->begin()), frames->size() - 1);
   auto fetched = client_->FetchPicture(job_, static_cast<uint32_t>(index), true, TemporaryRoot());
   // The coordinator has nothing of this frame yet.

@@ -203,7 +203,7 @@ TEST_F(Frames, AFrameThatFailsIsNamedAfterTheOthersAreRendered) {
   StartCoordinator({"--attempts-max", "1"});
   StartWorker("small", 1, {"--scene-memory", "16M"});
   const std::string job = Submit("scene.####.pbrt", {"--frames", "1-3"});
-  const Outcome watched = Ask({"watch", job});
+  const Outcome watched = Ask({"watch", job, "--preview", "preview.png"});
   EXPECT_EQ(watched.code, 1);
   EXPECT_THAT(watched.errors,
               HasSubstr("job " + job + " failed (2 of 3 frames are finished): frame 2 failed: "));
@@ -214,6 +214,8 @@ TEST_F(Frames, AFrameThatFailsIsNamedAfterTheOthersAreRendered) {
   EXPECT_TRUE(Bytes("job-" + job + ".0001.exr") == Alone(1));
   EXPECT_FALSE(Exists("job-" + job + ".0002.exr"));
   EXPECT_TRUE(Bytes("job-" + job + ".0003.exr") == Alone(3));
+  EXPECT_EQ(Ask({"fetch", job, "--frame", "3", "-o", "three.exr", "--png", "three.png"}).code, 0);
+  EXPECT_TRUE(Bytes("preview.png") == Bytes("three.png")) << "the failed frame is not waited for";
   const Outcome logs = Ask({"logs", job});
   EXPECT_THAT(logs.output, HasSubstr("frame 2 failed: the scene cannot be loaded"));
 }
