@@ -25,6 +25,7 @@ WebResult<FrameState> WebPictures::Frame(JobId job, uint32_t frame) const {
     const auto status = context.farm.Status(context.now, job);
     if (!status || frame >= status->frames_total) return std::nullopt;
     FrameState found{*status, context.farm.Spec(job), {}, context.farm.FinishedFile(job, frame), {}};
+    found.has_failed = context.farm.HasFailed({job, frame});
     if (!found.file) {
       if (auto preview = context.farm.Preview(job, frame)) found.snapshot = std::move(preview->snapshot);
     }

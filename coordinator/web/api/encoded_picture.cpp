@@ -21,8 +21,7 @@ WebResult<std::string> ExrOf(const WebFarm& farm, FrameId frame, const FrameStat
 
 WebResult<std::string> EncodedPicture(const WebFarm& farm, FrameId frame, const FrameState& state,
                                       bool is_png) {
-  if (!state.snapshot && !state.file && !HasEnded(state.status.state))
-    return WebError{409, "the picture is being written"};
+  if (!state.snapshot && !state.file && !state.IsOver()) return WebError{409, "the picture is being written"};
   const FrameSpec& spec = state.spec->frames[frame.frame].spec;
   const auto channels = static_cast<int64_t>(spec.PictureChannels().size());
   if (is_png && spec.crop.area() * channels > kPngValuesMax)
@@ -40,7 +39,7 @@ WebResult<std::string> EncodedPicture(const WebFarm& farm, FrameId frame, const 
 
 WebResult<ReadableFile> OpenPicture(const WebFarm& farm, FrameId frame, const FrameState& state,
                                     bool is_png) {
-  const bool is_written = !state.snapshot && (state.file || HasEnded(state.status.state));
+  const bool is_written = !state.snapshot && (state.file || state.IsOver());
   if (!is_png && is_written) return farm.open(frame.job, frame.frame, state.file);
   const auto bytes = EncodedPicture(farm, frame, state, is_png);
   if (const auto* const error = std::get_if<WebError>(&bytes)) return *error;

@@ -199,7 +199,7 @@ Result<void> PictureBoards::Update(FrameId frame, const FrameState& state, Watch
     return {};
   }
   const bool is_shown =
-      state.file ? watched.file == state.file->digest : !HasEnded(state.status.state) || watched.has_partial;
+      state.file ? watched.file == state.file->digest : !state.IsOver() || watched.has_partial;
   if (is_shown) return {};
   const auto picture = Load(frame, state);
   if (!picture) return picture.error();
@@ -248,7 +248,7 @@ std::shared_ptr<const std::string> PictureBoards::SmallPng(SmallId id, SmallPict
     for (int tile = 0; tile < spec.TileCount(); ++tile)
       picture.Paint(state->snapshot->TilePicture(tile, step));
   } else {
-    if (!state->file && !HasEnded(state->status.state)) return nullptr;
+    if (!state->file && !state->IsOver()) return nullptr;
     const auto file = Load(frame, *state);
     if (!file || file->bounds != spec.crop) return nullptr;
     picture.Paint(*file, step);

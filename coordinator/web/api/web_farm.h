@@ -69,6 +69,10 @@ struct FrameState {
   std::optional<FrameSnapshot> snapshot;  // if it is being rendered
   std::optional<PictureFile> file;        // if it was written
   std::chrono::microseconds cost{};       // that the core thread had with it
+  bool has_failed = false;                // no worker can render it
+
+  // Whether nothing more of it will be rendered.
+  bool IsOver() const { return has_failed || HasEnded(status.state); }
 };
 
 // Functions are thread safe. Those without a WebDone may wait for the core thread or the disk.

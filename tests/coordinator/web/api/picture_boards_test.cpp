@@ -6,6 +6,7 @@
 #include <atomic>
 #include <new>
 
+#include "coordinator/web/api/encoded_picture.h"
 #include "renderer/film/merger.h"
 #include "tests/coordinator/web/api/shown_picture.h"
 #include "tests/sanitizers.h"
@@ -32,10 +33,11 @@ class WatchedFile : public testing::Test {
     file_ = *EncodeExr(frame, merger.Snapshot().Picture());
     farm_.frame = [this](JobId, uint32_t) -> WebResult<FrameState> {
       FrameState state;
-      state.status.state = JobState::kFinished;
+      state.status.state = has_failed_ ? JobState::kRunning : JobState::kFinished;
       state.status.frames_total = 1;
       state.spec = std::make_shared<const JobSpec>(spec_);
-      state.file = PictureFile{Sha256(file_), file_.size()};
+      state.has_failed = has_failed_;
+      if (!has_failed_) state.file = PictureFile{Sha256(file_), file_.size()};
       return state;
     };
     farm_.read = [this](JobId, uint32_t, const auto&) -> WebResult<std::string> {
@@ -60,7 +62,7 @@ class WatchedFile : public testing::Test {
 
   JobSpec spec_;
   std::string file_;
-  std::atomic<bool> is_damaged_{false}, throws_{false};
+  std::atomic<bool> is_damaged_{false}, throws_{false}, has_failed_{false};
   std::atomic<int> reads_{0};
   WebFarm farm_;
   ShownPicture shown_;
@@ -88,6 +90,18 @@ TEST_F(WatchedFile, LackOfMemoryIsTheReasonAndEndsNothing) {
   Receive(stream, [&] { return shown_.problem == "the coordinator is out of memory" && reads_ > 1; });
   throws_ = false;
   Receive(stream, [&] { return shown_.frames == 1; });
+}
+
+TEST_F(WatchedFile, WhatWasRenderedOfAFrameThatFailedIsShownWhileItsJobIsOpen) {
+  has_failed_ = true;
+  PictureBoards boards(farm_);
+  const auto watched = boards.Watch({JobId{1}, 0});
+  Receive(*std::get<std::shared_ptr<BodyStream>>(watched), [&] { return shown_.frames == 1; });
+  EXPECT_FALSE(shown_.is_finished);
+  FrameState state = std::get<FrameState>(farm_.frame(JobId{1}, 0));
+  EXPECT_EQ(std::get<std::string>(EncodedPicture(farm_, {JobId{1}, 0}, state, false)), file_);
+  state.has_failed = false;
+  EXPECT_TRUE(std::holds_alternative<WebError>(EncodedPicture(farm_, {JobId{1}, 0}, state, false)));
 }
 
 TEST_F(WatchedFile, OneThatIsTooLargeHasAReason) {
