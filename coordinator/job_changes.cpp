@@ -30,7 +30,7 @@ void JobChanges::Make(const UnaryCall& call, const JobChangeKind& change, JobId 
 }
 
 // Checking takes too long for the core thread.
-void JobChanges::CheckFiles(const UnaryCall& call, JobId job, std::function<void()> then) const {
+void JobChanges::CheckFiles(const UnaryCall& call, JobId job, const std::function<void()>& then) const {
   const auto check = [=, this](const JobSpec& spec) {
     const auto checked = GuardedResult([&] { return CheckSubmission(spec, blobs_); });
     if (checked) return then();

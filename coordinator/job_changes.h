@@ -81,7 +81,7 @@ class JobChanges {
 
  private:
   // Goes on with `then` if the files of the job are stored, or finishes the call with the reason.
-  void CheckFiles(const UnaryCall& call, JobId job, std::function<void()> then) const;
+  void CheckFiles(const UnaryCall& call, JobId job, const std::function<void()>& then) const;
 
   const BlobStore& blobs_;
   FileThreads& files_;

@@ -1,5 +1,4 @@
 // The interface for programs on a farm that renders nothing: lists, events, and requests that are wrong.
-#include "coordinator/web/api/json_views.h"
 #include "coordinator/web/api/web_api.h"
 
 #include <gmock/gmock.h>
@@ -9,6 +8,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "coordinator/web/api/json_views.h"
 #include "coordinator/web/api/png.h"
 #include "tests/coordinator/web/api/synthetic_farm.h"
 
