@@ -80,7 +80,7 @@ class JobChanges {
             const Answer& answer) const;
 
  private:
-  // Goes on with `then` if the files of the job are stored, or finishes the call with the reason.
+  // Calls `then` if the files of the job are stored, or finishes the call with the reason why they are not.
   void CheckFiles(const UnaryCall& call, JobId job, const std::function<void()>& then) const;
 
   const BlobStore& blobs_;

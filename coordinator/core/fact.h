@@ -57,7 +57,7 @@ struct FrameFinished {
   uint64_t samples = 0;  // pixel samples that it is made of
 };
 
-// No worker can render the frame. The job goes on with its other frames.
+// No worker can render the frame. The other frames of the job are still rendered.
 struct FrameFailed {
   JobId job{};
   uint32_t frame = 0;

@@ -13,7 +13,8 @@ class JobEnd {
   explicit JobEnd(FarmState& state) : state_(state) {}
   // Does nothing if the job has ended already.
   void End(Instant now, Job& job, JobState end, const std::string& reason);
-  // No worker can render the frame. The job goes on without it, unless EndIfDecided ends it.
+  // No worker can render the frame. The other frames of the job are still rendered, unless EndIfDecided ends
+  // it.
   void FailFrame(Instant now, Job& job, uint32_t frame, const std::string& reason);
   // Ends the job if all its frames are finished or have failed, or if the others are given up because of
   // those that failed (kFailedFramesMax).

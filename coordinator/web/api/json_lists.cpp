@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "coordinator/core/schedule/instant.h"
 #include "coordinator/web/api/json_views.h"
 
 namespace tessera {
@@ -19,10 +20,6 @@ constexpr uint64_t kPageMax = 1000;
 constexpr uint64_t kPageDefault = 100;
 // With the history of each, some 5 KB.
 constexpr uint64_t kHistoryPageMax = 200;
-
-double SecondsOf(std::chrono::milliseconds duration) {
-  return static_cast<double>(duration.count()) / 1000;
-}
 
 std::string Lower(std::string_view text) {
   std::string lower(text);
@@ -134,11 +131,11 @@ ListRules<JobStatus> JobRules(const Query& query) {
        }},
       {"left",
        [](const Job& job) {
-         return SortKey{SecondsOf(job.left), ""};
+         return SortKey{Seconds(job.left), ""};
        }},
       {"elapsed",
        [](const Job& job) {
-         return SortKey{SecondsOf(job.elapsed), ""};
+         return SortKey{Seconds(job.elapsed), ""};
        }},
   };
   return rules;
@@ -194,7 +191,7 @@ ListRules<WorkerStatus> WorkerRules(const Query& query, const FarmWatch* history
        }},
       {"silent",
        [](const Worker& worker) {
-         return SortKey{SecondsOf(worker.silent), ""};
+         return SortKey{Seconds(worker.silent), ""};
        }},
   };
   return rules;

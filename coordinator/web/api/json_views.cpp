@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "coordinator/core/schedule/instant.h"
 #include "coordinator/web/api/picture_layers.h"
 #include "proto/identity/subject.h"
 
@@ -12,10 +13,6 @@ namespace tessera {
 namespace {
 
 using nlohmann::json;
-
-double SecondsOf(std::chrono::milliseconds duration) {
-  return static_cast<double>(duration.count()) / 1000;
-}
 
 json TimesJson(const JobTimes& times) {
   return {{"render_s", times.render_s}, {"waste_s", times.waste_s},     {"other_s", times.other_s},
@@ -57,14 +54,14 @@ json JobJson(const JobStatus& job) {
              {"progress", ProgressOf(job)},
              {"samples_per_second", job.samples_per_second},
              {"workers", job.workers},
-             {"elapsed_s", SecondsOf(job.elapsed)},
+             {"elapsed_s", Seconds(job.elapsed)},
              {"left_s", nullptr},
              {"noise", nullptr},
              {"frames_total", job.frames_total},
              {"frames_finished", job.frames_finished},
              {"frames_failed", job.frames_failed}};
   if (job.noise) shown["noise"] = *job.noise;
-  if (job.left.count() >= 0 && !HasEnded(job.state)) shown["left_s"] = SecondsOf(job.left);
+  if (job.left.count() >= 0 && !HasEnded(job.state)) shown["left_s"] = Seconds(job.left);
   return shown;
 }
 
@@ -141,7 +138,7 @@ json WorkerJson(const WorkerStatus& worker) {
           {"memory_bytes", worker.memory_bytes},
           {"scenes", std::move(scenes)},
           {"last_failure", worker.last_failure},
-          {"silent_s", SecondsOf(worker.silent)},
+          {"silent_s", Seconds(worker.silent)},
           {"draining", worker.draining},
           {"quarantined", worker.quarantined}};
 }
