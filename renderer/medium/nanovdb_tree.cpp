@@ -114,7 +114,8 @@ bool NanoVdbTree::ReadLeaf(uint64_t at, const VdbOrigin& origin) {
   for (int64_t x = 0; x < kLeafSide; ++x) {
     for (int64_t y = 0; y < kLeafSide; ++y) {
       for (int64_t z = 0; z < kLeafSide; ++z, value_at += sizeof(float)) {
-        if (!filler_->Set(origin[0] + x, origin[1] + y, origin[2] + z, *Load<float>(value_at))) return false;
+        if (!filler_->Fill({origin[0] + x, origin[1] + y, origin[2] + z}, 1, *Load<float>(value_at)))
+          return false;
       }
     }
   }

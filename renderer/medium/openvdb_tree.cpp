@@ -189,9 +189,8 @@ std::string OpenVdbTree::ReadVoxels(bool may_be_negative, VdbGrid* grid) {
     if (in_.failed() || !ReadValues(active, kLeafVoxels, values)) return kTruncated;
     for (size_t n = 0; n < kLeafVoxels; ++n) {
       const VdbOrigin place = PlaceOf(n, kLowerChildBits);
-      if (!filler.Set(leaf.origin[0] + place[0], leaf.origin[1] + place[1], leaf.origin[2] + place[2],
-                      values[n]))
-        return filler.problem();
+      const VdbOrigin voxel{leaf.origin[0] + place[0], leaf.origin[1] + place[1], leaf.origin[2] + place[2]};
+      if (!filler.Fill(voxel, 1, values[n])) return filler.problem();
     }
   }
   return "";

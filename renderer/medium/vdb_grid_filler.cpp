@@ -24,42 +24,30 @@ std::string BoxProblem(const IndexBox& box) {
   return fmt::format("is too large: {} x {} x {} voxels", size[0], size[1], size[2]);
 }
 
-bool VdbGridFiller::Set(int64_t x, int64_t y, int64_t z, float value) {
+bool VdbGridFiller::Fill(const VdbOrigin& origin, int64_t side, float value) {
+  CheckLoadBudget();
   if (value == 0) return true;
-  const IndexBox& box = grid_.box;
-  if (x < box.min[0] || x > box.max[0] || y < box.min[1] || y > box.max[1] || z < box.min[2] ||
-      z > box.max[2])
-    return true;
+  GridSize begin{}, end{};
+  int64_t voxels = 1;
+  for (size_t i = 0; i < 3; ++i) {
+    const int64_t box_min = grid_.box.min[i], box_end = int64_t{grid_.box.max[i]} + 1;
+    const int64_t first = std::max(origin[i], box_min), last = std::min(origin[i] + side, box_end);
+    if (first >= last) return true;
+    begin[i] = static_cast<int>(first - box_min);
+    end[i] = static_cast<int>(last - box_min);
+    voxels *= last - first;
+  }
   if (!std::isfinite(value) || (value < 0 && !may_be_negative_)) {
-    problem_ = fmt::format("it has the value {} at ({}, {}, {}), expected a finite number{}", value, x, y, z,
-                           may_be_negative_ ? "" : " of at least 0");
+    problem_ = fmt::format("it has the value {} at ({}, {}, {}), expected a finite number{}", value,
+                           origin[0], origin[1], origin[2], may_be_negative_ ? "" : " of at least 0");
     return false;
   }
-  if (++voxels_ > kVdbVoxelsMax) {
+  voxels_ += voxels;
+  if (voxels_ > kVdbVoxelsMax) {
     problem_ = fmt::format("more than {} voxels are not zero", kVdbVoxelsMax);
     return false;
   }
-  grid_.voxels.Set(static_cast<int>(x - box.min[0]), static_cast<int>(y - box.min[1]),
-                   static_cast<int>(z - box.min[2]), value);
-  return true;
-}
-
-bool VdbGridFiller::Fill(const VdbOrigin& origin, int64_t side, float value) {
-  if (value == 0) return true;
-  std::array<int64_t, 3> begin{}, end{};
-  for (size_t i = 0; i < 3; ++i) {
-    begin[i] = std::max<int64_t>(origin[i], grid_.box.min[i]);
-    end[i] = std::min<int64_t>(origin[i] + side, int64_t{grid_.box.max[i]} + 1);
-    if (begin[i] >= end[i]) return true;
-  }
-  for (int64_t x = begin[0]; x < end[0]; ++x) {
-    CheckLoadBudget();
-    for (int64_t y = begin[1]; y < end[1]; ++y) {
-      for (int64_t z = begin[2]; z < end[2]; ++z) {
-        if (!Set(x, y, z, value)) return false;
-      }
-    }
-  }
+  grid_.voxels.Fill(begin, end, value);
   return true;
 }
 

@@ -19,9 +19,7 @@ class VdbGridFiller {
   // `grid` must outlive this. Values must be finite and, unless `may_be_negative`, at least 0.
   VdbGridFiller(VdbGrid& grid, bool may_be_negative) : grid_(grid), may_be_negative_(may_be_negative) {}
 
-  // Each returns false if something is wrong, and does nothing outside the box of the grid.
-  bool Set(int64_t x, int64_t y, int64_t z, float value);
-  // A cube of one value.
+  // Sets the voxels of a cube that are in the box of the grid. Returns false if something is wrong.
   bool Fill(const VdbOrigin& origin, int64_t side, float value);
 
   const std::string& problem() const { return problem_; }

@@ -58,8 +58,10 @@ class VoxelGrid {
   // Cells of interpolation along an axis: between the positions 0 and size + 1.
   int CellCount(int axis) const { return size_[axis] + 1; }
 
+  // Sets the voxels of a box, 0 <= begin[i] < end[i] <= size[i].
+  void Fill(const GridSize& begin, const GridSize& end, const T& value);
   // Sets a voxel, 0 <= x < size[0] and so on.
-  void Set(int x, int y, int z, const T& value);
+  void Set(int x, int y, int z, const T& value) { Fill({x, y, z}, {x + 1, y + 1, z + 1}, value); }
 
   // Interpolates convert(value) at a point with 0 <= p[i] <= size[i] + 1. `convert` maps T() to zero.
   template <typename Convert>
@@ -95,26 +97,28 @@ class VoxelGrid {
 };
 
 template <typename T>
-void VoxelGrid<T>::Set(int x, int y, int z, const T& value) {
-  if (value == T()) return;
-  const std::array<int, 3> position{x + 1, y + 1, z + 1};
-  // A position on the border between blocks belongs to both.
-  for (int corner = 0; corner < 8; ++corner) {
-    std::array<int, 3> block{}, point{};
-    bool belongs = true;
-    for (int i = 0; i < 3; ++i) {
-      block[i] = position[i] >> shift_[i];
-      point[i] = position[i] & ((1 << shift_[i]) - 1);
-      if ((corner >> i & 1) == 0) continue;
-      belongs &= point[i] == 0 && block[i] > 0;
-      --block[i];
-      point[i] = 1 << shift_[i];
+void VoxelGrid<T>::Fill(const GridSize& begin, const GridSize& end, const T& value) {
+  // The voxels are at the positions from begin + 1 to end. A position on the border of two blocks is in both.
+  const auto first_block = [&](int i) { return begin[i] >> shift_[i]; };
+  const auto last_block = [&](int i) { return end[i] >> shift_[i]; };
+  const auto first_point = [&](int i, int block) { return std::max(begin[i] + 1 - (block << shift_[i]), 0); };
+  const auto last_point = [&](int i, int block) {
+    return std::min(end[i] - (block << shift_[i]), points_[i] - 1);
+  };
+  const int count = points_[0] * points_[1] * points_[2];
+  for (int bz = first_block(2); bz <= last_block(2); ++bz) {
+    for (int by = first_block(1); by <= last_block(1); ++by) {
+      for (int bx = first_block(0); bx <= last_block(0); ++bx) {
+        std::unique_ptr<T[]>& values = values_[BlockAt(bx, by, bz)];
+        if (!values && value == T()) continue;
+        if (!values) values = std::make_unique<T[]>(static_cast<size_t>(count));
+        const int row = first_point(0, bx), length = last_point(0, bx) - row + 1;
+        for (int z = first_point(2, bz); z <= last_point(2, bz); ++z) {
+          for (int y = first_point(1, by); y <= last_point(1, by); ++y)
+            std::fill_n(values.get() + PointAt(row, y, z), length, value);
+        }
+      }
     }
-    if (!belongs) continue;
-    std::unique_ptr<T[]>& values = values_[BlockAt(block[0], block[1], block[2])];
-    const int count = points_[0] * points_[1] * points_[2];
-    if (!values) values = std::make_unique<T[]>(static_cast<size_t>(count));
-    values[static_cast<size_t>(PointAt(point[0], point[1], point[2]))] = value;
   }
 }
 

@@ -179,8 +179,11 @@ TEST_F(Durability, AJobCancelledOnAFullDiskMakesRoomForOthers) {
   const std::string oracle = Oracle(BoxScene(), {"--spp", "16"});
   StartCoordinator();
   StartWorker("only");
-  const std::string large = Submit(BoxScene(), kLongRender);
-  AwaitShare(large, 0.05);
+  // Its sums and picture take several times the space of the small job's.
+  std::vector<std::string> options = kLongRender;
+  options.insert(options.end(), {"--resolution", "384x288"});
+  const std::string large = Submit(BoxScene(), options);
+  AwaitShare(large, 0.02);
   const std::string small = Submit(BoxScene(), {"--spp", "16"});
   disk.Fill();
   ASSERT_TRUE(Eventually([&] { return Ask({"jobs"}).output.find("No space left") != std::string::npos; }));

@@ -369,5 +369,30 @@ TEST(VoxelGrid, ReturnsWhatWasSetAndZeroAround) {
   EXPECT_FLOAT_EQ(line.Lookup({0.5f, 1, 8}), 1);
 }
 
+TEST(VoxelGrid, FillingABoxEqualsSettingItsVoxels) {
+  const GridSize size{20, 3, 9};
+  TestRandom random(6);
+  FloatGrid filled(size), set(size);
+  for (int i = 0; i < 40; ++i) {
+    GridSize begin{}, end{};
+    for (size_t axis = 0; axis < 3; ++axis) {
+      begin[axis] = static_cast<int>(random.Next() * static_cast<float>(size[axis]));
+      end[axis] =
+          begin[axis] + 1 + static_cast<int>(random.Next() * static_cast<float>(size[axis] - begin[axis]));
+    }
+    const float value = i % 8 == 7 ? 0 : static_cast<float>(i + 1);
+    filled.Fill(begin, end, value);
+    for (int x = begin[0]; x < end[0]; ++x) {
+      for (int y = begin[1]; y < end[1]; ++y) {
+        for (int z = begin[2]; z < end[2]; ++z) set.Set(x, y, z, value);
+      }
+    }
+    for (int probe = 0; probe < 300; ++probe) {
+      const Point3 at{random.Next() * 21, random.Next() * 4, random.Next() * 10};
+      ASSERT_EQ(filled.Lookup(at), set.Lookup(at)) << i << " at " << at.x << " " << at.y << " " << at.z;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tessera

@@ -16,6 +16,8 @@ struct OpenVdbOptions {
   bool stores_active_alone = false;
   std::string map = "UniformScaleMap", grid_class = "fog volume";
   uint32_t version = 224;
+  // Active cubes of 4096 x 4096 x 4096 voxels of the value 1 that the root has, all at (0, 0, 0).
+  uint32_t root_tiles = 0;
 };
 
 // The voxels (x, y, z) of 0 to 7 at 0.5 (x, y, z) have the values of `values`, [64 x + 8 y + z]; those that
@@ -44,8 +46,13 @@ class OpenVdbWriter {
     for (int i = 0; i < 15; ++i) Write(0.5);
     Write(uint32_t{1});  // buffers
     Write(0.0f);         // background
-    Write(uint32_t{0});  // tiles of the root
-    Write(uint32_t{1});  // its children
+    Write(options.root_tiles);
+    Write(uint32_t{1});  // children of the root
+    for (uint32_t tile = 0; tile < options.root_tiles; ++tile) {
+      Write(std::string(3 * sizeof(int32_t), '\0'));
+      Write(1.0f);
+      Write(uint8_t{1});
+    }
     for (int i = 0; i < 3; ++i) Write(uint32_t{0});
     for (const size_t children : {size_t{32768}, size_t{4096}}) {
       std::string mask(children / 8, '\0');

@@ -54,6 +54,25 @@ TEST(OpenVdb, ValuesAreReadHoweverTheyAreStored) {
   }
 }
 
+TEST(OpenVdb, CubesOfOneValueFillTheirVoxelsButNotMoreThanTheLimit) {
+  const IndexBox box{{-3, 0, 0}, {252, 255, 255}};
+  const auto read = [&](uint32_t tiles) {
+    const std::string bytes = OpenVdbWriter(std::vector<float>(512), {.root_tiles = tiles}).bytes;
+    return ReadOpenVdb(bytes, "a.vdb", "density", box, false);
+  };
+  const auto grid = read(1);
+  ASSERT_TRUE(grid && *grid);
+  const auto value_at = [&](float x, float y, float z) {
+    return (*grid)->voxels.Lookup({x - -3 + 1, y + 1, z + 1});
+  };
+  EXPECT_EQ(value_at(-1, 100, 100), 0);
+  EXPECT_EQ(value_at(-0.25f, 100, 100), 0.75f);
+  for (const float at : {8.0f, 100.25f, 252.0f}) EXPECT_EQ(value_at(at, at, at), 1) << at;
+  const auto refused = read(17);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("voxels are not zero")) << "each cube counts again";
+}
+
 TEST(OpenVdb, MapsGiveThePlacesOfVoxels) {
   const auto point = [](const std::string& map) {
     OpenVdbOptions options;
