@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -105,10 +104,20 @@ OIIO::TypeDesc TypeDescOf(ValueType type) {
   return OIIO::TypeDesc::FLOAT;
 }
 
-// Whether the rows and columns have numbers that the library can count: a TIFF file may begin anywhere.
+// Whether the library can count the rows and columns: TIFF and PNG files may begin anywhere. To the number of
+// a row it adds up to 2^26 more.
 bool CanBeCounted(const OIIO::ImageSpec& spec) {
-  constexpr int64_t kMax = std::numeric_limits<int>::max();
-  return int64_t{spec.x} + spec.width <= kMax && int64_t{spec.y} + spec.height <= kMax;
+  constexpr int64_t kMax = int64_t{1} << 30;
+  return std::min(spec.x, spec.y) >= -kMax && int64_t{spec.x} + spec.width <= kMax &&
+         int64_t{spec.y} + spec.height <= kMax;
+}
+
+// Whether the tiles, if there are any, are at most a little larger than the picture. The library allocates
+// whole tiles, and counts the bytes of a tile with integers that overflow.
+bool HasUsualTiles(const OIIO::ImageSpec& spec) {
+  constexpr int64_t kBeyondPicture = 1024;  // in pixels
+  return spec.tile_width <= spec.width + kBeyondPicture && spec.tile_height <= spec.height + kBeyondPicture &&
+         spec.tile_depth <= 1 && std::min({spec.tile_width, spec.tile_height, spec.tile_depth}) >= 0;
 }
 
 void Describe(OpenPicture& picture, PictureInfo& info) {
@@ -149,10 +158,26 @@ OpenPicture* Open(const PictureFile& file, PictureInfo& info, Reason& reason) {
       Explain("its position is out of range", reason);
       return false;
     }
+    if (!HasUsualTiles(picture->input->spec())) {
+      Explain("its tiles are far larger than the picture", reason);
+      return false;
+    }
     Describe(*picture, info);
     return true;
   });
   return opened ? picture.release() : nullptr;
+}
+
+// Whether the library must read a TIFF picture row by row, with libtiff. Otherwise it unpacks many strips by
+// itself, and reports success for those that are too short. It overruns strips of more rows than the picture
+// has, such as 2^32 - 1. Rows of separate planes it reads slowly, since each unpacks its strips from the
+// start.
+bool IsReadByRows(const OIIO::ImageInput& input) {
+  if (std::strcmp(input.format_name(), "tiff") != 0) return false;
+  const OIIO::ImageSpec& spec = input.spec();
+  const int rows_per_strip = spec.get_int_attribute("tiff:RowsPerStrip", 0);
+  const bool has_usual_strips = rows_per_strip > 0 && rows_per_strip <= spec.height;
+  return spec.get_string_attribute("planarconfig") != "separate" || !has_usual_strips;
 }
 
 // Reads all rows and stops at the first that are damaged. The library collects an error for each row of each
@@ -164,14 +189,16 @@ bool ReadRows(OIIO::ImageInput& input, const OIIO::TypeDesc& type, void* values)
   const OIIO::ImageSpec spec = input.spec();
   if (spec.tile_width != 0)
     return input.read_image(0, 0, 0, spec.nchannels, type, values) && !input.has_error();
-  const int rows = std::max(kBlock, kErrorsMax / spec.nchannels / kBlock * kBlock);
+  const bool is_read_by_rows = IsReadByRows(input);
+  const int rows = is_read_by_rows ? 1 : std::max(kBlock, kErrorsMax / spec.nchannels / kBlock * kBlock);
   const size_t row_bytes =
       static_cast<size_t>(spec.width) * static_cast<size_t>(spec.nchannels) * type.size();
   for (int y = 0; y < spec.height; y += rows) {
     const int end = std::min(y + rows, spec.height);
     char* const at = static_cast<char*>(values) + static_cast<size_t>(y) * row_bytes;
-    const bool is_read =
-        input.read_scanlines(0, 0, spec.y + y, spec.y + end, spec.z, 0, spec.nchannels, type, at);
+    const bool is_read = is_read_by_rows ? input.read_scanline(spec.y + y, spec.z, type, at)
+                                         : input.read_scanlines(0, 0, spec.y + y, spec.y + end, spec.z, 0,
+                                                                spec.nchannels, type, at);
     if (!is_read || input.has_error()) return false;
   }
   return true;

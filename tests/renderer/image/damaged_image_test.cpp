@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "renderer/image/image.h"
 #include "tests/renderer/image/encoded_images.h"
@@ -81,29 +82,122 @@ TEST(DamagedImage, ATiffFileWithoutMostOfItsRowsIsRefused) {
   EXPECT_THAT(image.error().message, testing::HasSubstr("a.tif: damaged TIFF picture"));
 }
 
-// A TIFF file of 2 x 200 pixels whose first row has this number.
-std::string TiffAtRow(int row) {
-  OIIO::ImageSpec spec(2, 200, 3, OIIO::TypeDesc::UINT8);
-  spec.y = row;
+// The test pattern of three bytes a pixel, as described by `spec`.
+std::string EncodeAs(const char* format, const OIIO::ImageSpec& spec) {
   std::vector<unsigned char> file;
   OIIO::Filesystem::IOVecOutput proxy(file);
-  const auto output = OIIO::ImageOutput::create("tiff");
+  const auto output = OIIO::ImageOutput::create(format);
   output->set_ioproxy(&proxy);
-  EXPECT_TRUE(output->open("a.tif", spec) &&
-              output->write_image(OIIO::TypeDesc::UINT8, Pattern8(2, 200, 3).data()) && output->close());
+  const std::vector<uint8_t> pixels = Pattern8(spec.width, spec.height, 3);
+  EXPECT_TRUE(output->open("a", spec) && output->write_image(OIIO::TypeDesc::UINT8, pixels.data()) &&
+              output->close());
   return {file.begin(), file.end()};
 }
 
-TEST(DamagedImage, ATiffFileWhoseRowsHaveNumbersBeyondTheLargestIsRefused) {
-  for (const int row : {5, 1 << 30}) {
-    const Result<Image> image = DecodeImage(TiffAtRow(row), "a.tif", {});
-    ASSERT_TRUE(image) << image.error().message;
-    EXPECT_EQ(image->bytes, Pattern8(2, 200, 3)) << row;
+// A file of 2 x 200 pixels whose first row has this number.
+std::string PictureAtRow(const char* format, int row) {
+  OIIO::ImageSpec spec(2, 200, 3, OIIO::TypeDesc::UINT8);
+  spec.y = row;
+  return EncodeAs(format, spec);
+}
+
+// The same as a PNG file, also for numbers with which the library writes none.
+std::string PngAtRow(int row) {
+  std::string png = PictureAtRow("png", 5);
+  const size_t chunk =
+      png.find("oFFs");  // followed by the number of the first column, that of the row, and a unit
+  EXPECT_NE(chunk, std::string::npos);
+  const auto write = [&](size_t at, uint32_t value) {
+    for (const int shift : {24, 16, 8, 0}) png[at++] = static_cast<char>(value >> shift);
+  };
+  write(chunk + 8, static_cast<uint32_t>(row));
+  write(chunk + 13, static_cast<uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(png.data() + chunk), 13)));
+  return png;
+}
+
+TEST(DamagedImage, PicturesWhoseRowsHaveNumbersNearTheLargestAreRefused) {
+  const auto decoded = [](const char* format, int row) {
+    const bool is_png = std::string_view(format) == "png";
+    return DecodeImage(is_png ? PngAtRow(row) : PictureAtRow(format, row), std::string("a.") + format, {});
+  };
+  for (const char* format : {"tiff", "png"}) {
+    SCOPED_TRACE(format);
+    for (const int row : {5, 1 << 29}) {
+      const Result<Image> image = decoded(format, row);
+      ASSERT_TRUE(image) << image.error().message;
+      EXPECT_EQ(image->bytes, Pattern8(2, 200, 3)) << row;
+    }
+    // Of a TIFF file they are floats: the last is the largest that is an int.
+    for (const int row : {(1 << 30) + (1 << 20), 2'146'697'472, 2'147'483'520}) {
+      const Result<Image> image = decoded(format, row);
+      ASSERT_FALSE(image) << row;
+      EXPECT_THAT(image.error().message, testing::HasSubstr("picture: its position is out of range"));
+    }
   }
-  constexpr int kLargestFloat = 2'147'483'520;  // that is an int
-  const Result<Image> image = DecodeImage(TiffAtRow(kLargestFloat), "a.tif", {});
-  ASSERT_FALSE(image);
-  EXPECT_EQ(image.error().message, "a.tif: damaged TIFF picture: its position is out of range");
+}
+
+// A TIFF file of 2 x 200 pixels whose directory has this number of rows in a strip, stored in another type
+// and elsewhere in the file if it is `far`. The strips are as the library writes them, of 32 rows each or in
+// one.
+struct StripOptions {
+  uint32_t rows = 0;
+  bool is_far = false, is_one_strip = false, is_separate = false, is_tag_missing = false;
+};
+std::string TiffOfStrips(const StripOptions& options) {
+  OIIO::ImageSpec spec(2, 200, 3, OIIO::TypeDesc::UINT8);
+  if (options.is_one_strip) spec.attribute("tiff:RowsPerStrip", 200);
+  if (options.is_separate) spec.attribute("planarconfig", "separate");
+  std::string tiff = EncodeAs("tiff", spec);
+  const size_t field = tiff.find(std::string("\x16\x01\x03\x00\x01\x00\x00\x00", 8));  // one short integer
+  EXPECT_NE(field, std::string::npos);
+  const auto write = [&](size_t at, uint32_t value) {
+    for (int i = 0; i < 4; ++i) tiff[at + static_cast<size_t>(i)] = static_cast<char>(value >> (8 * i));
+  };
+  constexpr char kLong = 4, kLong8 = 16;
+  tiff[field + 2] = options.is_far ? kLong8 : kLong;
+  write(field + 8, options.is_far ? static_cast<uint32_t>(tiff.size()) : options.rows);
+  tiff += std::string(8, '\0');
+  write(tiff.size() - 8, options.rows);
+  if (options.is_tag_missing) tiff[field + 1] = '\x7f';
+  return tiff;
+}
+
+TEST(DamagedImage, TiffStripsOfMoreRowsThanThePictureHasAreReadOrRefused) {
+  for (const uint32_t rows : {200u, 201u, 0x40000001u, 0x7fffffffu, 0x80000000u, 0xffffffffu}) {
+    for (int kind = 0; kind < 16; ++kind) {
+      const StripOptions options{rows, (kind & 1) != 0, (kind & 2) != 0, (kind & 4) != 0, (kind & 8) != 0};
+      const Result<Image> image = DecodeImage(TiffOfStrips(options), "a.tif", {});
+      // The library writes separate planes in strips of one row.
+      EXPECT_EQ(image.has_value(), options.is_one_strip && !options.is_separate) << rows << " " << kind;
+      if (image) {
+        EXPECT_EQ(image->bytes, Pattern8(2, 200, 3)) << rows << " " << kind;
+      } else {
+        EXPECT_THAT(image.error().message, testing::HasSubstr("a.tif: damaged TIFF picture: "));
+      }
+    }
+  }
+}
+
+TEST(DamagedImage, TiffTilesThatAreFarLargerThanThePictureAreRefused) {
+  OIIO::ImageSpec spec(40, 40, 3, OIIO::TypeDesc::UINT8);
+  spec.tile_width = spec.tile_height = 16;
+  const std::string tiff = EncodeAs("tiff", spec);
+  ASSERT_EQ(DecodeImage(tiff, "a.tif", {})->bytes, Pattern8(40, 40, 3));
+  const std::string width_tag("\x42\x01", 2), height_tag("\x43\x01", 2), sample_format_tag("\x53\x01", 2);
+  const std::string tile_depth_tag("\xe6\x80", 2);
+  for (const std::string& tag : {width_tag, height_tag, sample_format_tag}) {
+    for (const uint32_t side : {0x10000u, 0x7fffffffu, 0x7ffffff0u, 0x80000000u, 0xfffffff0u}) {
+      std::string damaged = tiff;
+      const size_t field = damaged.find(tag + '\x03');  // short integers
+      ASSERT_NE(field, std::string::npos);
+      damaged.replace(field, 8,
+                      (tag == sample_format_tag ? tile_depth_tag : tag) + std::string("\4\0\1\0\0\0", 6));
+      for (size_t i = 0; i < 4; ++i) damaged[field + 8 + i] = static_cast<char>(side >> (8 * i));
+      const Result<Image> image = DecodeImage(damaged, "a.tif", {});
+      ASSERT_FALSE(image) << side;
+      EXPECT_THAT(image.error().message, testing::HasSubstr("a.tif: damaged TIFF picture: ")) << side;
+    }
+  }
 }
 
 TEST(DamagedImage, CompressedBmpFilesAreRefused) {

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <webp/encode.h>
+#include <zlib.h>
 
 #include "renderer/image/declared_size.h"
 #include "renderer/image/image.h"
@@ -225,6 +226,64 @@ TEST(BigTiff, DeclaresItsSize) {
     const std::string whole = BigTiff(is_little, 4);
     for (size_t length = 0; length < whole.size(); ++length)
       FindDeclaredSize(ImageFormat::kTiff, whole.substr(0, length));
+  }
+}
+
+// ---- TIFF strips
+
+// Of 2 x 3 pixels of three bytes, 1, 2, 3 and so on, in one strip for each plane.
+std::string TiffOfPlanes(bool is_zipped, std::optional<uint32_t> rows_per_strip) {
+  const auto number = [](uint32_t value, int size) {
+    std::string bytes;
+    for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> 8 * i);
+    return bytes;
+  };
+  std::string strips, offsets, lengths;
+  for (int plane = 0; plane < 3; ++plane) {
+    std::string values;
+    for (int pixel = 0; pixel < 6; ++pixel) values += static_cast<char>(1 + 3 * pixel + plane);
+    if (is_zipped) {
+      std::string packed(compressBound(values.size()), '\0');
+      uLongf size = packed.size();
+      compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(values.data()),
+               values.size());
+      values = packed.substr(0, size);
+    }
+    offsets += number(static_cast<uint32_t>(8 + strips.size()), 4);
+    lengths += number(static_cast<uint32_t>(values.size()), 4);
+    strips += values;
+  }
+  constexpr uint32_t kShort = 3, kLong = 4;
+  const auto offsets_at = static_cast<uint32_t>(8 + strips.size());
+  const uint32_t lengths_at = offsets_at + 12, bits_at = offsets_at + 24, directory_at = offsets_at + 30;
+  const auto entry = [&](uint32_t tag, uint32_t type, uint32_t count, uint32_t value) {
+    return number(tag, 2) + number(type, 2) + number(count, 4) + number(value, 4);
+  };
+  std::string entries = entry(256, kShort, 1, 2) + entry(257, kShort, 1, 3) + entry(258, kShort, 3, bits_at) +
+                        entry(259, kShort, 1, is_zipped ? 8 : 1) + entry(262, kShort, 1, 2) +
+                        entry(273, kLong, 3, offsets_at) + entry(277, kShort, 1, 3);
+  if (rows_per_strip) entries += entry(278, kLong, 1, *rows_per_strip);
+  entries += entry(279, kLong, 3, lengths_at) + entry(284, kShort, 1, 2);
+  return "II" + number(42, 2) + number(directory_at, 4) + strips + offsets + lengths + number(8, 2) +
+         number(8, 2) + number(8, 2) + number(static_cast<uint32_t>(entries.size() / 12), 2) + entries +
+         number(0, 4);
+}
+
+// Compressed planes of this kind are beyond the library.
+TEST(TiffStrips, OfAllRowsAreReadOrRefusedWhateverNumberTheirFileStates) {
+  constexpr uint32_t kHeight = 3;
+  std::vector<uint8_t> pixels(18);
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(i + 1);
+  for (const std::optional<uint32_t> rows :
+       std::vector<std::optional<uint32_t>>{kHeight, 4, 0x40000001, 0x7fffffff, 0x80000000, 0xffffffff, {}}) {
+    SCOPED_TRACE(rows.value_or(0));
+    EXPECT_EQ(Decoded(TiffOfPlanes(false, rows), "a.tif").bytes, pixels);
+    const std::string zipped = TiffOfPlanes(true, rows);
+    if (rows == kHeight) {
+      EXPECT_EQ(Decoded(zipped, "a.tif").bytes, pixels);
+    } else {
+      EXPECT_THAT(ErrorOf(zipped, "a.tif"), testing::HasSubstr("does not support random access"));
+    }
   }
 }
 
