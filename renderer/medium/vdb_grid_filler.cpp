@@ -38,8 +38,10 @@ bool VdbGridFiller::Fill(const VdbOrigin& origin, int64_t side, float value) {
     voxels *= last - first;
   }
   if (!std::isfinite(value) || (value < 0 && !may_be_negative_)) {
+    const std::array<int, 3>& min = grid_.box.min;
     problem_ = fmt::format("it has the value {} at ({}, {}, {}), expected a finite number{}", value,
-                           origin[0], origin[1], origin[2], may_be_negative_ ? "" : " of at least 0");
+                           min[0] + begin[0], min[1] + begin[1], min[2] + begin[2],
+                           may_be_negative_ ? "" : " of at least 0");
     return false;
   }
   voxels_ += voxels;
