@@ -136,12 +136,11 @@ TEST(DamagedImage, PicturesWhoseRowsHaveNumbersNearTheLargestAreRefused) {
   }
 }
 
-// A TIFF file of 2 x 200 pixels whose directory has this number of rows in a strip, stored in another type
-// and elsewhere in the file if it is `far`. The strips are as the library writes them, of 32 rows each or in
-// one.
+// A TIFF file of 2 x 200 pixels that states this number of rows in a strip, as a number of eight bytes
+// outside of the directory if `is_far`. The strips are as the library writes them, of fewer rows or of all.
 struct StripOptions {
   uint32_t rows = 0;
-  bool is_far = false, is_one_strip = false, is_separate = false, is_tag_missing = false;
+  bool is_far = false, is_one_strip = false, is_separate = false;
 };
 std::string TiffOfStrips(const StripOptions& options) {
   OIIO::ImageSpec spec(2, 200, 3, OIIO::TypeDesc::UINT8);
@@ -158,14 +157,13 @@ std::string TiffOfStrips(const StripOptions& options) {
   write(field + 8, options.is_far ? static_cast<uint32_t>(tiff.size()) : options.rows);
   tiff += std::string(8, '\0');
   write(tiff.size() - 8, options.rows);
-  if (options.is_tag_missing) tiff[field + 1] = '\x7f';
   return tiff;
 }
 
 TEST(DamagedImage, TiffStripsOfMoreRowsThanThePictureHasAreReadOrRefused) {
   for (const uint32_t rows : {200u, 201u, 0x40000001u, 0x7fffffffu, 0x80000000u, 0xffffffffu}) {
-    for (int kind = 0; kind < 16; ++kind) {
-      const StripOptions options{rows, (kind & 1) != 0, (kind & 2) != 0, (kind & 4) != 0, (kind & 8) != 0};
+    for (int kind = 0; kind < 8; ++kind) {
+      const StripOptions options{rows, (kind & 1) != 0, (kind & 2) != 0, (kind & 4) != 0};
       const Result<Image> image = DecodeImage(TiffOfStrips(options), "a.tif", {});
       // The library writes separate planes in strips of one row.
       EXPECT_EQ(image.has_value(), options.is_one_strip && !options.is_separate) << rows << " " << kind;
