@@ -86,8 +86,12 @@ bool IsMemoryScarce() {
 // Looks at the clock and at the machine's memory while a scene is loaded.
 class LoadWatch {
  public:
-  LoadWatch(LoadBudget& budget, std::chrono::seconds time)
-      : budget_(budget), time_(time), thread_([&budget](const Error& why) { budget.Cancel(why.message); }) {}
+  // `name` and `limits` must outlive this.
+  LoadWatch(LoadBudget& budget, const std::string& name, const LoadLimits& limits)
+      : budget_(budget),
+        name_(name),
+        limits_(limits),
+        thread_([&budget](const Error& why) { budget.Cancel(why.message); }) {}
   ~LoadWatch() {
     {
       const std::lock_guard lock(mutex_);
@@ -102,19 +106,35 @@ class LoadWatch {
   }
 
  private:
+  bool IsOverWithin(std::unique_lock<std::mutex>& lock, std::chrono::milliseconds time) {
+    return over_.wait_for(lock, time, [this] { return is_over_; });
+  }
+  // Why loading must stop, or empty.
+  std::string Problem(Clock::time_point deadline) const {
+    if (Clock::now() > deadline)
+      return fmt::format("loading the scene takes longer than {} s (--load-timeout)", limits_.time.count());
+    return IsMemoryScarce() ? "the machine runs out of memory while it loads the scene" : "";
+  }
   void Run() {
-    const auto deadline = Clock::now() + time_;
+    const auto deadline = Clock::now() + limits_.time;
+    std::string problem;
     std::unique_lock lock(mutex_);
-    while (!over_.wait_for(lock, kWatchInterval, [this] { return is_over_; })) {
-      if (Clock::now() > deadline)
-        return budget_.Cancel(
-            fmt::format("loading the scene takes longer than {} s (--load-timeout)", time_.count()));
-      if (IsMemoryScarce()) return budget_.Cancel("the machine runs out of memory while it loads the scene");
+    while (problem.empty()) {
+      if (IsOverWithin(lock, kWatchInterval)) return;
+      lock.unlock();
+      problem = Problem(deadline);
+      lock.lock();
     }
+    budget_.Cancel(problem);
+    if (IsOverWithin(lock, limits_.time_to_stop)) return;
+    fmt::print(stderr, "{}: {}, and does not stop within {} s: this program ends\n", name_, problem,
+               limits_.time_to_stop.count());
+    std::_Exit(1);
   }
 
   LoadBudget& budget_;
-  const std::chrono::seconds time_;
+  const std::string& name_;
+  const LoadLimits& limits_;
   std::mutex mutex_;
   std::condition_variable over_;
   bool is_over_ = false;  // guarded by mutex_
@@ -172,7 +192,7 @@ Result<void> RunWithinLimits(const std::string& name, const LoadLimits& limits,
   LoadBudget budget(limits.memory_bytes,
                     fmt::format("loading the scene needs more than {} MiB of memory ({})",
                                 limits.memory_bytes >> 20, limits.memory_source));
-  LoadWatch watch(budget, limits.time);
+  LoadWatch watch(budget, name, limits);
   if (auto started = watch.Start(); !started) return started.error();
   std::string thrown;
   try {

@@ -12,10 +12,15 @@
 
 namespace tessera {
 
+// A library may neither allocate nor return. Everything else stops within seconds.
+constexpr std::chrono::seconds kTimeToStopLoading{600};
+
 struct LoadLimits {
   uint64_t memory_bytes = 0;
   std::chrono::seconds time{0};
   std::string memory_source = "--scene-memory";  // for messages: what sets the limit
+  // What loading may still take once it is told to stop.
+  std::chrono::seconds time_to_stop = kTimeToStopLoading;
 };
 
 // The least limit of memory that options take.
@@ -32,7 +37,8 @@ uint64_t DefaultSceneMemory();
 
 // Calls `load` on this thread. An error, that `name` and the limit explain, if it allocates more memory than
 // it frees beyond the limit, takes too long, or leaves the machine without memory. What `load` throws becomes
-// an error, too. Memory that its libraries allocate with malloc is not accounted for.
+// an error, too. Memory that its libraries allocate with malloc is not accounted for. Ends the process, with
+// a message and exit code 1, if `load` then does not stop in time: nothing else can end it.
 Result<void> RunWithinLimits(const std::string& name, const LoadLimits& limits,
                              const std::function<void()>& load);
 

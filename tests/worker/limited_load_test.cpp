@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <future>
 #include <thread>
 
 #include "renderer/formats/loader/module_loader.h"
@@ -71,6 +72,18 @@ TEST(LimitedLoad, ASceneThatTakesTooLongFailsWithTheLimit) {
       LoadWithinLimits("scene.pbrt", {500 * kMegabyte, 1s}, [&] { return LoadOrderedScene(order, fetch); });
   ASSERT_FALSE(scene);
   EXPECT_THAT(scene.error().message, HasSubstr("longer than 1 s (--load-timeout)"));
+}
+
+TEST(LimitedLoad, ALibraryThatDoesNotReturnEndsTheProcess) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto load = []() -> LoadedScene {
+    std::promise<void>().get_future().wait();
+    return Failed("unreachable");
+  };
+  const LoadLimits limits{500 * kMegabyte, 1s, "--scene-memory", 1s};
+  EXPECT_EXIT(
+      (void)LoadWithinLimits("scene.pbrt", limits, load), testing::ExitedWithCode(1),
+      "scene.pbrt: loading the scene takes longer than 1 s .--load-timeout., and does not stop within 1 s");
 }
 
 TEST(LimitedLoad, AFailureNamesTheScenesFaultOrTheLimitOfTheWorker) {
