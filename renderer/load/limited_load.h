@@ -12,14 +12,14 @@
 
 namespace tessera {
 
-// A library may neither allocate nor return. Everything else stops within seconds.
+// Cancelled loading ends within seconds, unless a library neither allocates nor returns.
 constexpr std::chrono::seconds kTimeToStopLoading{600};
 
 struct LoadLimits {
   uint64_t memory_bytes = 0;
   std::chrono::seconds time{0};
   std::string memory_source = "--scene-memory";  // for messages: what sets the limit
-  // What loading may still take once it is told to stop.
+  // How long loading may continue after it was cancelled.
   std::chrono::seconds time_to_stop = kTimeToStopLoading;
 };
 
@@ -38,7 +38,7 @@ uint64_t DefaultSceneMemory();
 // Calls `load` on this thread. An error, that `name` and the limit explain, if it allocates more memory than
 // it frees beyond the limit, takes too long, or leaves the machine without memory. What `load` throws becomes
 // an error, too. Memory that its libraries allocate with malloc is not accounted for. Ends the process, with
-// a message and exit code 1, if `load` then does not stop in time: nothing else can end it.
+// a message and exit code 1, if `load` continues for `time_to_stop` after that: nothing else can end it.
 Result<void> RunWithinLimits(const std::string& name, const LoadLimits& limits,
                              const std::function<void()>& load);
 
