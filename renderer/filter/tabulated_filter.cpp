@@ -63,9 +63,10 @@ FilterAxis::FilterAxis(float radius, const std::function<float(float x)>& f) : r
 }
 
 // The last interval that starts at or before u: a step or two from where the guide points (Chen and Asau
-// 1974).
+// 1974). The first without a branch, which could not be predicted.
 int FilterAxis::IntervalOf(float u) const {
   int i = guide_[static_cast<int>(u * kGuideParts)];
+  i += static_cast<int>((i < kIntervals - 1) & (cdf_[i + 1] <= u));
   while (i < kIntervals - 1 && cdf_[i + 1] <= u) ++i;
   return i;
 }

@@ -62,9 +62,9 @@ SobolMatrices MakeMatrices() {
     start += std::bit_width(polynomial) - 1;
   }
   for (int dimension = 0; dimension < kSobolDimensions; ++dimension) {
+    SobolMatrices::Block& block = matrices.reversed[dimension / SobolMatrices::kLanes];
     for (int k = 0; k < SobolMatrices::kColumns; ++k)
-      matrices.reversed[dimension / SobolMatrices::kLanes].columns[k][dimension % SobolMatrices::kLanes] =
-          ReverseBits(matrices.narrow[dimension][k]);
+      block.SetColumn(k, dimension % SobolMatrices::kLanes, ReverseBits(matrices.narrow[dimension][k]));
   }
   return matrices;
 }
@@ -82,8 +82,9 @@ void FastOwenSobolBlock(const SobolMatrices::Block& block, uint32_t index, const
     return _mm256_load_si256(reinterpret_cast<const __m256i*>(lanes));
   };
   __m256i points = _mm256_setzero_si256();
-  for (; index != 0; index &= index - 1)
-    points = _mm256_xor_si256(points, load(block.columns[std::countr_zero(index)]));
+  using Block = SobolMatrices::Block;
+  for (int digit = 0; index != 0; index >>= Block::kDigitBits, ++digit)
+    points = _mm256_xor_si256(points, load(block.sums[digit][index % (1 << Block::kDigitBits)]));
   const __m256i bits = ReverseLaneBits(PermuteLanesUpwards(points, load(seeds)));
   // As UniformFloat: 24 bits fit into a signed integer and into a float.
   const __m256 fractions = _mm256_cvtepi32_ps(_mm256_srli_epi32(bits, 8));

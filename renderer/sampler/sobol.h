@@ -16,10 +16,20 @@ struct SobolMatrices {
   static constexpr int kColumns = 32;
   uint32_t wide[2][kColumnsWide];
   uint32_t narrow[kSobolDimensions][kColumns];
-  // The columns of several dimensions, whose points are computed together.
+  // The columns of several dimensions, whose points are computed together, four bits of the index at a time.
   static constexpr int kLanes = 8;
   struct Block {
-    alignas(32) uint32_t columns[kColumns][kLanes];
+    static constexpr int kDigitBits = 4;
+    // The exclusive-or of the columns that the bits of a digit of the index name, by digit and its value.
+    alignas(32) uint32_t sums[kColumns / kDigitBits][1 << kDigitBits][kLanes];
+
+    // Sets column k of one lane. Columns are to be set in their order.
+    void SetColumn(int k, int lane, uint32_t column) {
+      auto& digit = sums[k / kDigitBits];
+      const int first = 1 << k % kDigitBits;
+      for (int value = first; value < 2 * first; ++value)
+        digit[value][lane] = digit[value - first][lane] ^ column;
+    }
   };
   // `narrow` with the bits of each column reversed. Points are exclusive-ors of columns, so that those of
   // this matrix are the points of `narrow` reversed. Dimension d is lane d % kLanes of block d / kLanes.
@@ -94,10 +104,11 @@ inline float RandomizedSobol(const SobolMatrices& matrices, Randomization random
                              int dimension, uint32_t seed) {
   if (randomization == Randomization::kFastOwen) {
     // FastOwenScramble without its first reversal, which the columns already have.
-    const auto& block = matrices.reversed[dimension / SobolMatrices::kLanes].columns;
+    const SobolMatrices::Block& block = matrices.reversed[dimension / SobolMatrices::kLanes];
     uint32_t reversed = 0;
-    for (uint32_t bits = index; bits != 0; bits &= bits - 1)
-      reversed ^= block[std::countr_zero(bits)][dimension % SobolMatrices::kLanes];
+    for (int digit = 0; index != 0; index >>= SobolMatrices::Block::kDigitBits, ++digit)
+      reversed ^= block.sums[digit][index % (1 << SobolMatrices::Block::kDigitBits)]
+                            [dimension % SobolMatrices::kLanes];
     return UniformFloat(ReverseBits(PermuteUpwards(reversed, seed)));
   }
   return RandomizedFraction(randomization, SobolBits(matrices, index, dimension), seed);

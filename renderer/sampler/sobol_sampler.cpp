@@ -22,11 +22,12 @@ static_assert(IsPermutation(kOrder));
 using FirstBlocks = std::array<SobolMatrices::Block, kOrder.size() / SobolMatrices::kLanes>;
 const FirstBlocks& OrderedBlocks() {
   static const FirstBlocks blocks = [] {
-    FirstBlocks ordered;
+    FirstBlocks ordered{};
     for (size_t i = 0; i < kOrder.size(); ++i) {
+      SobolMatrices::Block& block = ordered[i / SobolMatrices::kLanes];
       for (int k = 0; k < SobolMatrices::kColumns; ++k)
-        ordered[i / SobolMatrices::kLanes].columns[k][i % SobolMatrices::kLanes] =
-            ReverseBits(Matrices().narrow[kOrder[i]][k]);
+        block.SetColumn(k, static_cast<int>(i % SobolMatrices::kLanes),
+                        ReverseBits(Matrices().narrow[kOrder[i]][k]));
     }
     return ordered;
   }();
