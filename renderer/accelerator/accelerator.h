@@ -5,6 +5,7 @@
 
 #include "renderer/description/kind_table.h"
 #include "renderer/shape/geometry.h"
+#include "renderer/shape/hit_lanes.h"
 #include "renderer/shape/interaction.h"
 #include "renderer/util/result.h"
 
@@ -19,6 +20,18 @@ struct AcceleratorStatistics {
   double sah_cost = 0;
 };
 
+// Finds what the rays of several lanes hit, with the same results as Accelerator. The set of lanes is not
+// empty.
+class LaneSearch {
+ public:
+  virtual ~LaneSearch() = default;
+  // Returns the lanes whose rays hit anything. Hits are not refined: one counts if RefineHit accepts it;
+  // otherwise Intersect finds another or none.
+  virtual LaneSet Find(LaneSet lanes, HitLanes* hits) const = 0;
+  // Returns the lanes whose rays, one for each lane, are occluded.
+  virtual LaneSet Occluded(LaneSet lanes, const Ray* rays) const = 0;
+};
+
 class Accelerator {
  public:
   virtual ~Accelerator() = default;
@@ -26,6 +39,8 @@ class Accelerator {
   virtual bool Intersect(const Ray& ray, Hit* hit) const = 0;
   // Whether any surface that stops shadow rays lies in (0, ray.t_max).
   virtual bool Occluded(const Ray& ray) const = 0;
+  // The same for several rays at a time; null if there is nothing faster than one by one.
+  virtual const LaneSearch* lane_search() const { return nullptr; }
   virtual AcceleratorStatistics statistics() const = 0;
 };
 

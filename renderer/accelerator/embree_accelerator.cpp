@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -17,7 +18,7 @@
 namespace tessera {
 namespace {
 
-class EmbreeAccelerator : public Accelerator {
+class EmbreeAccelerator : public Accelerator, private LaneSearch {
  public:
   EmbreeAccelerator(std::unique_ptr<EmbreeDevice> device, const Geometry& geometry,
                     const TextureTable& textures)
@@ -42,17 +43,39 @@ class EmbreeAccelerator : public Accelerator {
     RTCRayHit query;
     if (!SetRay(ray, kAllMask, &query.ray)) return false;
     for (int attempt = 0; attempt < kFalseHitsMax; ++attempt) {
-      query.ray.tfar = ray.t_max;
-      query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-      rtcIntersect1(top_.handle(), &context.base, &query);
-      if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-      *hit = MakeHit(query, context);
+      if (!FindHit(ray, context, query, hit)) return false;
       if (RefineHit(geometry_, ray, hit)) return true;
       // The surface that the ray started on, found again by a rounding error of Embree's: continue beyond it.
       query.ray.tnear = NextFloatUp(query.ray.tfar);
     }
     return false;
+  }
+
+  const LaneSearch* lane_search() const override { return this; }
+  LaneSet Find(LaneSet lanes, HitLanes* hits) const override {
+    LaneSet found = 0;
+    EmbreeRayContext context = MakeContext(*hits->rays[std::countr_zero(lanes)]);
+    RTCRayHit query;
+    ForEachLane(lanes, [&](int lane) {
+      const Ray& ray = *hits->rays[lane];
+      context.ray = &ray;
+      const bool is_hit =
+          SetRay(ray, kAllMask, &query.ray) && FindHit(ray, context, query, &hits->hits[lane]);
+      found |= LaneSet{is_hit} << lane;
+    });
+    return found;
+  }
+  LaneSet Occluded(LaneSet lanes, const Ray* rays) const override {
+    LaneSet occluded = 0;
+    EmbreeRayContext context = MakeContext(rays[std::countr_zero(lanes)]);
+    RTCRay query;
+    ForEachLane(lanes, [&](int lane) {
+      context.ray = &rays[lane];
+      if (!SetRay(rays[lane], kSolidMask, &query)) return;
+      rtcOccluded1(top_.handle(), &context.base, &query);
+      occluded |= LaneSet{query.tfar < 0} << lane;
+    });
+    return occluded;
   }
 
   bool Occluded(const Ray& ray) const override {
@@ -153,6 +176,17 @@ class EmbreeAccelerator : public Accelerator {
     r->flags = 0;
     const Packed3 ones(_mm_set1_ps(1));
     return Dot(Abs(o), ones) <= origin_max_ && Dot(Abs(d), ones) <= kTracedCoordinateMax && ray.t_max > 0;
+  }
+
+  // Finds the nearest hit from query.ray.tnear on, not refined.
+  bool FindHit(const Ray& ray, EmbreeRayContext& context, RTCRayHit& query, Hit* hit) const {
+    query.ray.tfar = ray.t_max;
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(top_.handle(), &context.base, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    *hit = MakeHit(query, context);
+    return true;
   }
 
   Hit MakeHit(const RTCRayHit& query, const EmbreeRayContext& context) const {

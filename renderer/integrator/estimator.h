@@ -7,6 +7,7 @@
 #include "renderer/integrator/integrator_kinds.h"
 #include "renderer/integrator/light_directions.h"
 #include "renderer/integrator/light_visibility.h"
+#include "renderer/integrator/plain_surfaces.h"
 #include "renderer/integrator/sample_record.h"
 #include "renderer/integrator/simple_path_integrator.h"
 
@@ -19,6 +20,9 @@ struct Estimator {
   std::optional<LightDirections> lights;  // of mixture: for the same world
   // Of path and volpath, for the same world; null: lights are sampled everywhere.
   std::unique_ptr<LightVisibility> visibility;
+
+  // The surfaces of the same world whose vertices a PathBatch computes together; null: it follows no paths.
+  std::unique_ptr<const PlainSurfaces> plain;
 
   bool HasShadowRays() const { return integrator.has_shadow_rays && techniques.sample_lights; }
 };

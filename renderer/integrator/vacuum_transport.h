@@ -54,7 +54,8 @@ class VacuumTransport {
   void PassInterface(const SurfaceInteraction&, Vec3) {}
   // The path leaves a surface along wi, which was sampled with density pdf. `weight`: f times the cosine over
   // the density.
-  void Scatter(const SurfaceInteraction&, Vec3, SampledSpectrum weight, float pdf) {
+  void Scatter(const SurfaceInteraction&, Vec3, SampledSpectrum weight, float pdf) { Scatter(weight, pdf); }
+  void Scatter(SampledSpectrum weight, float pdf) {
     throughput_ *= weight;
     pdf_ = pdf;
   }

@@ -60,6 +60,14 @@ class AreaLights {
   std::optional<LightSample> Sample(size_t light, const ReferencePoint& reference, Point2 u,
                                     const SampledWavelengths& wavelengths,
                                     const TextureTable& textures) const;
+  // As LightTable::RectangleOf.
+  std::optional<RectangleLight> RectangleOf(size_t light) const {
+    const AreaLight& area = lights_[light];
+    if (!area.IsInRectangle()) return std::nullopt;
+    const AreaEmitter& emitter = emitters_[area.emitter];
+    return RectangleLight{&rectangles_[area.rectangle], &emitter.L, area.scale, emitter.two_sided,
+                          !emitter.IsHitByScatteredRays()};
+  }
   // With which SamplePoint of SampledFor(light) finds a point on the light.
   float Pdf(size_t light, const ReferencePoint& reference, Vec3 wi, const SurfaceInteraction& on_light) const;
   // Radiance along wo from a point that a ray hit.

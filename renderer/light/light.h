@@ -64,6 +64,16 @@ struct LightInputs {
 };
 
 struct BuiltLights;
+class RectangleEmitter;
+
+// A light that is a rectangle and emits the same everywhere.
+struct RectangleLight {
+  const RectangleEmitter* emitter;
+  const Spectrum* L;  // radiance, to be multiplied by `scale`
+  float scale;
+  bool two_sided;
+  bool is_delta;  // as LightSample::is_delta
+};
 
 // All lights of a scene with the structure that chooses among them. Immutable.
 //
@@ -87,6 +97,8 @@ class LightTable {
 
   // Chooses a light for a reference point. Returns nullopt if none can contribute. u in [0, 1).
   std::optional<ChosenLight> Choose(const ReferencePoint& reference, float u) const;
+  // What Choose returns, if that is the same everywhere; nullopt if not.
+  std::optional<ChosenLight> OnlyLight() const;
   // The probability with which Choose takes `light`, or the light that is sampled for it: that of the first
   // half of a rectangle stands for both triangles.
   float ChoosePmf(const ReferencePoint& reference, int light) const;
@@ -107,6 +119,8 @@ class LightTable {
                                     const SampledWavelengths& wavelengths) const;
   // The point on the surface of area light `light` that Sample takes. Returns nullopt if it cannot be seen.
   std::optional<ShapeSample> SamplePoint(int light, const ReferencePoint& reference, Point2 u) const;
+  // What Sample of `light` samples, if it is a rectangle; nullopt if not.
+  std::optional<RectangleLight> RectangleOf(int light) const;
   // The density per solid angle with which Sample, of `light` or of the light that is sampled for it, would
   // find the hit emitter along wi.
   float AreaLightPdf(int light, const ReferencePoint& reference, Vec3 wi,

@@ -82,7 +82,7 @@ float LightChooser::TreeShare(const ReferencePoint& reference) const {
 }
 
 std::optional<ChosenLight> LightChooser::Choose(const ReferencePoint& reference, float u) const {
-  if (candidates_.size() == 1 && tree_.empty()) return ChosenLight{static_cast<int>(candidates_[0]), 1};
+  if (const std::optional<ChosenLight> only = OnlyLight()) return only;
   const float tree_share = TreeShare(reference);
   if (u < tree_share) {
     u = std::min(u / tree_share, kOneMinusEpsilon);

@@ -31,6 +31,11 @@ class LightChooser {
   // Returns nullopt if no light can contribute. The probabilities sum to 1, or to less where the tree finds
   // that nothing arrives.
   std::optional<ChosenLight> Choose(const ReferencePoint& reference, float u) const;
+  // What Choose returns, if that does not depend on its arguments; nullopt if it does.
+  std::optional<ChosenLight> OnlyLight() const {
+    if (candidates_.size() != 1 || !tree_.empty()) return std::nullopt;
+    return ChosenLight{static_cast<int>(candidates_[0]), 1};
+  }
   float Pmf(const ReferencePoint& reference, int light) const;
 
   // Around a light that has a place; nullopt for lights at infinity, and for all lights unless they are

@@ -37,6 +37,10 @@ std::optional<ChosenLight> LightTable::Choose(const ReferencePoint& reference, f
   return data_->chooser.Choose(reference, u);
 }
 
+std::optional<ChosenLight> LightTable::OnlyLight() const {
+  return data_->chooser.OnlyLight();
+}
+
 float LightTable::ChoosePmf(const ReferencePoint& reference, int light) const {
   return data_->chooser.Pmf(reference, SampledFor(light));
 }
@@ -73,6 +77,11 @@ std::optional<LightSample> LightTable::Sample(int light, const ReferencePoint& r
   return Dispatch(data.Source(light), [&](const auto& source) {
     return motion == nullptr ? source.Sample(query) : SampleMoving(source, *motion, query);
   });
+}
+
+std::optional<RectangleLight> LightTable::RectangleOf(int light) const {
+  if (data_->IsSource(light)) return std::nullopt;
+  return data_->areas.RectangleOf(data_->AreaIndex(light));
 }
 
 float LightTable::AreaLightPdf(int light, const ReferencePoint& reference, Vec3 wi,

@@ -1,7 +1,6 @@
 #include "renderer/light/rectangle_emitter.h"
 
-#include <array>
-
+#include "renderer/math/double_lanes.h"
 #include "renderer/shape/solid_angle_density.h"
 
 namespace tessera {
@@ -77,10 +76,10 @@ RectangleEmitter::RectangleEmitter(const PatchPoints& corners, Normal3 n)
       p_error_(PatchPointError(corners)),
       plane_error_(Dot(Abs(n), p_error_)) {
   const Point3 across = corner_ + ex_;
-  const std::array<Point3, 4> points = {corner_, across, corner_ + ey_, across + ey_};
-  corners_x_ = {points[0].x, points[1].x, points[2].x, points[3].x};
-  corners_y_ = {points[0].y, points[1].y, points[2].y, points[3].y};
-  corners_z_ = {points[0].z, points[1].z, points[2].z, points[3].z};
+  corners_ = {corner_, across, corner_ + ey_, across + ey_};
+  corners_x_ = {corners_[0].x, corners_[1].x, corners_[2].x, corners_[3].x};
+  corners_y_ = {corners_[0].y, corners_[1].y, corners_[2].y, corners_[3].y};
+  corners_z_ = {corners_[0].z, corners_[1].z, corners_[2].z, corners_[3].z};
 }
 
 float RectangleEmitter::Height(const ReferencePoint& reference) const {
@@ -146,6 +145,41 @@ std::optional<ShapeSample> RectangleEmitter::Sample(const ReferencePoint& refere
   if (area_pdf > 0) sample.pdf = PerSolidAngle(area_pdf, reference.p, sample.p, n_);
   if (!(sample.pdf > 0)) return std::nullopt;
   return sample;
+}
+
+RectangleSamples8 RectangleEmitter::SampleFar(const SurfacePoints8& references, Vec2x8 u,
+                                              bool two_sided) const {
+  RectangleSamples8 samples;
+  const Vec3x8 n(n_);
+  const Float8 height = Dot(n, references.p - Vec3x8(corner_));
+  const Mask8 is_in_plane = Abs(height) <= Dot(Abs(n), references.p_error) + Float8(plane_error_);
+  LaneSet in_front = ~is_in_plane.lanes();
+  if (!two_sided) in_front &= ~(height < Float8(0)).lanes();
+
+  const Float8 center_squared = LengthSquared(Vec3x8(center_) - references.p);
+  samples.far = (center_squared > Float8(kFarSquared * radius_squared_)).lanes();
+  const auto weight = [&](size_t corner) {
+    const Vec3x8 to = Vec3x8(corners_[corner]) - references.p;
+    const Float8 inverse = Float8(1) / Sqrt(to.x * to.x + to.y * to.y + to.z * to.z);
+    const Float8 nearness = inverse * Sqrt(center_squared);
+    const Float8 cosine = Dot(references.shading_n, to) * inverse;
+    return nearness * nearness * nearness * Max(Float8(kCornerCosineMin), Abs(cosine));
+  };
+  const BilinearWeightsOf<Float8> weights{weight(0), weight(1), weight(2), weight(3)};
+  const Vec2x8 place = SampleBilinear(u, weights);
+  const Float8 area_pdf = BilinearPdf(place, weights) / Float8(Area());
+
+  samples.p = (Double3x8(Vec3x8(corner_)) + Double3x8(Vec3x8(ex_)) * Double8(place.x) +
+               Double3x8(Vec3x8(ey_)) * Double8(place.y))
+                  .ToFloat();
+  const Vec3x8 to_point = samples.p - references.p;
+  const Float8 distance_squared = LengthSquared(to_point);
+  const Float8 cosine = Abs(Dot(n, to_point)) / Sqrt(distance_squared);
+  samples.pdf = area_pdf * distance_squared / cosine;
+  const Mask8 is_sampled = (area_pdf > Float8(0)) & (samples.pdf > Float8(0)) &
+                           (samples.pdf < Float8(std::numeric_limits<float>::infinity()));
+  samples.seen = samples.far & in_front & is_sampled.lanes();
+  return samples;
 }
 
 float RectangleEmitter::Pdf(const ReferencePoint& reference, Point3 p) const {

@@ -1,15 +1,25 @@
 // Rectangles among emitting triangles.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "renderer/math/float4.h"
+#include "renderer/shape/hit_lanes.h"
 #include "renderer/shape/patch.h"
 #include "renderer/shape/shape_queries.h"
 #include "renderer/shape/spherical_sampling.h"
 #include "renderer/shape/triangle_mesh.h"
 
 namespace tessera {
+
+// Points on a rectangle that were sampled in several lanes.
+struct RectangleSamples8 {
+  LaneSet far = 0;   // the lanes that were sampled
+  LaneSet seen = 0;  // those of them that see their point; the other members are not defined elsewhere
+  Vec3x8 p;
+  Float8 pdf;  // per solid angle
+};
 
 // Two triangles of a mesh that together are a rectangle, which is sampled as a whole: the choice between its
 // halves is no source of noise, and its points are stratified over both. Immutable.
@@ -24,6 +34,11 @@ class RectangleEmitter {
   // plane, or if it is behind a rectangle that emits to one side. The point has no texture coordinates. u in
   // [0, 1)^2.
   std::optional<ShapeSample> Sample(const ReferencePoint& reference, Point2 u, bool two_sided) const;
+  // Sample for the surface points of several lanes, as far as they are far from the rectangle.
+  RectangleSamples8 SampleFar(const SurfacePoints8& references, Vec2x8 u, bool two_sided) const;
+  Normal3 n() const { return n_; }
+  // Of every sampled point.
+  Vec3 p_error() const { return p_error_; }
   // The density per solid angle with which Sample finds point `p` of the rectangle.
   float Pdf(const ReferencePoint& reference, Point3 p) const;
 
@@ -53,6 +68,7 @@ class RectangleEmitter {
   float radius_squared_;                      // of the circle through the corners
   Normal3 n_;                                 // unit
   Float4 corners_x_, corners_y_, corners_z_;  // in the order of BilinearWeights
+  std::array<Point3, 4> corners_;             // the same
   Vec3 p_error_;                              // of a sampled point
   float plane_error_;                         // of the distance of points from the plane
 };

@@ -66,6 +66,13 @@ const SurfaceMaterial& MaterialTable::Chosen(int material, const TextureTable& t
   }
 }
 
+const Spectrum* MaterialTable::MatteReflectance(int material) const {
+  const auto* surface = std::get_if<SurfaceMaterial>(&materials_[material]);
+  if (surface == nullptr || traits_[material].needs_footprint) return nullptr;
+  const auto* diffuse = std::get_if<DiffuseMaterial>(&surface->kind);
+  return diffuse == nullptr ? nullptr : &diffuse->reflectance.constant;
+}
+
 bool MaterialTable::AnyScattersBelow() const {
   return std::ranges::any_of(traits_, [](const Traits& traits) { return traits.scatters_below; });
 }

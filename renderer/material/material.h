@@ -35,6 +35,9 @@ class MaterialTable {
   // Whether Evaluate uses the derivatives of the interaction's normal.
   bool NeedsNormalDerivatives(int material) const { return traits_[material].needs_normal_derivatives; }
 
+  // The reflectance of a diffuse material that is the same everywhere and has no relief; null of others.
+  const Spectrum* MatteReflectance(int material) const;
+
   // The Bsdf of `material` at a surface point. Chooses among mixed materials by a hash of the point, changes
   // `interaction.shading` by bump or normal maps, and drops secondary wavelengths where the material
   // disperses. `context` holds the texture footprint if NeedsFootprint.

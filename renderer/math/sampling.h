@@ -1,10 +1,12 @@
 // Maps from the unit square to the shapes that path tracing samples, each beside its density and, where it
-// has one, its inverse. Every density says with respect to which measure.
+// has one, its inverse. Every density says with respect to which measure. Functions of a type `Real` or
+// `Vector2` are written for one float and for those of several lanes (lanes.h) at once.
 #pragma once
 
 #include <cmath>
 #include <limits>
 
+#include "renderer/math/real.h"
 #include "renderer/math/vec.h"
 #include "renderer/util/hash.h"
 
@@ -12,32 +14,40 @@ namespace tessera {
 
 // Sine and cosine of eighths of a turn: of x * pi / 4 for x in [-1, 1], to the precision of float. Their
 // Taylor series, without branches and faster than those of the C library.
-struct SineCosine {
-  float sine, cosine;
+template <typename Real>
+struct SineCosineOf {
+  Real sine, cosine;
 };
-inline SineCosine SineCosineOfEighth(float x) {
+using SineCosine = SineCosineOf<float>;
+template <typename Real>
+inline SineCosineOf<Real> SineCosineOfEighth(Real x) {
   constexpr double q = 0.78539816339744831;  // pi / 4
   constexpr double q2 = q * q, q4 = q2 * q2, q6 = q4 * q2, q8 = q4 * q4;
-  constexpr auto s0 = static_cast<float>(q), s1 = static_cast<float>(-q * q2 / 6),
-                 s2 = static_cast<float>(q * q4 / 120), s3 = static_cast<float>(-q * q6 / 5040),
-                 s4 = static_cast<float>(q * q8 / 362880);
-  constexpr auto c1 = static_cast<float>(-q2 / 2), c2 = static_cast<float>(q4 / 24),
-                 c3 = static_cast<float>(-q6 / 720), c4 = static_cast<float>(q8 / 40320);
-  const float xx = x * x;
+  const Real s0(static_cast<float>(q)), s1(static_cast<float>(-q * q2 / 6)),
+      s2(static_cast<float>(q * q4 / 120)), s3(static_cast<float>(-q * q6 / 5040)),
+      s4(static_cast<float>(q * q8 / 362880));
+  const Real c0(1.0f), c1(static_cast<float>(-q2 / 2)), c2(static_cast<float>(q4 / 24)),
+      c3(static_cast<float>(-q6 / 720)), c4(static_cast<float>(q8 / 40320));
+  const Real xx = x * x;
   return {x * (s0 + xx * (s1 + xx * (s2 + xx * (s3 + xx * s4)))),
-          1 + xx * (c1 + xx * (c2 + xx * (c3 + xx * c4)))};
+          c0 + xx * (c1 + xx * (c2 + xx * (c3 + xx * c4)))};
 }
 
 // Uniform over the unit disk, with little distortion (Shirley and Chiu 1997). Density 1/pi per area.
-inline Point2 SampleUniformDiskConcentric(Point2 u) {
-  const Vec2 offset{2 * u.x - 1, 2 * u.y - 1};
+template <typename Vector2>
+inline Vector2 SampleUniformDiskConcentricOf(Vector2 u) {
+  using Real = decltype(u.x);
+  const Real x = Real(2.0f) * u.x - Real(1.0f), y = Real(2.0f) * u.y - Real(1.0f);
   // The coordinates are exchanged where y is larger: by selections, since a branch could not be predicted.
-  const bool is_wide = std::abs(offset.x) > std::abs(offset.y);
-  const float radius = is_wide ? offset.x : offset.y;  // signed
-  const float other = is_wide ? offset.y : offset.x;
-  const auto [sine, cosine] = SineCosineOfEighth(radius == 0 ? 0 : other / radius);
-  const float along = radius * cosine, across = radius * sine;
-  return {is_wide ? along : across, is_wide ? across : along};
+  const auto is_wide = Abs(x) > Abs(y);
+  const Real radius = Select(is_wide, x, y);  // signed
+  const Real other = Select(is_wide, y, x);
+  const auto [sine, cosine] = SineCosineOfEighth(Select(radius == Real(0.0f), Real(0.0f), other / radius));
+  const Real along = radius * cosine, across = radius * sine;
+  return {Select(is_wide, along, across), Select(is_wide, across, along)};
+}
+inline Point2 SampleUniformDiskConcentric(Point2 u) {
+  return SampleUniformDiskConcentricOf(u);
 }
 
 // Directions about +z with density cos(theta)/pi per solid angle (Malley's method).
@@ -85,10 +95,13 @@ inline Vec3 SampleUniformTriangle(Point2 u) {
 }
 
 // x in [0, 1] with density proportional to the line from a at 0 to b at 1.
+template <typename Real>
+inline Real SampleLinearOf(Real u, Real a, Real b) {
+  const Real x = u * (a + b) / (a + Sqrt(Lerp(u, a * a, b * b)));
+  return Select((u == Real(0.0f)) & (a == Real(0.0f)), Real(0.0f), Min(x, Real(kOneMinusEpsilon)));
+}
 inline float SampleLinear(float u, float a, float b) {
-  if (u == 0 && a == 0) return 0;
-  const float x = u * (a + b) / (a + std::sqrt(Lerp(u, a * a, b * b)));
-  return std::min(x, kOneMinusEpsilon);
+  return SampleLinearOf(u, a, b);
 }
 inline float LinearPdf(float x, float a, float b) {
   if (x < 0 || x > 1) return 0;
@@ -102,11 +115,15 @@ inline float SampleExponential(float u, float sigma) {
 
 // Multiple importance sampling weight of a technique with density f_pdf against one with g_pdf, one sample
 // each (Veach 1997, power heuristic with exponent 2).
+template <typename Real>
+inline Real PowerHeuristicOf(Real f_pdf, Real g_pdf) {
+  const Real f2 = f_pdf * f_pdf;
+  const Real sum = f2 + g_pdf * g_pdf;
+  const Real weight = Select(sum > Real(0.0f), f2 / sum, Real(0.0f));
+  return Select(f2 == Real(std::numeric_limits<float>::infinity()), Real(1.0f), weight);
+}
 inline float PowerHeuristic(float f_pdf, float g_pdf) {
-  if (std::isinf(f_pdf * f_pdf)) return 1;
-  const float f2 = f_pdf * f_pdf;
-  const float sum = f2 + g_pdf * g_pdf;
-  return sum > 0 ? f2 / sum : 0;
+  return PowerHeuristicOf(f_pdf, g_pdf);
 }
 
 }  // namespace tessera

@@ -38,6 +38,14 @@ using SamplerOf = std::variant<Kinds...>;
 using AnySampler = SamplerOf<IndependentSampler, StratifiedSampler, SobolSampler, PaddedSobolSampler,
                              ZSobolSampler, HaltonSampler, Pmj02bnSampler>;
 
+// What chooses a light and a place on it, and a lobe and a direction.
+struct VertexNumbers {
+  float u_choice = 0;
+  Point2 u_light;
+  float u_lobe = 0;
+  Point2 u_direction;
+};
+
 // One per render thread; a small value.
 class Sampler {
  public:
@@ -55,6 +63,18 @@ class Sampler {
   // The next two dimensions together, in [0, 1)^2.
   Point2 Get2D() {
     return Dispatch(kind_, [](auto& kind) { return kind.Get2D(); });
+  }
+
+  // What a vertex takes: Get1D, Get2D, Get1D and Get2D.
+  VertexNumbers GetVertex() {
+    return Dispatch(kind_, [](auto& kind) {
+      VertexNumbers numbers;
+      numbers.u_choice = kind.Get1D();
+      numbers.u_light = kind.Get2D();
+      numbers.u_lobe = kind.Get1D();
+      numbers.u_direction = kind.Get2D();
+      return numbers;
+    });
   }
 
   // Whether the first samples of a pixel change with the number of samples.

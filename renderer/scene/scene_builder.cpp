@@ -283,6 +283,7 @@ Result<void> SceneBuilder::BuildAccelerator() {
   data.summary.accelerators.push_back(SummaryOf(data.summary.accelerator, *data.world.accelerator));
   if (data.estimator.integrator.has_shadow_rays)
     data.estimator.visibility = std::make_unique<LightVisibility>(data.world);
+  data.estimator.plain = std::make_unique<const PlainSurfaces>(data.world);
   return {};
 }
 

@@ -63,10 +63,12 @@ struct SurfaceInteraction {
   }
 };
 
+// Shadow rays end short of their targets by this part of their length.
+constexpr float kShadowEpsilon = 0.0001f;
+
 // A ray of length just under 1 from one surface point to another, for shadow tests.
 inline Ray SpawnRayTo(const Point3& from, const Vec3& from_error, const Normal3& from_n, const Point3& to,
                       const Vec3& to_error, const Normal3& to_n, float time) {
-  constexpr float kShadowEpsilon = 0.0001f;
   const Packed3 start = Packed3::Load(from), end = Packed3::Load(to);
   const Packed3 a = OffsetRayOrigin(start, Packed3::Load(from_error), Packed3::Load(from_n), end - start);
   const Packed3 b = OffsetRayOrigin(end, Packed3::Load(to_error), Packed3::Load(to_n), a - end);

@@ -56,20 +56,25 @@ class SphericalRectangle {
 float SolidAngle(Double3 a, Double3 b, Double3 c);
 
 // Weights at the corners (0,0) (1,0) (0,1) (1,1) of the unit square.
-struct BilinearWeights {
-  float w00 = 1, w10 = 1, w01 = 1, w11 = 1;
+template <typename Real>
+struct BilinearWeightsOf {
+  Real w00{1.0f}, w10{1.0f}, w01{1.0f}, w11{1.0f};
 };
+using BilinearWeights = BilinearWeightsOf<float>;
+
 // A point of the unit square with density proportional to the weights' bilinear interpolation, and that
 // density.
-inline Point2 SampleBilinear(Point2 u, const BilinearWeights& w) {
-  const float y = SampleLinear(u.y, w.w00 + w.w10, w.w01 + w.w11);
-  const float x = SampleLinear(u.x, Lerp(y, w.w00, w.w01), Lerp(y, w.w10, w.w11));
+template <typename Vector2, typename Real>
+inline Vector2 SampleBilinear(Vector2 u, const BilinearWeightsOf<Real>& w) {
+  const Real y = SampleLinearOf(u.y, w.w00 + w.w10, w.w01 + w.w11);
+  const Real x = SampleLinearOf(u.x, Lerp(y, w.w00, w.w01), Lerp(y, w.w10, w.w11));
   return {x, y};
 }
-inline float BilinearPdf(Point2 p, const BilinearWeights& w) {
-  const float sum = w.w00 + w.w10 + w.w01 + w.w11;
-  if (sum == 0) return 1;
-  return 4 * Lerp(p.y, Lerp(p.x, w.w00, w.w10), Lerp(p.x, w.w01, w.w11)) / sum;
+template <typename Vector2, typename Real>
+inline Real BilinearPdf(Vector2 p, const BilinearWeightsOf<Real>& w) {
+  const Real sum = w.w00 + w.w10 + w.w01 + w.w11;
+  const Real density = Real(4.0f) * Lerp(p.y, Lerp(p.x, w.w00, w.w10), Lerp(p.x, w.w01, w.w11)) / sum;
+  return Select(sum == Real(0.0f), Real(1.0f), density);
 }
 
 }  // namespace tessera

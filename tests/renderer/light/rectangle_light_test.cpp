@@ -1,3 +1,4 @@
+#include "renderer/light/rectangle_emitter.h"
 #include "renderer/shape/spherical_sampling.h"
 #include "tests/renderer/light/light_scene.h"
 
@@ -190,6 +191,64 @@ TEST(RectangleLight, IsNotSampledFromItsPlaneNorFromBehind) {
   EXPECT_FALSE(lights.table.Sample(0, At(beside, n), u, FourWavelengths(0)));
   EXPECT_TRUE(lights.table.Sample(0, At(beside + n * 0.1f, n), u, FourWavelengths(0)));
   EXPECT_FALSE(lights.table.Sample(0, At(beside - n * 0.1f, n), u, FourWavelengths(0)));
+}
+
+// The same samples for the points of several lanes.
+TEST(RectangleLight, SamplesOfLanesHaveTheBitsOfOneSample) {
+  for (const bool two_sided : {false, true}) {
+    LightScene lights;
+    BuildMesh(lights, Corners(), kHalves, two_sided ? "true" : "false");
+    const std::optional<RectangleLight> rectangle = lights.table.RectangleOf(0);
+    ASSERT_TRUE(rectangle);
+    TestRandom random(3);
+    int far = 0, seen = 0;
+    for (int round = 0; round < 2000; ++round) {
+      std::array<ReferencePoint, kLanes> references;
+      std::array<Point2, kLanes> u;
+      std::array<std::array<float, kLanes>, 11> values;
+      for (int lane = 0; lane < kLanes; ++lane) {
+        ReferencePoint& reference = references[lane];
+        const auto any = [&] {
+          return Vec3{random.Next(), random.Next(), random.Next()} - Vec3{0.5f, 0.5f, 0.5f};
+        };
+        reference = At(any() * 16, Normalize(any()));
+        reference.p_error = Abs(any()) * 1e-6f;
+        u[lane] = random.Next2<Point2>();
+        const Vec3 parts[] = {reference.p, reference.p_error, reference.shading_n};
+        for (size_t i = 0; i < 9; ++i) values[i][lane] = parts[i / 3][static_cast<int>(i % 3)];
+        values[9][lane] = u[lane].x;
+        values[10][lane] = u[lane].y;
+      }
+      const auto load = [&](size_t i) { return Float8::Load(values[i].data()); };
+      SurfacePoints8 points;
+      points.p = {load(0), load(1), load(2)};
+      points.p_error = {load(3), load(4), load(5)};
+      points.n = points.shading_n = {load(6), load(7), load(8)};
+      const RectangleSamples8 samples = rectangle->emitter->SampleFar(points, {load(9), load(10)}, two_sided);
+      std::array<float, kLanes> x, y, z, pdf;
+      samples.p.x.Store(x.data());
+      samples.p.y.Store(y.data());
+      samples.p.z.Store(z.data());
+      samples.pdf.Store(pdf.data());
+      ForEachLane(samples.far, [&](int lane) {
+        const std::optional<ShapeSample> expected =
+            rectangle->emitter->Sample(references[lane], u[lane], two_sided);
+        ASSERT_EQ(HasLane(samples.seen, lane), expected.has_value());
+        if (!expected) return;
+        EXPECT_EQ(expected->p, (Point3{x[lane], y[lane], z[lane]}));
+        EXPECT_EQ(expected->p_error, rectangle->emitter->p_error());
+        EXPECT_EQ(expected->n, rectangle->emitter->n());
+        EXPECT_EQ(expected->pdf, pdf[lane]);
+      });
+      far += std::popcount(samples.far);
+      seen += std::popcount(samples.seen);
+      if (HasFailure()) return;
+    }
+    EXPECT_GT(far, 2000 * kLanes * 3 / 4);
+    EXPECT_LT(far, 2000 * kLanes);
+    EXPECT_GT(seen, 2000 * kLanes / 4);
+    EXPECT_EQ(rectangle->two_sided, two_sided);
+  }
 }
 
 }  // namespace
