@@ -22,7 +22,7 @@ class PathBatch {
   PathBatch(const PathBatch&) = delete;
   PathBatch& operator=(const PathBatch&) = delete;
 
-  // Of a path of its own in each lane: to be set up before Start, read after the path has ended.
+  // Of the path in a lane: to be set before Start, and to be read after the path has ended.
   Sampler& sampler(int lane);
   SampledWavelengths& wavelengths(int lane);
   // Per wavelength: to be divided by the densities that the wavelengths then have.
@@ -37,7 +37,7 @@ class PathBatch {
 
  private:
   struct State;
-  // Vertices of fewer paths are computed one by one.
+  // If fewer paths meet plain surfaces, their vertices are computed one by one.
   static constexpr int kTogetherMin = 2;
 
   // Extends one path, whose ray has a hit that is not refined, or none. Returns false if it ends.

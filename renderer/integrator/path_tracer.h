@@ -30,7 +30,7 @@ class PathTracer {
     transport_.Finish();
   }
 
-  // The parts of Extend where no ray is in a medium, for those who look for the hit themselves.
+  // The parts of Extend where no ray is in a medium, for callers that find the hit themselves.
   const Ray& BeginFlight() {
     (depth_ == 0 ? context_.counts.camera : context_.counts.bounce) += 1;
     return ray_;
@@ -40,7 +40,7 @@ class PathTracer {
   bool Escape();
 
  private:
-  friend class PlainVertices;  // does the work of many vertices at once
+  friend class PlainVertices;  // computes the vertices of several paths together
 
   // The same.
   bool Extend();

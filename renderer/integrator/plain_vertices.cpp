@@ -23,7 +23,7 @@ PlainVertices::Outcome PlainVertices::Scatter(LaneSet lanes, const SurfacePaths&
   return {lanes & ~accepted, accepted & ~lanes_};
 }
 
-// What the paths meet. From here on lanes_ has no path that needs anything but what follows.
+// Finds the surface points, and removes the paths that the following steps cannot serve from lanes_.
 void PlainVertices::Place(const Rays8& rays) {
   TrianglePlaces8 places;
   const Spectrum* reflectances[kLanes];
@@ -96,7 +96,7 @@ void PlainVertices::ChooseLights() {
       SampleAlone(lane);
     }
   });
-  lights_ = {alone_p_.Load(), alone_error_.Load(), alone_n_.Load(), alone_wi_.Load(), alone_pdf_.Load()};
+  lights_ = SampledAlone();
 }
 
 void PlainVertices::SampleAlone(int lane) {
@@ -143,21 +143,25 @@ void PlainVertices::SampleRectangle(LaneSet lanes, int light) {
   });
   lit_ |= seen;
   if (rectangle.is_delta) delta_ |= seen;
-  const Mask8 mask = MaskOf(seen);
-  lights_.p = Select(mask, samples.p, lights_.p);
-  lights_.p_error = Select(mask, Vec3x8(rectangle.emitter->p_error()), lights_.p_error);
-  lights_.n = Select(mask, Vec3x8(n), lights_.n);
-  lights_.wi = Select(mask, wi, lights_.wi);
-  lights_.pdf = Select(mask, pmf_.Load() * samples.pdf * share_.Load(), lights_.pdf);
+  SetLights(seen, {samples.p, Vec3x8(rectangle.emitter->p_error()), Vec3x8(n), wi,
+                   pmf_.Load() * samples.pdf * share_.Load()});
   const LaneSet near = lanes & ~samples.far;
   if (near == 0) return;
   ForEachLane(near, [&](int lane) { SampleAlone(lane); });
-  const Mask8 alone = MaskOf(near);
-  lights_.p = Select(alone, alone_p_.Load(), lights_.p);
-  lights_.p_error = Select(alone, alone_error_.Load(), lights_.p_error);
-  lights_.n = Select(alone, alone_n_.Load(), lights_.n);
-  lights_.wi = Select(alone, alone_wi_.Load(), lights_.wi);
-  lights_.pdf = Select(alone, alone_pdf_.Load(), lights_.pdf);
+  SetLights(near, SampledAlone());
+}
+
+PlainVertices::SampledLights PlainVertices::SampledAlone() const {
+  return {alone_p_.Load(), alone_error_.Load(), alone_n_.Load(), alone_wi_.Load(), alone_pdf_.Load()};
+}
+
+void PlainVertices::SetLights(LaneSet lanes, const SampledLights& lights) {
+  const Mask8 mask = MaskOf(lanes);
+  lights_.p = Select(mask, lights.p, lights_.p);
+  lights_.p_error = Select(mask, lights.p_error, lights_.p_error);
+  lights_.n = Select(mask, lights.n, lights_.n);
+  lights_.wi = Select(mask, lights.wi, lights_.wi);
+  lights_.pdf = Select(mask, lights.pdf, lights_.pdf);
 }
 
 // As DiffuseBxdf::Sample and Bsdf::Sample.

@@ -10,11 +10,11 @@
 
 namespace tessera {
 
-// A path whose vertices these are.
+// The kind of path that PlainVertices follows.
 using SurfacePath = PathTracer<VacuumTransport, RadianceSink>;
 
 struct SurfacePaths {
-  HitLanes hits;  // not refined (Accelerator::FindLanes)
+  HitLanes hits;  // not refined (LaneSearch::Find)
   SurfacePath* paths[kLanes];
 };
 
@@ -76,6 +76,9 @@ class PlainVertices {
   }
   void SampleAlone(int lane);
   void SampleRectangle(LaneSet lanes, int light);
+  SampledLights SampledAlone() const;
+  // Sets lights_ in some lanes.
+  void SetLights(LaneSet lanes, const SampledLights& lights);
 
   SurfacePath& path(int lane) const { return *paths_->paths[lane]; }
   void End(int lane) { lanes_ &= ~(LaneSet{1} << lane); }
@@ -98,7 +101,7 @@ class PlainVertices {
   LaneFloats u_light_x_, u_light_y_;
   LaneSet in_rectangles_ = 0;  // lanes that are to sample a rectangle
   LaneSet lit_ = 0;            // lanes that have sampled a light
-  LaneSet delta_ = 0;          // those of them whose rays do not hit it (LightSample::is_delta)
+  LaneSet delta_ = 0;          // those whose light is LightSample::is_delta
   SampledLights lights_;
   LightSample samples_[kLanes];                             // of the radiance; the rest is in lights_
   LaneVectors alone_p_, alone_error_, alone_n_, alone_wi_;  // sampled one by one

@@ -35,13 +35,6 @@ struct Mask8 {
 inline Mask8 operator&(Mask8 a, Mask8 b) {
   return {_mm256_and_ps(a.v, b.v)};
 }
-inline Mask8 operator|(Mask8 a, Mask8 b) {
-  return {_mm256_or_ps(a.v, b.v)};
-}
-// a without b.
-inline Mask8 AndNot(Mask8 a, Mask8 b) {
-  return {_mm256_andnot_ps(b.v, a.v)};
-}
 inline Mask8 MaskOf(LaneSet lanes) {
   const __m256i bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
   const __m256i set = _mm256_and_si256(_mm256_set1_epi32(static_cast<int>(lanes)), bits);

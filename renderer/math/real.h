@@ -1,5 +1,5 @@
-// Operations of one float by the names that they have for several at once (lanes.h), for functions that are
-// written once for both.
+// Operations on a float under the names that lanes.h gives them for eight, so that a function template serves
+// both.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Maps from the unit square to the shapes that path tracing samples, each beside its density and, where it
-// has one, its inverse. Every density says with respect to which measure. Functions of a type `Real` or
-// `Vector2` are written for one float and for those of several lanes (lanes.h) at once.
+// has one, its inverse. Every density says with respect to which measure. Templates over
+// `Real` or `Vector2` take single floats or those of eight lanes (lanes.h).
 #pragma once
 
 #include <cmath>
